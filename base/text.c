@@ -111,6 +111,26 @@ static size_t skip_quoted(const char *line, size_t at, size_t length)
     return end ? (size_t)(end - line) + 2 : length;
 }
 
+void text_add_float(struct text *text, double value)
+{
+    char digits[40];
+    int precision = 6; /* %g leaves out zeros behind the last digit */
+    do
+        snprintf(digits, sizeof digits, "%.*g", precision, value);
+    while (strtof(digits, NULL) != (float)value && ++precision <= 9);
+    text_add(text, "%s", digits);
+}
+
+void text_add_double(struct text *text, double value)
+{
+    char digits[40];
+    int precision = 6;
+    do
+        snprintf(digits, sizeof digits, "%.*g", precision, value);
+    while (strtod(digits, NULL) != value && ++precision <= 17);
+    text_add(text, "%s", digits);
+}
+
 /* Whether a line of C may break at the blank line[at]: after a comma or an operator. */
 static bool is_break(const char *line, size_t at)
 {

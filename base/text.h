@@ -15,6 +15,9 @@ void text_add_bytes(struct text *text, const char *bytes, size_t length);
 void text_add_json(struct text *text, const char *string); /* quoted and escaped */
 /* As an identifier of C or GLSL: the dots of an instance's names become underscores. */
 void text_add_word(struct text *text, const char *name);
+/* With the fewest digits that read back as the same float or double. */
+void text_add_float(struct text *text, double value);
+void text_add_double(struct text *text, double value);
 /* Breaks lines of C that are longer than `columns` after a comma or an operator, with continuation
  * lines indented by four; strings, comments and directives stay whole, so such a line may stay
  * long. */

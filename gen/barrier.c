@@ -5,18 +5,19 @@
  * is needed and that they suffice. */
 #include "plan.h"
 
-enum { KIND_COUNT = 10 };
+enum { KIND_COUNT = 11 }; /* bits of enum dt_access */
 static const unsigned write_kinds =
-    ACCESS_STORAGE_WRITE | ACCESS_COLOR | ACCESS_DEPTH | ACCESS_CLEAR;
+    DT_WRITE_STORAGE | DT_WRITE_COLOR | DT_WRITE_DEPTH | DT_WRITE_CLEAR;
 
-enum image_layout layout_of(unsigned kind)
+enum dt_layout layout_of(unsigned kind)
 {
-    unsigned read = kind & (ACCESS_FETCH | ACCESS_SAMPLED),
-             target = kind & (ACCESS_COLOR | ACCESS_DEPTH);
+    unsigned read = kind & DT_READ_TEXTURE, target = kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH);
 
-    if (kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE) || (read && target))
-        return LAYOUT_GENERAL;
-    return kind & ACCESS_COLOR ? LAYOUT_COLOR : kind & ACCESS_DEPTH ? LAYOUT_DEPTH : LAYOUT_READ;
+    if (kind & (DT_READ_STORAGE | DT_WRITE_STORAGE) || (read && target))
+        return DT_LAYOUT_GENERAL;
+    return kind & DT_WRITE_COLOR   ? DT_LAYOUT_COLOR
+           : kind & DT_WRITE_DEPTH ? DT_LAYOUT_DEPTH
+                                   : DT_LAYOUT_READ;
 }
 
 /* ---- Vulkan ---------------------------------------------------------------------------------- */
@@ -37,7 +38,7 @@ struct mip_history {
 
 struct history {
     bool touched, layout_known;
-    enum image_layout layout; /* of all mips */
+    enum dt_layout layout; /* of all mips */
     uint32_t mip_count;
     struct mip_history *mips;
 };
@@ -311,9 +312,9 @@ static void plan_pass_barriers(struct model *model, struct pass *pass, struct hi
 }
 
 /* The layout that a frame leaves an image in. */
-static enum image_layout last_layout(const struct model *model, struct resource *image)
+static enum dt_layout last_layout(const struct model *model, struct resource *image)
 {
-    enum image_layout layout = LAYOUT_GENERAL;
+    enum dt_layout layout = DT_LAYOUT_GENERAL;
 
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++) {
         const struct pass *pass = model->pipeline.order[i];
@@ -339,9 +340,9 @@ static void begin_history(const struct model *model, struct resource *resource,
     if (!resource->history)
         return;
     past->touched = true;
-    past->layout = LAYOUT_GENERAL;
+    past->layout = DT_LAYOUT_GENERAL;
     past->layout_known =
-        resource->kind == DT_IMAGE && last_layout(model, resource) == LAYOUT_GENERAL;
+        resource->kind == DT_IMAGE && last_layout(model, resource) == DT_LAYOUT_GENERAL;
     for (uint32_t mip = 0; mip < past->mip_count; mip++)
         show(&past->mips[mip], ~0u, ~0u);
 }

@@ -221,7 +221,7 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     note_images(c, pass, body);
     note_lengths(c, pass, body);
     pass->own_vertices = body_asks_for(pass->files, "VERTEX");
-    if (pass->kind == PASS_VERTICES && !pass->own_vertices)
+    if (pass->kind == DT_PASS_DRAW_VERTICES && !pass->own_vertices)
         diag_error(c->diag, pass->shader_loc,
                    "the pass `%s` draws vertices, but its body has no part `#ifdef VERTEX`",
                    pass->name);

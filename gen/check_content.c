@@ -6,7 +6,9 @@
 
 static void check_encoding(const struct checker *c, const struct resource *image)
 {
-    bool takes_light = image->format >= DT_FORMAT_R16F && image->format <= DT_FORMAT_RGBA32F;
+    enum number_kind kind = format_info(image->format)->kind;
+    bool takes_light =
+        (kind == NUMBER_HALF || kind == NUMBER_FLOAT) && image->format != DT_FORMAT_D32F;
     if (!image->srgb)
         return;
     if (!image->input)
@@ -43,7 +45,7 @@ static void check_file(const struct checker *c, const struct resource *resource)
         return;
     if (resource->kind == DT_BUFFER)
         check_array(c, resource);
-    else if (format_info(resource->format)->integer)
+    else if (format_is_integer(resource->format))
         diag_error(c->diag, resource->file_loc,
                    "a picture has no integers, so it cannot be the content of `%s`, which is %s",
                    resource->name, format_info(resource->format)->name);

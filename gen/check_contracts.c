@@ -31,7 +31,7 @@ static void check_flips(struct checker *c, const struct resource *resource)
 {
     struct loc loc = resource->contract.loc;
     if (resource->kind == DT_IMAGE) {
-        if (!format_info(resource->format)->integer)
+        if (!format_is_integer(resource->format))
             diag_error(c->diag, loc, "`flips` is for integers; the texels of `%s` are not",
                        resource->name);
         return;
@@ -183,7 +183,7 @@ static void resolve_margin(struct checker *c, struct resource *resource)
 static bool is_drawn(const struct checker *c, const struct resource *resource)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        if (c->pipeline->passes[i].kind == PASS_SCENE &&
+        if (c->pipeline->passes[i].kind == DT_PASS_DRAW_SCENE &&
             pass_writes(&c->pipeline->passes[i], resource))
             return true;
     return false;

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "check.h"
+#include "formats.h"
 #include "table.h"
 
 /* ---- Reserved names -------------------------------------------------------------------------- */
@@ -506,7 +507,7 @@ void check_names(struct checker *c)
 
 /* ---- References ------------------------------------------------------------------------------ */
 
-static const char *const builtin_names[BUILTIN_COUNT] = {
+const char *const scene_resources[SCENE_RESOURCES] = {
     "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
 
 static void report_unknown_resource(struct checker *c, struct loc loc, const char *what,
@@ -514,7 +515,7 @@ static void report_unknown_resource(struct checker *c, struct loc loc, const cha
 {
     const struct pipeline *p = c->pipeline;
     const char **names =
-        arena_alloc(c->model->arena, (p->resource_count + BUILTIN_COUNT + 1) * sizeof *names);
+        arena_alloc(c->model->arena, (p->resource_count + SCENE_RESOURCES + 1) * sizeof *names);
     size_t count = 0;
     if (find_sampler(c, name) || find_metric(c, name) || find_interleave(c, name)) {
         diag_error(c->diag, loc, "`%s` is no buffer or image; list it in `uses`", name);
@@ -529,8 +530,8 @@ static void report_unknown_resource(struct checker *c, struct loc loc, const cha
     for (uint32_t i = 0; names && i < p->resource_count; i++)
         if (kind < 0 || (int)p->resources[i].kind == kind)
             names[count++] = p->resources[i].name;
-    for (int i = 0; names && kind < 0 && i < BUILTIN_COUNT; i++)
-        names[count++] = builtin_names[i];
+    for (int i = 0; names && kind < 0 && i < SCENE_RESOURCES; i++)
+        names[count++] = scene_resources[i];
     report_missing(c, loc, what, name, names, count);
 }
 
@@ -548,15 +549,13 @@ static void resolve_element(struct checker *c, struct resource *buffer)
         return;
     }
     const char **names =
-        arena_alloc(c->model->arena, (c->pipeline->struct_count + 16) * sizeof *names);
-    static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
-                                        "ivec2", "ivec3", "ivec4", "uint", "uvec2",
-                                        "uvec3", "uvec4", "mat4"};
+        arena_alloc(c->model->arena, (c->pipeline->struct_count + DT_TYPE_COUNT) * sizeof *names);
     size_t count = 0;
     for (uint32_t i = 0; names && i < c->pipeline->struct_count; i++)
         names[count++] = c->pipeline->structs[i].name;
-    for (size_t i = 0; names && i < sizeof words / sizeof *words; i++)
-        names[count++] = words[i];
+    for (int i = 0; names && i < DT_TYPE_COUNT; i++)
+        if (i != DT_TYPE_BOOL)
+            names[count++] = type_info((enum dt_type)i)->name;
     report_missing(c, buffer->of_loc, "struct or type", buffer->of, names, count);
 }
 
@@ -609,12 +608,12 @@ static void refuse_keys(struct checker *c, const struct access *access)
 static void resolve_access(struct checker *c, struct access *access)
 {
     access->resource = find_resource(c, access->name);
-    for (int i = 0; !access->resource && i < BUILTIN_COUNT; i++)
-        if (!strcmp(builtin_names[i], access->name))
-            access->builtin = i;
-    if (!access->resource && access->builtin < 0)
+    for (int i = 0; !access->resource && i < SCENE_RESOURCES; i++)
+        if (!strcmp(scene_resources[i], access->name))
+            access->builtin = (uint16_t)(DT_SCENE_VERTICES + i);
+    if (!access->resource && !access->builtin)
         report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
-    if (access->builtin >= 0)
+    if (access->builtin)
         refuse_keys(c, access);
     else if (access->sampler)
         resolve_filter(c, access);

@@ -15,12 +15,12 @@ static bool is_depth(const struct resource *r)
 
 static bool is_integer(enum dt_format format)
 {
-    return format_info(format)->integer;
+    return format_is_integer(format);
 }
 
 static bool is_target(const struct pass *pass, const struct access *access)
 {
-    return pass->kind != PASS_DISPATCH && access->mode != MODE_READ && access->resource &&
+    return pass->kind != DT_PASS_DISPATCH && access->mode != MODE_READ && access->resource &&
            access->resource->kind == DT_IMAGE;
 }
 
@@ -106,7 +106,7 @@ static void check_filter(struct checker *c, const struct access *access)
         diag_error(c->diag, access->sampler_loc,
                    "`%s` filters linearly, but `%s` has an integer format", filter->name,
                    access->name);
-    else if (is_integer(image->format) && filter->wrap == WRAP_BORDER)
+    else if (is_integer(image->format) && filter->wrap == DT_WRAP_BORDER)
         diag_error(c->diag, access->sampler_loc,
                    "`%s` wraps to a border, but `%s` has an integer format", filter->name,
                    access->name);
@@ -115,7 +115,7 @@ static void check_filter(struct checker *c, const struct access *access)
 static void check_storage(struct checker *c, const struct pass *pass, const struct access *access)
 {
     const struct resource *image = access->resource;
-    if (pass->kind != PASS_DISPATCH || access->mode == MODE_READ || !image ||
+    if (pass->kind != DT_PASS_DISPATCH || access->mode == MODE_READ || !image ||
         image->kind != DT_IMAGE)
         return;
     if (is_depth(image))
@@ -199,7 +199,7 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
         if (image && !same_word(pass, a, b))
             return;
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` twice in reads", pass->name, b->name);
-    } else if (image && pass->kind != PASS_DISPATCH &&
+    } else if (image && pass->kind != DT_PASS_DISPATCH &&
                (a->mode == MODE_READ || b->mode == MODE_READ)) {
         diag_error(c->diag, b->loc,
                    "the pass `%s` reads `%s` while it is a target of the same draw", pass->name,
@@ -231,13 +231,16 @@ static void check_arguments(struct checker *c, const struct pass *pass)
             diag_error(c->diag, locs[i], "`%s` must be a buffer of uint%s", used[i]->name,
                        i ? "" : ", or of a struct of uint");
     }
-    int64_t least = pass->kind == PASS_DISPATCH ? 3 : pass->kind == PASS_VERTICES ? 4 : 5;
+    int64_t least = pass->kind == DT_PASS_DISPATCH        ? 3
+                    : pass->kind == DT_PASS_DRAW_VERTICES ? 4
+                                                          : 5;
     int64_t count = least;
     if (used[0] && !used[0]->structure && expr_eval(used[0]->count, 1, 1, &count) == EXPR_OK &&
         count < least)
         diag_error(c->diag, pass->indirect_loc,
                    "`%s` has %" PRId64 " elements; the arguments of a %s are %" PRId64,
-                   used[0]->name, count, pass->kind == PASS_DISPATCH ? "dispatch" : "draw", least);
+                   used[0]->name, count, pass->kind == DT_PASS_DISPATCH ? "dispatch" : "draw",
+                   least);
 }
 
 /* ---- Targets --------------------------------------------------------------------------------- */
@@ -434,7 +437,7 @@ static void check_pass(struct checker *c, struct pass *pass)
     if (pass->layers && !check_expr(c, pass->layers, &layers))
         pass->layers = NULL;
     check_arguments(c, pass);
-    if (pass->kind == PASS_DISPATCH)
+    if (pass->kind == DT_PASS_DISPATCH)
         check_dispatch(c, pass);
     else
         check_draw(c, pass);

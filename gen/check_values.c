@@ -345,7 +345,7 @@ static void add_param(struct text *text, const struct param *param, int componen
         if (param->type == DT_TYPE_BOOL)
             text_add(text, "%s", param->value[i] != 0 ? "true" : "false");
         else
-            text_add(text, "%.9g", param->value[i]);
+            text_add_double(text, param->value[i]);
     }
 }
 

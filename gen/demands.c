@@ -5,22 +5,14 @@
 #include "spirv/module.h"
 
 /* What promises of Vulkan 1.3 and OpenGL 4.6 cover needs no check. */
-static const struct {
-    const char *name;
-    uint64_t least;
-} promised[DT_LIMITS] = {
+static const uint64_t promised[DT_LIMITS] = {
 #define LEAST(a, b) ((a) < (b) ? (a) : (b))
 #define ROW(name, words, vk, gl, gl_draw, index, roadmap, vulkan, moltenvk, opengl)                \
-    [DT_LIMIT_##name] = {#name, LEAST(vulkan, opengl)},
+    [DT_LIMIT_##name] = LEAST(vulkan, opengl),
     DT_DEVICE_LIMITS(ROW)
 #undef ROW
 #undef LEAST
 };
-
-const char *demand_name(enum dt_device_limit limit)
-{
-    return promised[limit].name;
-}
 
 /* Of an array: its number of elements. */
 static uint64_t array_length(const struct spirv *module, const uint32_t *array)
@@ -145,7 +137,7 @@ bool find_demands(const struct pass *pass, const struct pass_shaders *shaders,
     if (!pass_draws(pass))
         demands[DT_LIMIT_INVOCATIONS] = (uint64_t)pass->local[0] * pass->local[1] * pass->local[2];
     for (int i = 0; i < DT_LIMITS; i++)
-        if (demands[i] <= promised[i].least)
+        if (demands[i] <= promised[i])
             demands[i] = 0;
     return good;
 }

@@ -19,7 +19,7 @@ void dot_extent(struct text *out, const struct resource *resource)
 {
     if (resource->kind == DT_BUFFER) {
         text_add(out, "%s",
-                 resource->structure ? resource->structure->name : type_info(resource->type)->glsl);
+                 resource->structure ? resource->structure->name : type_info(resource->type)->name);
         text_add(out, "[%" PRIu32 "]",
                  expr_value(resource->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1));
         return;
@@ -59,25 +59,26 @@ static void add_words(struct text *out, const struct word *words, size_t count, 
 static void accesses(struct text *out, unsigned kinds, unsigned stages)
 {
     static const struct word stage_words[] = {
-        {STAGE_COMPUTE, "compute"}, {STAGE_VERTEX, "vertex"}, {STAGE_FRAGMENT, "fragment"},
-        {STAGE_COLOR, "colour"},    {STAGE_DEPTH, "depth"},   {STAGE_CLEAR, "clear"}};
+        {DT_STAGE_COMPUTE, "compute"}, {DT_STAGE_VERTEX, "vertex"}, {DT_STAGE_FRAGMENT, "fragment"},
+        {DT_STAGE_COLOR, "colour"},    {DT_STAGE_DEPTH, "depth"},   {DT_STAGE_CLEAR, "clear"}};
     static const struct word kind_words[] = {
-        {ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE, "storage read and write"},
-        {ACCESS_STORAGE_READ, "storage read"},
-        {ACCESS_STORAGE_WRITE, "storage write"},
-        {ACCESS_FETCH, "texel fetch"},
-        {ACCESS_SAMPLED, "sampled read"},
-        {ACCESS_UNIFORM, "uniform read"},
-        {ACCESS_COLOR, "colour attachment"},
-        {ACCESS_DEPTH, "depth attachment"},
-        {ACCESS_INDIRECT, "indirect arguments"},
-        {ACCESS_INDEX, "index buffer"},
-        {ACCESS_CLEAR, "clear"}};
+        {DT_READ_STORAGE | DT_WRITE_STORAGE, "storage read and write"},
+        {DT_READ_STORAGE, "storage read"},
+        {DT_WRITE_STORAGE, "storage write"},
+        {DT_READ_TEXTURE, "texture read"},
+        {DT_READ_UNIFORM, "uniform read"},
+        {DT_READ_COLOR | DT_WRITE_COLOR, "colour attachment"},
+        {DT_WRITE_COLOR, "colour attachment"},
+        {DT_READ_DEPTH | DT_WRITE_DEPTH, "depth attachment"},
+        {DT_WRITE_DEPTH, "depth attachment"},
+        {DT_READ_INDIRECT, "indirect arguments"},
+        {DT_READ_INDEX, "index buffer"},
+        {DT_WRITE_CLEAR, "clear"}};
     const unsigned in_shaders =
-        ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE | ACCESS_FETCH | ACCESS_SAMPLED | ACCESS_UNIFORM;
+        DT_READ_STORAGE | DT_WRITE_STORAGE | DT_READ_TEXTURE | DT_READ_UNIFORM;
 
     if (!kinds || kinds & in_shaders) {
-        const unsigned shader_stages = STAGE_COMPUTE | STAGE_VERTEX | STAGE_FRAGMENT;
+        const unsigned shader_stages = DT_STAGE_COMPUTE | DT_STAGE_VERTEX | DT_STAGE_FRAGMENT;
 
         add_words(out, stage_words, sizeof stage_words / sizeof *stage_words,
                   kinds ? stages & shader_stages : stages, "/");

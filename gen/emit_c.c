@@ -56,15 +56,14 @@ void c_double(struct text *out, double value)
     if (isinf(value))
         text_add(out, value < 0 ? "DT_NO_MIN" : "DT_NO_MAX");
     else
-        text_add(out, "%.17g", value);
+        text_add_double(out, value);
 }
 
 void c_float(struct text *out, double value)
 {
-    char digits[40];
-
-    snprintf(digits, sizeof digits, "%.9g", value);
-    text_add(out, strpbrk(digits, ".en") ? "%sf" : "%s.0f", digits);
+    size_t begin = out->length;
+    text_add_float(out, value);
+    text_add(out, out->data && strpbrk(out->data + begin, ".en") ? "f" : ".0f");
 }
 
 void c_resource(const struct c_output *c, uint32_t resource)
@@ -83,18 +82,6 @@ void c_pass(const struct c_output *c, uint32_t pass)
     c_enumerator(c, "PASS", c->pipeline->order[pass]->name);
 }
 
-void c_flags(struct text *out, unsigned mask, const char *const *names, size_t count,
-             const char *none)
-{
-    bool any = false;
-    for (size_t i = 0; i < count; i++) {
-        if (mask >> i & 1)
-            text_add(out, "%s%s", any ? " | " : "", names[i]);
-        any |= mask >> i & 1;
-    }
-    text_add(out, "%s", any ? "" : none);
-}
-
 void c_expr(struct text *out, const struct expr *expr)
 {
     int64_t value = 1;
@@ -106,6 +93,35 @@ void c_expr(struct text *out, const struct expr *expr)
         expr_eval(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, &value);
     text_add(out, value > INT32_MAX || value < INT32_MIN ? "INT64_C(%" PRId64 ")" : "%" PRId64,
              value);
+}
+
+void c_amount(const struct c_output *c, const struct amount *amount)
+{
+    static const char *const opens[] = {[USE_COUNT] = "dt_count(", [USE_GROUPS] = "dt_groups("};
+    bool calls = amount->use == USE_COUNT || amount->use == USE_GROUPS;
+    text_add(c->out, "%s", calls ? opens[amount->use] : "");
+    switch (amount->kind) {
+    case AMOUNT_NUMBER:
+        text_add(c->out, "%" PRIu32, amount->number);
+        break;
+    case AMOUNT_RESOURCE:
+        c_resource(c, amount->number);
+        break;
+    case AMOUNT_EXPR:
+        c_expr(c->out, amount->expr);
+        break;
+    case AMOUNT_IMAGE:
+        text_add(c->out, "size[%" PRIu32 "]", amount->number);
+        break;
+    case AMOUNT_FRAME:
+        text_add(c->out, amount->number ? "height" : "width");
+        break;
+    case AMOUNT_CONDITION:
+        text_add(c->out, amount->expr ? "runs" : "true");
+    }
+    if (amount->use == USE_GROUPS || amount->use == USE_TIMES)
+        text_add(c->out, calls ? ", %" PRIu32 : " * %" PRIu32, amount->local);
+    text_add(c->out, calls ? ")" : "");
 }
 
 static bool names_word(const char *text, const char *word)

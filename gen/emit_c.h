@@ -25,11 +25,9 @@ void c_string(struct text *out, const char *text);  /* with quotes; NULL: "" */
 void c_comment(struct text *out, const char *text); /* on one line, cannot end a comment */
 void c_double(struct text *out, double value);      /* a double constant expression */
 void c_float(struct text *out, double value);       /* a float constant */
-/* "A | B", or `none`; names by bit. */
-void c_flags(struct text *out, unsigned mask, const char *const *names, size_t count,
-             const char *none);
 /* An int64_t expression: a literal when it is baked; NULL: 1. */
 void c_expr(struct text *out, const struct expr *expr);
+void c_amount(const struct c_output *c, const struct amount *amount); /* IMAGE: of `size` */
 /* Two members of a struct: a table and its length; nothing for an empty one. */
 void c_table(const struct c_output *c, const char *name, const char *count, uint32_t n);
 /* Declares those of `width`, `height` and `live` that the function body uses, with values from a

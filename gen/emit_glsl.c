@@ -2,20 +2,16 @@
  * spirv.c compiles the result, and the OpenGL runtime can take it as text. glsl.h explains the
  * parts. */
 #include "glsl.h"
+#include "formats.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
-static const char *const type_names[DT_TYPE_COUNT] = {
-    "float", "vec2", "vec3",  "vec4",  "int",   "ivec2", "ivec3",
-    "ivec4", "uint", "uvec2", "uvec3", "uvec4", "bool",  "mat4",
-};
-
 const char *glsl_type(enum dt_type type)
 {
-    return type_names[type];
+    return type_info(type)->name;
 }
 
 const char *glsl_element_type(const struct resource *buffer)
@@ -51,14 +47,9 @@ void glsl_binding(int binding, struct text *out)
 
 void glsl_add_float(double value, struct text *out)
 {
-    char digits[40];
-    for (int precision = 6; precision <= 9; precision++) {
-        snprintf(digits, sizeof digits, "%.*g", precision, value);
-        float read = 0;
-        if (sscanf(digits, "%f", &read) == 1 && read == (float)value)
-            break;
-    }
-    text_add(out, "%s%s", digits, strpbrk(digits, ".en") ? "" : ".0");
+    size_t begin = out->length;
+    text_add_float(out, value);
+    text_add(out, "%s", out->data && strpbrk(out->data + begin, ".en") ? "" : ".0");
 }
 
 static enum dt_type scalar_of(enum dt_type type)
@@ -429,10 +420,10 @@ static void add_place(struct glsl *glsl)
             text_add(&function, "ivec3 invocation()\n{\n    return ivec3(%s);\n}\n\n",
                      glsl->pass->interleave ? PLACE_IN_CLASS ", gl_WorkGroupID.x"
                                             : "gl_GlobalInvocationID");
-    } else if (glsl->pass->kind == PASS_FULLSCREEN) {
+    } else if (glsl->pass->kind == DT_PASS_DRAW_FULLSCREEN) {
         if (glsl->stage == STAGE_IS_VERTEX && glsl_uses(glsl, "fullscreen_position"))
             add_fullscreen_position(&function);
-    } else if (glsl->pass->kind == PASS_SCENE) {
+    } else if (glsl->pass->kind == DT_PASS_DRAW_SCENE) {
         if (glsl_uses(glsl, "view"))
             text_add(&function, "View view = frame.%s;\n\n",
                      glsl->pass->view && !strcmp(glsl->pass->view, "light") ? "light_view"
@@ -492,7 +483,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
                                             {"vec2", "vertex_uv"},
                                             {"uint", "vertex_material"},
                                             {"uint", "vertex_triangle"}};
-    for (int i = 0; i < 5 && glsl->pass->kind == PASS_SCENE; i++)
+    for (int i = 0; i < 5 && glsl->pass->kind == DT_PASS_DRAW_SCENE; i++)
         if (glsl_uses(glsl, "%s", inputs[i][1]))
             text_add(out, "layout(location = %d) in %s %s;\n", i, inputs[i][0], inputs[i][1]);
     if (glsl->pass->clip_distances)
@@ -502,7 +493,7 @@ static void add_vertex_inputs(struct glsl *glsl, struct text *out)
 /* Whether the generator supplies the vertex shader. */
 static bool makes_vertices(const struct pass *pass)
 {
-    return pass->kind == PASS_FULLSCREEN && !pass->own_vertices;
+    return pass->kind == DT_PASS_DRAW_FULLSCREEN && !pass->own_vertices;
 }
 
 void glsl_macros(const struct glsl *glsl, struct text *out)

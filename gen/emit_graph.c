@@ -14,6 +14,7 @@ enum { REPEATS = 20 };
 
 struct drawing {
     const struct pipeline *pipeline;
+    struct arena *arena;
     struct text *out;
 };
 
@@ -74,28 +75,16 @@ static void emit_product(const struct drawing *d, const uint32_t size[3])
         text_add(d->out, "%s%" PRIu32, i ? "×" : "", size[i]);
 }
 
-static uint32_t workgroups(const struct pass *pass, int axis)
-{
-    struct groups groups = pass_groups(pass, axis);
-    const struct expr *of = groups.expr;
-
-    if (groups.kind == GROUPS_NUMBER)
-        return groups.divisor;
-    if (groups.kind == GROUPS_IMAGE)
-        of = resource_size(groups.image, groups.of_axis);
-    return dt_groups(at_reference(of, groups.of_axis == 0 ? REFERENCE_WIDTH : REFERENCE_HEIGHT),
-                     groups.divisor);
-}
-
-static void emit_dispatch(const struct drawing *d, const struct pass *pass)
+static void emit_dispatch(const struct drawing *d, const struct pass *pass, const struct step *work)
 {
     uint32_t groups[3];
 
-    if (pass->size == SIZE_INDIRECT) {
+    if (work->verb == DT_VERB_DISPATCH_INDIRECT) {
         text_add(d->out, "dispatch by arguments, workgroups of ");
     } else {
         for (int axis = 0; axis < 3; axis++)
-            groups[axis] = workgroups(pass, axis);
+            groups[axis] = (uint32_t)amount_value(&work->arguments[axis], REFERENCE_WIDTH,
+                                                  REFERENCE_HEIGHT, NULL);
         text_add(d->out, "dispatch ");
         emit_product(d, groups);
         text_add(d->out, " workgroup%s of ", (groups[0] | groups[1] | groups[2]) == 1 ? "" : "s");
@@ -106,15 +95,16 @@ static void emit_dispatch(const struct drawing *d, const struct pass *pass)
 static void emit_draw(const struct drawing *d, const struct pass *pass)
 {
     static const char *const topologies[] = {"triangles", "lines", "points"};
-    if (pass->kind == PASS_VERTICES)
+    if (pass->kind == DT_PASS_DRAW_VERTICES)
         text_add(d->out, "draw of %s", topologies[pass->topology]);
     else
-        text_add(d->out, pass->kind == PASS_SCENE ? "draw of the scene" : "draw, fullscreen");
-    if (pass->kind == PASS_SCENE && pass->view && !pass->layers)
+        text_add(d->out,
+                 pass->kind == DT_PASS_DRAW_SCENE ? "draw of the scene" : "draw, fullscreen");
+    if (pass->kind == DT_PASS_DRAW_SCENE && pass->view && !pass->layers)
         text_add(d->out, " from the %s", pass->view);
     if (pass->layers)
         text_add(d->out, ", %" PRIu32 " %s", at_reference(pass->layers, 1),
-                 pass->kind == PASS_SCENE ? "instances" : "layers");
+                 pass->kind == DT_PASS_DRAW_SCENE ? "instances" : "layers");
     text_add(d->out, "%s", pass->indirect_resource ? " by arguments" : "");
 }
 
@@ -177,9 +167,12 @@ static void emit_detail(const struct drawing *d, uint32_t place)
 {
     const struct pass *pass = d->pipeline->order[place];
 
+    const struct steps steps = pass_steps(pass, d->arena);
+
     text_add(d->out, "<tr><td align=\"left\">&nbsp;");
-    if (pass->kind == PASS_DISPATCH)
-        emit_dispatch(d, pass);
+    d->out->failed |= !steps.list;
+    if (steps.list && pass->kind == DT_PASS_DISPATCH)
+        emit_dispatch(d, pass, steps_work(&steps));
     else
         emit_draw(d, pass);
     text_add(d->out, "</td><td></td></tr>\n");
@@ -355,7 +348,7 @@ static void emit_caption(const struct drawing *d)
 void emit_graph(const struct model *model, struct text *out)
 {
     const struct pipeline *pipeline = &model->pipeline;
-    const struct drawing d = {.pipeline = pipeline, .out = out};
+    const struct drawing d = {.pipeline = pipeline, .arena = model->arena, .out = out};
     struct text column = {0};
     uint32_t dropped = 0;
 

@@ -14,7 +14,22 @@ struct member {
     const char *name;
     enum dt_type type;
     uint32_t array_count, offset, size;
+    const struct param *param; /* NULL: a field */
 };
+
+/* " [0.1..10]": what the spec gives of it. */
+static void emit_range(struct text *out, const struct param *param)
+{
+    if (isinf(param->min) && isinf(param->max))
+        return;
+    text_add(out, " [");
+    if (!isinf(param->min))
+        text_add_double(out, param->min);
+    text_add(out, "..");
+    if (!isinf(param->max))
+        text_add_double(out, param->max);
+    text_add(out, "]");
+}
 
 static void emit_member(struct text *out, const struct member *member)
 {
@@ -28,8 +43,15 @@ static void emit_member(struct text *out, const struct member *member)
         text_add(out, "[%" PRIu32 "]", info->columns);
     if (info->components > 1)
         text_add(out, "[%" PRIu32 "]", padded ? info->components + 1 : info->components);
-    text_add(out, padded ? "; /* %s, the last of each is padding */\n" : "; /* %s */\n",
-             member->type == DT_TYPE_BOOL ? "bool: 0 or 1" : info->glsl);
+    text_add(out, "; /* %s%s", member->type == DT_TYPE_BOOL ? "bool, 0 or 1" : info->name,
+             padded ? ", the last of each is padding" : "");
+    if (member->param && member->param->doc) {
+        text_add(out, ": ");
+        c_comment(out, member->param->doc);
+    }
+    if (member->param)
+        emit_range(out, member->param);
+    text_add(out, " */\n");
 }
 
 static bool is_member(const struct member *members, uint32_t count, const char *name)
@@ -89,8 +111,12 @@ static void emit_structs(const struct c_output *c)
             uint32_t size = type_info(field->type)->size;
 
             members[f] = (struct member){
-                field->name, field->type, field->array_count, field->offset,
-                field->array_count ? field->array_count * field->array_stride : size};
+                field->name,
+                field->type,
+                field->array_count,
+                field->offset,
+                field->array_count ? field->array_count * field->array_stride : size,
+                NULL};
         }
         text_add(c->out, "/* ");
         c_comment(c->out, structure->doc ? structure->doc : structure->name);
@@ -115,8 +141,9 @@ static void emit_part(const struct c_output *c, const char *part, bool live, uin
         const struct param *param = &c->pipeline->params[i];
 
         if (live ? param->live : param->uniform) {
-            members[count++] = (struct member){param->name, param->type, 0, param->offset - from,
-                                               type_info(param->type)->size};
+            members[count++] = (struct member){
+                param->name, param->type, 0, param->offset - from, type_info(param->type)->size,
+                param};
         }
     }
     if (members) {
@@ -167,15 +194,7 @@ static void emit_param_comment(const struct c_output *c, const struct param *par
         text_add(c->out, ": ");
         c_comment(c->out, param->doc);
     }
-    if (!isinf(param->min) || !isinf(param->max)) {
-        text_add(c->out, " [");
-        if (!isinf(param->min))
-            text_add(c->out, "%.9g", param->min);
-        text_add(c->out, "..");
-        if (!isinf(param->max))
-            text_add(c->out, "%.9g", param->max);
-        text_add(c->out, "]");
-    }
+    emit_range(c->out, param);
     text_add(c->out, " */\n");
 }
 
@@ -217,18 +236,89 @@ static void emit_params(const struct c_output *c)
     text_add(c->out, any ? "\n" : "");
 }
 
-/* What a host hands in. */
-static void emit_source(const struct c_output *c, const struct resource *resource)
+static uint32_t size_at(const struct resource *resource, int axis, uint32_t width, uint32_t height)
 {
-    if (!resource->file) {
-        text_add(c->out, " /* input: the host's content */");
-        return;
+    return expr_value(resource_size(resource, axis), width, height, 1);
+}
+
+/* Whether the image has the size of the frame: of two frames. */
+static bool fills_frame(const struct resource *image)
+{
+    return !image->layers && size_at(image, 0, 1021, 509) == 1021 &&
+           size_at(image, 1, 1021, 509) == 509 && size_at(image, 0, 61, 127) == 61 &&
+           size_at(image, 1, 61, 127) == 127;
+}
+
+/* "rgba16f of the frame's size", "rgba8 256x128, 3 mips", "Lamp[6]"; other sizes that depend on the
+ * frame: those at the reference frame. */
+static void emit_size(struct text *out, const struct resource *resource)
+{
+    unsigned reach = 0;
+    for (int axis = 0; axis < 3; axis++)
+        reach |= resource_size(resource, axis) ? expr_reach(resource_size(resource, axis)) : 0;
+    if (resource->kind == DT_BUFFER)
+        text_add(out, "%s[%" PRIu32 "]",
+                 resource->structure ? resource->structure->name : type_info(resource->type)->name,
+                 size_at(resource, 0, REFERENCE_WIDTH, REFERENCE_HEIGHT));
+    else
+        text_add(out, "%s ", format_info(resource->format)->name);
+    if (resource->kind == DT_IMAGE && fills_frame(resource)) {
+        text_add(out, "of the frame's size");
+        reach = 0;
     }
-    text_add(c->out, " /* input: the host hands in the content of ");
-    c_comment(c->out, resource->file);
-    if (resource->kind == DT_IMAGE)
-        text_add(c->out, ", %s, last row first%s", format_info(resource->format)->name,
-                 resource->srgb ? ", decoded from sRGB" : "");
+    for (int axis = 0; axis < 3 && resource->kind == DT_IMAGE && !fills_frame(resource); axis++)
+        if (resource_size(resource, axis))
+            text_add(out, axis ? "x%" PRIu32 : "%" PRIu32,
+                     size_at(resource, axis, REFERENCE_WIDTH, REFERENCE_HEIGHT));
+    if (reach)
+        text_add(out, " at %dx%d", REFERENCE_WIDTH, REFERENCE_HEIGHT);
+    if (mips_of(resource) > 1)
+        text_add(out, ", %" PRIu32 " mips", mips_of(resource));
+}
+
+/* What a host hands in. */
+static void emit_source(struct text *out, const struct resource *resource)
+{
+    text_add(out, resource->file ? "; input: the host hands in the content of "
+                                 : "; input: the host's content");
+    c_comment(out, resource->file);
+    if (resource->file && resource->kind == DT_IMAGE)
+        text_add(out, ", last row first%s", resource->srgb ? ", decoded from sRGB" : "");
+}
+
+static void emit_resource(const struct c_output *c, const struct resource *resource)
+{
+    const struct pipeline *pipeline = c->pipeline;
+    text_add(c->out, "    ");
+    c_enumerator(c, "RESOURCE", resource->name);
+    text_add(c->out, ", /* ");
+    emit_size(c->out, resource);
+    if (resource->input)
+        emit_source(c->out, resource);
+    else if (resource->history)
+        text_add(c->out, "; history");
+    if (pipeline->linear_output && !strcmp(pipeline->linear_output, resource->name))
+        text_add(c->out, "; linear output");
+    if (pipeline->display_output && !strcmp(pipeline->display_output, resource->name))
+        text_add(c->out, "; display output");
+    if (resource->doc) {
+        text_add(c->out, ": ");
+        c_comment(c->out, resource->doc);
+    }
+    text_add(c->out, " */\n");
+}
+
+/* Its `doc`, and what its body asks of a host. */
+static void emit_pass_comment(const struct c_output *c, const struct pass *pass)
+{
+    bool numbers = body_mentions(pass->files, "vertex_triangle");
+    if (!pass->doc && !numbers)
+        return;
+    text_add(c->out, " /* ");
+    if (pass->doc)
+        c_comment(c->out, pass->doc);
+    if (numbers)
+        text_add(c->out, "%sreads vertex_triangle: see dt_number_triangles", pass->doc ? "; " : "");
     text_add(c->out, " */");
 }
 
@@ -237,14 +327,8 @@ static void emit_indices(const struct c_output *c)
     const struct pipeline *pipeline = c->pipeline;
 
     text_add(c->out, "/* Indices into %s_pipeline.resources. */\nenum {\n", pipeline->name);
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        text_add(c->out, "    ");
-        c_enumerator(c, "RESOURCE", pipeline->resources[i].name);
-        text_add(c->out, ",");
-        if (pipeline->resources[i].input)
-            emit_source(c, &pipeline->resources[i]);
-        text_add(c->out, "\n");
-    }
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        emit_resource(c, &pipeline->resources[i]);
     text_add(c->out, "    ");
     c_upper(c->out, pipeline->name);
     text_add(c->out,
@@ -252,10 +336,9 @@ static void emit_indices(const struct c_output *c)
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         text_add(c->out, "    ");
         c_enumerator(c, "PASS", pipeline->order[i]->name);
-        text_add(c->out, ",%s\n",
-                 body_mentions(pipeline->order[i]->files, "vertex_triangle")
-                     ? " /* reads vertex_triangle: see dt_number_triangles */"
-                     : "");
+        text_add(c->out, ",");
+        emit_pass_comment(c, pipeline->order[i]);
+        text_add(c->out, "\n");
     }
     text_add(c->out, "    ");
     c_upper(c->out, pipeline->name);
@@ -272,8 +355,9 @@ static void emit_objects(const struct c_output *c)
              "extern const struct dt_pipeline %s_pipeline;\n"
              "extern const struct dt_panel %s_panel;\n"
              "extern const struct dt_shaders %s_gl, %s_vk;\n"
+             "extern const struct %s_live %s_live_defaults;\n"
              "#ifdef __cplusplus\n}\n#endif\n",
-             name, name, name, name, name);
+             name, name, name, name, name, name, name);
 }
 
 void emit_header(const struct model *model, struct text *out)

@@ -4,61 +4,74 @@
 #include <string.h>
 
 #include "emit_c.h"
+#include "members.h"
 
 /* ---- Sizes and runs -------------------------------------------------------------------------- */
+
+/* Labels that stand one after the other where the statements below them are the same: `body` prints
+ * those of one of them, or nothing for one without a label. */
+static void emit_cases(const struct c_output *c, uint32_t count,
+                       void (*label)(const struct c_output *c, uint32_t index),
+                       void (*body)(const struct c_output *c, uint32_t index))
+{
+    struct text *bodies = arena_alloc(c->model->arena, (count + 1) * sizeof *bodies);
+    for (uint32_t i = 0; bodies && i < count; i++) {
+        struct c_output inner = *c;
+        inner.out = &bodies[i];
+        body(&inner, i);
+        c->out->failed |= bodies[i].failed;
+    }
+    for (uint32_t i = 0; bodies && i < count; i++) {
+        bool earlier = false;
+        for (uint32_t k = 0; bodies[i].data && k < i; k++)
+            earlier |= bodies[k].data && !strcmp(bodies[k].data, bodies[i].data);
+        for (uint32_t k = i; bodies[i].data && !earlier && k < count; k++) {
+            if (!bodies[k].data || strcmp(bodies[k].data, bodies[i].data))
+                continue;
+            text_add(c->out, "    case ");
+            label(c, k);
+            text_add(c->out, ":\n");
+        }
+        if (bodies[i].data && !earlier)
+            text_add(c->out, "%s", bodies[i].data);
+    }
+    for (uint32_t i = 0; bodies && i < count; i++)
+        text_free(&bodies[i]);
+}
+
+static void emit_size(const struct c_output *c, uint32_t index)
+{
+    text_add(c->out, "        dt_set_extent(size");
+    for (int axis = 0; axis < 3; axis++) {
+        text_add(c->out, ", ");
+        c_expr(c->out, resource_size(&c->pipeline->resources[index], axis));
+    }
+    text_add(c->out, ");\n        break;\n");
+}
 
 static void emit_extent(const struct c_output *c)
 {
     text_add(c->out, "static void extent(const struct dt_pipeline *pipeline, uint32_t resource, "
                      "uint32_t width, uint32_t height, uint32_t size[3])\n{\n"
                      "    (void)pipeline, (void)width, (void)height;\n    switch (resource) {\n");
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        text_add(c->out, "    case ");
-        c_resource(c, i);
-        text_add(c->out, ":\n        dt_set_extent(size");
-        for (int axis = 0; axis < 3; axis++) {
-            text_add(c->out, ", ");
-            c_expr(c->out, resource_size(&c->pipeline->resources[i], axis));
-        }
-        text_add(c->out, ");\n        break;\n");
-    }
+    emit_cases(c, c->pipeline->resource_count, c_resource, emit_size);
     text_add(c->out, "    default:\n        dt_set_extent(size, 1, 1, 1);\n    }\n}\n\n");
 }
 
-/* Factor of `runs` along one axis: layers, or vertices and instances, of a draw, or invocations of
- * a dispatch. */
-static void emit_factor(const struct c_output *c, const struct pass *pass, int axis)
+static void emit_run(const struct c_output *c, uint32_t index)
 {
-    uint32_t local = pass->size == SIZE_GROUPS ? pass->local[axis] : 1;
-    if (pass->kind == PASS_VERTICES) {
-        c_expr(c->out, axis == 0 ? pass->vertices : axis == 1 ? pass->instances : NULL);
-    } else if (pass_draws(pass)) {
-        c_expr(c->out, axis == 0 ? pass->layers : NULL);
-    } else if (pass->size == SIZE_IMAGE) {
-        text_add(c->out, "size[%d]", axis);
-    } else if (pass->size == SIZE_INTERLEAVE) {
-        text_add(c->out, axis == 0 ? "width" : axis == 1 ? "height" : "1");
-    } else {
-        c_expr(c->out, pass->dispatch[axis]);
-        if (local > 1)
-            text_add(c->out, " * %" PRIu32, local);
-    }
-}
-
-static void emit_run(const struct c_output *c, const struct pass *pass)
-{
-    text_add(c->out, "    case ");
-    c_pass(c, pass->index);
-    text_add(c->out, ":\n");
-    if (!pass_draws(pass) && pass->size == SIZE_IMAGE) {
+    const struct amount *runs = c->tables->passes[index].runs;
+    if (c->pipeline->order[index]->indirect_resource)
+        return;
+    if (runs->kind == AMOUNT_IMAGE) {
         text_add(c->out, "        extent(pipeline, ");
-        c_resource(c, pass->size_resource->index);
+        c_resource(c, runs->image->index);
         text_add(c->out, ", width, height, size);\n");
     }
     text_add(c->out, "        return dt_product(");
     for (int axis = 0; axis < 3; axis++) {
         text_add(c->out, axis ? ", " : "");
-        emit_factor(c, pass, axis);
+        c_amount(c, &runs[axis]);
     }
     text_add(c->out, ");\n");
 }
@@ -68,9 +81,7 @@ static void emit_runs(const struct c_output *c)
     struct text body = {0};
     struct c_output inner = *c;
     inner.out = &body;
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        if (!c->pipeline->order[i]->indirect_resource)
-            emit_run(&inner, c->pipeline->order[i]);
+    emit_cases(&inner, c->pipeline->pass_count, c_pass, emit_run);
     text_add(c->out, "static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, "
                      "uint32_t width, uint32_t height, const void *live_block)\n{\n");
     if (body.data && strstr(body.data, "live->"))
@@ -103,9 +114,9 @@ static void emit_jitter(const struct c_output *c)
 
 /* ---- Parameters ------------------------------------------------------------------------------ */
 
-static void emit_block_value(struct text *out, const char *part, const struct param *param)
+static void emit_block_value(struct text *out, const char *indent, const struct param *param)
 {
-    text_add(out, "    .%s.%s = ", part, param->name);
+    text_add(out, "%s.%s = ", indent, param->name);
     for (uint32_t i = 0; i < param->components; i++) {
         text_add(out, i ? ", " : param->components > 1 ? "{" : "");
         if (param->type <= DT_TYPE_VEC4) {
@@ -118,210 +129,38 @@ static void emit_block_value(struct text *out, const char *part, const struct pa
     text_add(out, param->components > 1 ? "},\n" : ",\n");
 }
 
+/* The values of the live or of the uniform parameters, in braces. */
+static void emit_values(const struct c_output *c, bool live, const char *indent)
+{
+    bool any = false;
+    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
+        const struct param *param = &c->pipeline->params[i];
+        if (!(live ? param->live : param->uniform))
+            continue;
+        text_add(c->out, any ? "" : "{\n");
+        emit_block_value(c->out, indent, param);
+        any = true;
+    }
+    text_add(c->out, any ? "%.*s}" : "{{0}}", (int)strlen(indent) - 4, indent);
+}
+
+/* NAME_live_defaults; with uniform parameters also the whole block. */
 static void emit_block(const struct c_output *c)
 {
-    const struct pipeline *pipeline = c->pipeline;
-    bool any = false;
-    text_add(c->out, "static const struct {\n    struct %s_live live;\n", pipeline->name);
-    if (pipeline->block_size > pipeline->live_size)
-        text_add(c->out, "    struct %s_uniform uniform;\n", pipeline->name);
-    text_add(c->out, "} block = {");
-    for (int part = 0; part < 2; part++) {
-        for (uint32_t i = 0; i < pipeline->param_count; i++) {
-            const struct param *param = &pipeline->params[i];
-            if (!(part ? param->uniform : param->live))
-                continue;
-            text_add(c->out, any ? "" : "\n");
-            emit_block_value(c->out, part ? "uniform" : "live", param);
-            any = true;
-        }
-    }
-    text_add(c->out, any ? "};\n\n" : "{{0}}};\n\n");
-}
-
-static void emit_param(struct text *out, const struct dt_param *param, uint32_t components)
-{
-    text_add(out, "    {.name = ");
-    c_string(out, param->name);
-    text_add(out, ", .doc = ");
-    c_string(out, param->doc);
-    text_add(out, ", .type = %s, ", type_info(param->type)->dt);
-    if (param->live)
-        text_add(out, ".live = true, .offset = %" PRIu32 ", ", param->offset);
-    text_add(out, ".value = {");
-    for (uint32_t i = 0; i < components; i++) {
-        text_add(out, i ? ", " : "");
-        c_double(out, param->value[i]);
-    }
-    text_add(out, "}, .min = ");
-    c_double(out, param->min);
-    text_add(out, ", .max = ");
-    c_double(out, param->max);
-    if (param->step > 0) {
-        text_add(out, ", .step = ");
-        c_double(out, param->step);
-    }
-    text_add(out, "},\n");
-}
-
-static void emit_params(const struct c_output *c)
-{
-    emit_block(c);
-    if (!c->pipeline->param_count)
+    const char *name = c->pipeline->name;
+    text_add(c->out, "const struct %s_live %s_live_defaults = ", name, name);
+    emit_values(c, true, "    ");
+    text_add(c->out, ";\n\n");
+    if (c->pipeline->block_size == c->pipeline->live_size)
         return;
-    text_add(c->out, "static const struct dt_param params[] = {\n");
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++)
-        emit_param(c->out, &c->tables->pipeline.params[i], c->pipeline->params[i].components);
-    text_add(c->out, "};\n\n");
-}
-
-/* ---- Resources ------------------------------------------------------------------------------- */
-
-static void emit_contract(const struct c_output *c, const struct dt_contract *contract)
-{
-    static const char *const kinds[] = {
-        [DT_CONTRACT_EXACT] = "DT_CONTRACT_EXACT",   [DT_CONTRACT_ULP] = "DT_CONTRACT_ULP",
-        [DT_CONTRACT_ABS] = "DT_CONTRACT_ABS",       [DT_CONTRACT_REL] = "DT_CONTRACT_REL",
-        [DT_CONTRACT_IMAGE] = "DT_CONTRACT_IMAGE",   [DT_CONTRACT_FLIPS] = "DT_CONTRACT_FLIPS",
-        [DT_CONTRACT_RASTER] = "DT_CONTRACT_RASTER",
-    };
-    text_add(c->out, ",\n        .contract = {.kind = %s", kinds[contract->kind]);
-    if (contract->kind != DT_CONTRACT_EXACT) {
-        text_add(c->out, ", .tolerance = ");
-        c_double(c->out, contract->tolerance);
-    }
-    if (contract->kind == DT_CONTRACT_IMAGE) {
-        text_add(c->out, ", .outliers = ");
-        c_double(c->out, contract->outliers);
-    }
-    if (contract->kind == DT_CONTRACT_FLIPS && contract->margin_field >= 0) {
-        text_add(c->out, ", .margin_resource = ");
-        c_resource(c, contract->margin_resource);
-    }
-    if (contract->kind == DT_CONTRACT_FLIPS)
-        text_add(c->out, ", .margin_field = %d", contract->margin_field);
-    text_add(c->out, "}");
-}
-
-static void emit_fields(const struct c_output *c, const struct resource *resource,
-                        const struct dt_resource *buffer)
-{
-    text_add(c->out, ",\n        .fields = (const struct dt_field[]){\n");
-    for (uint32_t i = 0; i < buffer->field_count; i++) {
-        const struct dt_field *field = &buffer->fields[i];
-        text_add(c->out, "            {\"%s\", %s, .offset = %" PRIu32, field->name,
-                 type_info(field->type)->dt, field->offset);
-        if (field->array_count)
-            text_add(c->out, ", .array_count = %" PRIu32 ", .array_stride = %" PRIu32,
-                     field->array_count, field->array_stride);
-        text_add(c->out, "},\n");
-    }
     text_add(c->out,
-             "        },\n        .field_count = %" PRIu32 ", .stride = ", buffer->field_count);
-    if (resource->structure)
-        text_add(c->out, "sizeof(struct %s_%s)", c->pipeline->name, resource->structure->name);
-    else
-        text_add(c->out, "%" PRIu32, buffer->stride);
-    text_add(c->out, buffer->controls_work ? ", .controls_work = true" : "");
-}
-
-static void emit_resource(const struct c_output *c, uint32_t index)
-{
-    static const char *const shapes[] = {
-        [DT_SHAPE_2D] = "",
-        [DT_SHAPE_3D] = ", .shape = DT_SHAPE_3D",
-        [DT_SHAPE_CUBE] = ", .shape = DT_SHAPE_CUBE",
-        [DT_SHAPE_CUBE_ARRAY] = ", .shape = DT_SHAPE_CUBE_ARRAY",
-    };
-    const struct dt_resource *resource = &c->tables->pipeline.resources[index];
-    text_add(c->out, "    [");
-    c_resource(c, index);
-    text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", resource->name);
-    c_string(c->out, resource->doc);
-    text_add(c->out, ",\n        .kind = %s%s%s%s",
-             resource->kind == DT_BUFFER ? "DT_BUFFER" : "DT_IMAGE",
-             resource->history ? ", .history = true" : "", resource->keep ? ", .keep = true" : "",
-             resource->input ? ", .input = true" : "");
-    if (resource->file) {
-        text_add(c->out, ", .file = ");
-        c_string(c->out, resource->file);
-    }
-    emit_contract(c, &resource->contract);
-    if (resource->kind == DT_BUFFER)
-        emit_fields(c, &c->pipeline->resources[index], resource);
-    else
-        text_add(c->out, ", .format = %s%s%s, .mips = %" PRIu32, format_info(resource->format)->dt,
-                 shapes[resource->shape], resource->layered ? ", .layered = true" : "",
-                 resource->mips);
-    text_add(c->out, ",\n    },\n");
-}
-
-static void emit_resources(const struct c_output *c)
-{
-    if (!c->pipeline->resource_count)
-        return;
-    text_add(c->out, "static const struct dt_resource resources[] = {\n");
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
-        emit_resource(c, i);
-    text_add(c->out, "};\n\n");
-}
-
-/* ---- Passes ---------------------------------------------------------------------------------- */
-
-static void emit_list(const struct c_output *c, const char *what, const uint16_t *list,
-                      uint32_t count)
-{
-    if (!count)
-        return;
-    text_add(c->out, ",\n        .%ss = (const uint16_t[]){", what);
-    for (uint32_t i = 0; i < count; i++) {
-        text_add(c->out, i ? ", " : "");
-        c_resource(c, list[i]);
-    }
-    text_add(c->out, "},\n        .%s_count = %" PRIu32, what, count);
-}
-
-static void emit_pass(const struct c_output *c, uint32_t index)
-{
-    static const char *const kinds[] = {
-        [DT_PASS_DRAW_SCENE] = "DT_PASS_DRAW_SCENE",
-        [DT_PASS_DRAW_FULLSCREEN] = "DT_PASS_DRAW_FULLSCREEN",
-        [DT_PASS_DRAW_VERTICES] = "DT_PASS_DRAW_VERTICES",
-        [DT_PASS_DISPATCH] = "DT_PASS_DISPATCH",
-    };
-    const struct dt_pass *pass = &c->tables->pipeline.passes[index];
-    text_add(c->out, "    [");
-    c_pass(c, index);
-    text_add(c->out, "] = {\n        .name = \"%s\", .doc = ", pass->name);
-    c_string(c->out, pass->doc);
-    text_add(c->out, ",\n        .shader = ");
-    c_string(c->out, pass->shader);
-    text_add(c->out, ", .kind = %s%s", kinds[pass->kind],
-             pass->uses_scene ? ", .uses_scene = true" : "");
-    emit_list(c, "read", pass->reads, pass->read_count);
-    emit_list(c, "write", pass->writes, pass->write_count);
-    if (pass->write_mips) {
-        text_add(c->out, ",\n        .write_mips = (const uint16_t[]){");
-        for (uint32_t i = 0; i < pass->write_count; i++)
-            text_add(c->out, i ? ", %u" : "%u", pass->write_mips[i]);
-        text_add(c->out, "}");
-    }
-    if (pass->limit) {
-        text_add(c->out, ",\n        .limit = ");
-        c_string(c->out, pass->limit);
-    }
-    text_add(c->out, ",\n        .flops = {%" PRIu64 ", %" PRIu64 "},\n    },\n", pass->flops[0],
-             pass->flops[1]);
-}
-
-static void emit_passes(const struct c_output *c)
-{
-    if (!c->pipeline->pass_count)
-        return;
-    text_add(c->out, "static const struct dt_pass passes[] = {\n");
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        emit_pass(c, i);
-    text_add(c->out, "};\n\n");
+             "static const struct {\n    struct %s_live live;\n    struct %s_uniform uniform;\n"
+             "} block = {\n    .live = ",
+             name, name);
+    emit_values(c, true, "        ");
+    text_add(c->out, ",\n    .uniform = ");
+    emit_values(c, false, "        ");
+    text_add(c->out, ",\n};\n\n");
 }
 
 static void emit_output(const struct c_output *c, const char *member, int output)
@@ -340,9 +179,11 @@ void emit_reflection(const struct c_output *c)
     emit_extent(c);
     emit_runs(c);
     emit_jitter(c);
-    emit_params(c);
-    emit_resources(c);
-    emit_passes(c);
+    emit_block(c);
+    emit_rows(c, "params", &param_members, pipeline->params, pipeline->param_count, NULL);
+    emit_rows(c, "resources", &resource_members, pipeline->resources, pipeline->resource_count,
+              c_resource);
+    emit_rows(c, "passes", &pass_members, pipeline->passes, pipeline->pass_count, c_pass);
     text_add(c->out, "const struct dt_pipeline %s_pipeline = {\n    .name = \"%s\",\n    .doc = ",
              pipeline->name, pipeline->name);
     c_string(c->out, pipeline->doc);
@@ -350,8 +191,12 @@ void emit_reflection(const struct c_output *c)
     c_table(c, "params", "param_count", pipeline->param_count);
     c_table(c, "resources", "resource_count", pipeline->resource_count);
     c_table(c, "passes", "pass_count", pipeline->pass_count);
-    text_add(c->out, "    .live_defaults = &block,\n    .live_size = sizeof block.live,\n"
-                     "    .block_size = sizeof block,\n");
+    bool uniform = pipeline->block_size > pipeline->live_size;
+    text_add(c->out,
+             "    .live_defaults = &%s%s,\n    .live_size = sizeof %s_live_defaults,\n"
+             "    .block_size = sizeof %s%s,\n",
+             uniform ? "block" : pipeline->name, uniform ? "" : "_live_defaults", pipeline->name,
+             uniform ? "block" : pipeline->name, uniform ? "" : "_live_defaults");
     emit_output(c, "linear_output", pipeline->linear_output);
     emit_output(c, "display_output", pipeline->display_output);
     text_add(c->out, "    .extent = extent,\n    .runs = runs,\n%s};\n\n",

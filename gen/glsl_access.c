@@ -14,42 +14,35 @@ struct format_names {
 static struct format_names format_names(enum dt_format format)
 {
     const struct format_info *info = format_info(format);
-    const char *prefix = !info->integer ? "" : strstr(info->name, "ui") ? "u" : "i";
-    const char *layout = format == DT_FORMAT_R11G11B10F ? "r11f_g11f_b10f"
-                         : format == DT_FORMAT_RGB10A2  ? "rgb10_a2"
-                                                        : info->name;
-    return (struct format_names){info->storage ? layout : NULL, prefix};
-}
-
-/* The call of templates/glsl/store.glsl that makes the integers codes of 8 or 16 bits. */
-static const char *clamping(const char *name, const char **tail)
-{
-    bool bytes = strstr(name, "8"), is_unsigned = strstr(name, "ui");
-    *tail = is_unsigned ? (bytes ? ", uvec4(255u))" : ", uvec4(65535u))")
-                        : (bytes ? ", ivec4(127))" : ", ivec4(32767))");
-    return is_unsigned ? "store_unsigned(" : "store_signed(";
+    bool is_signed = number_is_signed_integer(info->kind);
+    return (struct format_names){info->qualifier, !number_is_integer(info->kind) ? ""
+                                                  : is_signed                    ? "i"
+                                                                                 : "u"};
 }
 
 /* The call of templates/glsl/store.glsl that rounds for the format, up to the value, and what follows
  * it. NULL: 32 bits, and conversions that only drivers have. */
 static const char *rounding(enum dt_format format, const char **tail)
 {
-    const char *name = format_info(format)->name;
-    if (strstr(name, "32") || strstr(name, "srgb"))
-        return NULL;
-    if (format_info(format)->integer)
-        return clamping(name, tail);
-    *tail = strstr(name, "_snorm") ? ", vec4(32767.0), vec4(1.0 / 32767.0))"
-            : format == DT_FORMAT_RGB10A2
-                ? ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
-                  "vec4(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 3.0))"
-            : strstr(name, "16f") || format == DT_FORMAT_R11G11B10F ? ")"
-            : strstr(name, "16") ? ", vec4(65535.0), vec4(1.0 / 65535.0))"
-                                 : ", vec4(255.0), vec4(1.0 / 255.0))";
-    return strstr(name, "_snorm")           ? "store_snorm("
-           : strstr(name, "16f")            ? "store_half("
-           : format == DT_FORMAT_R11G11B10F ? "store_r11g11b10("
-                                            : "store_unorm(";
+    static const struct {
+        const char *call, *tail;
+    } calls[] = {
+        [NUMBER_UNORM8] = {"store_unorm(", ", vec4(255.0), vec4(1.0 / 255.0))"},
+        [NUMBER_UNORM16] = {"store_unorm(", ", vec4(65535.0), vec4(1.0 / 65535.0))"},
+        [NUMBER_SNORM16] = {"store_snorm(", ", vec4(32767.0), vec4(1.0 / 32767.0))"},
+        [NUMBER_HALF] = {"store_half(", ")"},
+        [NUMBER_R11F] = {"store_r11g11b10(", ")"},
+        [NUMBER_R10] = {"store_unorm(",
+                        ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
+                        "vec4(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 3.0))"},
+        [NUMBER_UINT8] = {"store_unsigned(", ", uvec4(255u))"},
+        [NUMBER_UINT16] = {"store_unsigned(", ", uvec4(65535u))"},
+        [NUMBER_INT8] = {"store_signed(", ", ivec4(127))"},
+        [NUMBER_INT16] = {"store_signed(", ", ivec4(32767))"},
+    };
+    enum number_kind kind = format_info(format)->kind;
+    *tail = calls[kind].tail;
+    return format == DT_FORMAT_RGBA8_SRGB ? NULL : calls[kind].call;
 }
 
 static bool is_image(const struct access *access)
@@ -59,7 +52,7 @@ static bool is_image(const struct access *access)
 
 static bool is_storage(const struct access *access)
 {
-    return access->kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE);
+    return access->kind & (DT_READ_STORAGE | DT_WRITE_STORAGE);
 }
 
 static bool is_compare(const struct access *access)
@@ -169,7 +162,7 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
     const struct resource *image = access->resource;
     bool single = access->mip || !image->mips;
     return !glsl->pipeline->fast && (is(access, "2D") || is(access, "2DArray")) &&
-           !format_info(image->format)->integer && access->filter->anisotropy <= 1 &&
+           !format_is_integer(image->format) && access->filter->anisotropy <= 1 &&
            (!chooses || single || glsl->stage != STAGE_IS_FRAGMENT);
 }
 
@@ -177,12 +170,11 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
 static const char *border_of(const struct glsl *glsl, const struct access *access)
 {
     const struct sampler *filter = access->filter;
-    const char *name = format_info(access->resource->format)->name;
-    bool green = strchr(name, 'g'), blue = strchr(name, 'b'), alpha = strchr(name, 'a');
+    uint32_t channels = format_info(access->resource->format)->channels;
     bool white = filter->border == DT_BORDER_OPAQUE_WHITE;
-    bool opaque = filter->border != DT_BORDER_TRANSPARENT_BLACK || !alpha;
-    return arena_printf(glsl->model->arena, "%d, %d, %d, %d", white, white && green, white && blue,
-                        opaque);
+    bool opaque = filter->border != DT_BORDER_TRANSPARENT_BLACK || channels < 4;
+    return arena_printf(glsl->model->arena, "%d, %d, %d, %d", white, white && channels > 1,
+                        white && channels > 2, opaque);
 }
 
 /* Functions of one image, by macros of filter.glsl: filter_texel_NAME, filter_level_NAME, and
@@ -190,14 +182,14 @@ static const char *border_of(const struct glsl *glsl, const struct access *acces
 static void add_filter(const struct glsl *glsl, const struct access *access, bool lod,
                        struct text *out)
 {
-    static const char *const wraps[] = {[WRAP_CLAMP] = "clamp",
-                                        [WRAP_REPEAT] = "repeat",
-                                        [WRAP_MIRROR] = "mirror",
-                                        [WRAP_BORDER] = "clamp"};
+    static const char *const wraps[] = {[DT_WRAP_CLAMP] = "clamp",
+                                        [DT_WRAP_REPEAT] = "repeat",
+                                        [DT_WRAP_MIRROR] = "mirror",
+                                        [DT_WRAP_BORDER] = "clamp"};
     const struct sampler *filter = access->filter;
     const char *name = access_word(access), *kind = is_layered(access) ? "2DArray" : "2D";
     text_add(out, "filter_%s(filter_texel_%s, sampler%s, filter_%s, filter_%s, filter_%s);\n",
-             filter->wrap == WRAP_BORDER ? "border" : "texel", name, kind, kind,
+             filter->wrap == DT_WRAP_BORDER ? "border" : "texel", name, kind, kind,
              is_srgb(glsl, access) ? "srgb" : "plain", wraps[filter->wrap]);
     text_add(out, "filter_%s(filter_level_%s, sampler%s, filter_texel_%s);\n",
              filter->linear ? "linear" : "nearest", name, kind, name);
@@ -318,32 +310,31 @@ static bool gives_texels(const struct glsl *glsl, const struct access *access)
 /* ---- Texel buffers --------------------------------------------------------------------------- */
 
 /* The fields of an element of a builtin by its words, from texelFetch(NAME_texels, ...). */
-static const char *const texel_readers[BUILTIN_COUNT] = {
-    [BUILTIN_VERTICES] =
-        "SceneVertex scene_vertices_at(const uint i)\n{\n"
-        "    int k = 5 * int(i);\n"
-        "    uvec2 a = texelFetch(scene_vertices_texels, k).xy;\n"
-        "    uvec2 b = texelFetch(scene_vertices_texels, k + 1).xy;\n"
-        "    uvec2 c = texelFetch(scene_vertices_texels, k + 2).xy;\n"
-        "    vec2 uv = uintBitsToFloat(texelFetch(scene_vertices_texels, k + 3).xy);\n"
-        "    uvec2 e = texelFetch(scene_vertices_texels, k + 4).xy;\n"
-        "    return SceneVertex(uintBitsToFloat(a.x), uintBitsToFloat(a.y), uintBitsToFloat(b.x),\n"
-        "                       uintBitsToFloat(b.y), uintBitsToFloat(c.x), uintBitsToFloat(c.y),\n"
-        "                       uv.x, uv.y, e.x, e.y);\n}\n\n"
-        "int scene_vertices_length()\n{\n    int texels = textureSize(scene_vertices_texels);\n    "
-        "return texels / 5;\n}\n\n",
-    [BUILTIN_INDICES] =
-        "uint scene_indices_at(const uint i)\n{\n    return texelFetch(scene_indices_texels, "
-        "int(i)).x;\n}\n\n"
-        "int scene_indices_length()\n{\n    return textureSize(scene_indices_texels);\n}\n\n",
-};
+static const char vertex_reader[] =
+    "SceneVertex scene_vertices_at(const uint i)\n{\n"
+    "    int k = 5 * int(i);\n"
+    "    uvec2 a = texelFetch(scene_vertices_texels, k).xy;\n"
+    "    uvec2 b = texelFetch(scene_vertices_texels, k + 1).xy;\n"
+    "    uvec2 c = texelFetch(scene_vertices_texels, k + 2).xy;\n"
+    "    vec2 uv = uintBitsToFloat(texelFetch(scene_vertices_texels, k + 3).xy);\n"
+    "    uvec2 e = texelFetch(scene_vertices_texels, k + 4).xy;\n"
+    "    return SceneVertex(uintBitsToFloat(a.x), uintBitsToFloat(a.y), uintBitsToFloat(b.x),\n"
+    "                       uintBitsToFloat(b.y), uintBitsToFloat(c.x), uintBitsToFloat(c.y),\n"
+    "                       uv.x, uv.y, e.x, e.y);\n}\n\n"
+    "int scene_vertices_length()\n{\n    int texels = textureSize(scene_vertices_texels);\n    "
+    "return texels / 5;\n}\n\n";
+static const char index_reader[] =
+    "uint scene_indices_at(const uint i)\n{\n    return texelFetch(scene_indices_texels, "
+    "int(i)).x;\n}\n\n"
+    "int scene_indices_length()\n{\n    return textureSize(scene_indices_texels);\n}\n\n";
 
 void glsl_texels(struct glsl *glsl)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        if (!access->resource && access->kind & ACCESS_FETCH && glsl_uses(glsl, "%s", access->name))
-            text_add(&glsl->parts[PART_FUNCTIONS], "%s", texel_readers[access->builtin]);
+        if (access_is_texels(access) && glsl_uses(glsl, "%s", access->name))
+            text_add(&glsl->parts[PART_FUNCTIONS], "%s",
+                     access->builtin == DT_SCENE_VERTICES ? vertex_reader : index_reader);
     }
 }
 
@@ -352,7 +343,7 @@ static bool names_target(const struct glsl *glsl, const struct access *access)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++)
         if (same_word(&glsl->pass->accesses[i], access) &&
-            glsl->pass->accesses[i].kind & ACCESS_COLOR)
+            glsl->pass->accesses[i].kind & DT_WRITE_COLOR)
             return true;
     return false;
 }
@@ -398,7 +389,7 @@ static void add_image(struct glsl *glsl, const struct access *access, struct tex
                  is_compare(access) ? "Shadow" : "", variable);
         return;
     }
-    bool reads = access->kind & ACCESS_STORAGE_READ, writes = access->kind & ACCESS_STORAGE_WRITE;
+    bool reads = access->kind & DT_READ_STORAGE, writes = access->kind & DT_WRITE_STORAGE;
     text_add(out, ", %s) %suniform %simage%s %s;\n", names.layout,
              !writes                                ? "readonly "
              : !reads || access->mode == MODE_WRITE ? "writeonly "
@@ -432,7 +423,7 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
         return;
     if (glsl->stage == STAGE_IS_VERTEX && access->mode != MODE_READ)
         return; /* only fragment and compute stages write */
-    bool uniform = access->kind & ACCESS_UNIFORM;
+    bool uniform = access->kind & DT_READ_UNIFORM;
     text_add(out, "layout(%s, ", uniform ? "std140" : "std430");
     glsl_binding(access->binding, out);
     text_add(out, ") %s %s_block {\n    %s %s[",
@@ -449,35 +440,34 @@ static void add_buffer(struct glsl *glsl, const struct access *access, struct te
 }
 
 /* kind: of the access to it. */
-static void add_builtin(struct glsl *glsl, int builtin, unsigned kind, int binding,
+static void add_builtin(struct glsl *glsl, enum dt_builtin builtin, unsigned kind, int binding,
                         struct text *out)
 {
-    static const char *const names[BUILTIN_COUNT] = {
-        "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
-    static const char *const elements[BUILTIN_COUNT] = {"SceneVertex", "uint", "SceneMaterial",
-                                                        "SceneObject", NULL};
+    static const char *const elements[SCENE_RESOURCES] = {"SceneVertex", "uint", "SceneMaterial",
+                                                          "SceneObject", NULL};
+    const char *name = scene_resources[builtin - DT_SCENE_VERTICES];
+    const char *element = elements[builtin - DT_SCENE_VERTICES];
     if (binding < 0)
         return;
-    if (kind & ACCESS_FETCH) {
-        if (!glsl_uses(glsl, "%s_texels", names[builtin]))
+    if (kind & DT_READ_TEXTURE && element) {
+        if (!glsl_uses(glsl, "%s_texels", name))
             return;
         text_add(out, "layout(");
         glsl_binding(binding, out);
-        text_add(out, ") uniform usamplerBuffer %s_texels;\n", names[builtin]);
+        text_add(out, ") uniform usamplerBuffer %s_texels;\n", name);
     }
-    if (!glsl_uses(glsl, "%s", names[builtin]))
+    if (!glsl_uses(glsl, "%s", name))
         return;
-    bool uniform = kind & ACCESS_UNIFORM;
-    text_add(out, "layout(%s", uniform ? "std140, " : elements[builtin] ? "std430, " : "");
+    bool uniform = kind & DT_READ_UNIFORM;
+    text_add(out, "layout(%s", uniform ? "std140, " : element ? "std430, " : "");
     glsl_binding(binding, out);
     if (uniform)
-        text_add(out, ") uniform %s_block {\n    %s %s[%d];\n};\n", names[builtin],
-                 elements[builtin], names[builtin], DT_MAX_MATERIALS);
-    else if (elements[builtin])
-        text_add(out, ") readonly buffer %s_block {\n    %s %s[];\n};\n", names[builtin],
-                 elements[builtin], names[builtin]);
+        text_add(out, ") uniform %s_block {\n    %s %s[%d];\n};\n", name, element, name,
+                 DT_MAX_MATERIALS);
+    else if (element)
+        text_add(out, ") readonly buffer %s_block {\n    %s %s[];\n};\n", name, element, name);
     else
-        text_add(out, ") uniform sampler2DArray %s;\n", names[builtin]);
+        text_add(out, ") uniform sampler2DArray %s;\n", name);
 }
 
 bool glsl_round_targets(const struct glsl *glsl, struct text *out)
@@ -485,7 +475,7 @@ bool glsl_round_targets(const struct glsl *glsl, struct text *out)
     bool any = false;
     for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pipeline->fast; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        if (!is_image(access) || !(access->kind & ACCESS_COLOR) || access->attachment < 0)
+        if (!is_image(access) || !(access->kind & DT_WRITE_COLOR) || access->attachment < 0)
             continue;
         const char *tail, *call = rounding(access->resource->format, &tail);
         if (!call)
@@ -500,7 +490,7 @@ static void add_targets(struct glsl *glsl, struct text *out)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        if (is_image(access) && access->kind & ACCESS_COLOR && access->attachment >= 0)
+        if (is_image(access) && access->kind & DT_WRITE_COLOR && access->attachment >= 0)
             text_add(out, "layout(location = %d) out %svec4 %s;\n", access->attachment,
                      format_names(access->resource->format).prefix, access_word(access));
     }
@@ -510,24 +500,25 @@ void glsl_resources(struct glsl *glsl)
 {
     struct text *out = &glsl->parts[PART_RESOURCES];
     const struct pass *pass = glsl->pass;
-    bool listed[BUILTIN_COUNT] = {false};
+    bool materials = false, textures = false; /* listed */
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
         if (access->resource && access->binding >= 0 && is_image(access))
             add_image(glsl, access, out);
         else if (access->resource && access->binding >= 0)
             add_buffer(glsl, access, out);
-        else if (!access->resource && access->builtin >= 0 && access->binding >= 0) {
-            add_builtin(glsl, access->builtin, access->kind, access->binding, out);
-            listed[access->builtin] = true;
+        else if (access->builtin && access->binding >= 0) {
+            add_builtin(glsl, (enum dt_builtin)access->builtin, access->kind, access->binding, out);
+            materials |= access->builtin == DT_SCENE_MATERIALS;
+            textures |= access->builtin == DT_SCENE_TEXTURES;
         }
     }
-    if (!listed[BUILTIN_MATERIALS])
-        add_builtin(glsl, BUILTIN_MATERIALS,
-                    pass->uniform_materials ? ACCESS_UNIFORM : ACCESS_STORAGE_READ,
+    if (!materials)
+        add_builtin(glsl, DT_SCENE_MATERIALS,
+                    pass->uniform_materials ? DT_READ_UNIFORM : DT_READ_STORAGE,
                     pass->materials_binding, out);
-    if (!listed[BUILTIN_TEXTURES])
-        add_builtin(glsl, BUILTIN_TEXTURES, ACCESS_SAMPLED, pass->textures_binding, out);
+    if (!textures)
+        add_builtin(glsl, DT_SCENE_TEXTURES, DT_READ_TEXTURE, pass->textures_binding, out);
     if (glsl->stage == STAGE_IS_FRAGMENT)
         add_targets(glsl, out);
 }
@@ -546,7 +537,7 @@ bool glsl_check_accesses(struct glsl *glsl)
                        access->name);
             ok = false;
         }
-        if (!is_image(access) && access->kind & ACCESS_UNIFORM &&
+        if (!is_image(access) && access->kind & DT_READ_UNIFORM &&
             (expr_reach(resource->count) || !std140_equals_std430(resource))) {
             diag_error(glsl->diag, access->loc,
                        "%s cannot be a uniform block: its count must not depend on the frame "

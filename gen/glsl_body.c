@@ -90,7 +90,7 @@ bool glsl_body(struct glsl *glsl)
     text_add_bytes(out, body->source->text, body->source->length);
     text_add(out, "\n");
     glsl->own |= body_mentions(glsl->files, "OPENGL") || body_mentions(glsl->files, "VULKAN");
-    glsl->subgroups = glsl->pipeline->fast && glsl->pass->kind == PASS_DISPATCH &&
+    glsl->subgroups = glsl->pipeline->fast && glsl->pass->kind == DT_PASS_DISPATCH &&
                       (body_mentions_prefix(glsl->files, "subgroup") ||
                        body_mentions_prefix(glsl->files, "gl_Subgroup") ||
                        body_mentions_prefix(glsl->files, "gl_NumSubgroups"));

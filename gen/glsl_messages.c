@@ -197,7 +197,7 @@ static bool report_listed(const struct pass *pass, const struct use *use, struct
     const char *word = access_word(use->access);
     enum dt_format format = use->resource->format;
     bool atomic = is_atomic(use->ending), updates = use->access->mode == MODE_UPDATE;
-    if (atomic && (!updates || pass->kind != PASS_DISPATCH))
+    if (atomic && (!updates || pass->kind != DT_PASS_DISPATCH))
         diag_error(diag, loc,
                    "the pass `%s` changes `%s` atomically; make it a dispatch that lists it in "
                    "updates",
@@ -484,7 +484,7 @@ static bool report_subgroups(const struct pipeline *pipeline, const struct pass 
     struct loc loc = message->loc;
     size_t length = 0;
     const char *name = NULL;
-    if (pipeline->fast && pass->kind == PASS_DISPATCH)
+    if (pipeline->fast && pass->kind == DT_PASS_DISPATCH)
         return false;
     bool about = message->name && !strncmp(message->name, "subgroup op", 11);
     for (size_t i = 0; i < DT_ARRAY_COUNT(starts) && !length; i++)

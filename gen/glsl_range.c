@@ -158,7 +158,7 @@ static bool is_indexed(const struct glsl *glsl, const struct access *access)
  * binding. */
 static bool by_words(const struct glsl *glsl, const struct range *range)
 {
-    return is_shared(range) && range->access->kind & ACCESS_UNIFORM &&
+    return is_shared(range) && range->access->kind & DT_READ_UNIFORM &&
            !is_indexed(glsl, range->access);
 }
 
@@ -214,7 +214,7 @@ static void add_words(const struct range *range, enum dt_type type, const char *
     uint32_t stride = range->access->resource->stride / 4;
     bool number = strspn(index, "0123456789") == strlen(index), matrix = info->columns > 1;
     bool real = type <= DT_TYPE_VEC4 || matrix;
-    text_add(out, "%s(", info->glsl);
+    text_add(out, "%s(", info->name);
     for (uint32_t i = 0; i < info->columns * info->components; i++) {
         uint32_t word = offset / 4 + i / info->components * 4 + i % info->components;
         text_add(out, "%s%s%s_words[", i ? ", " : "", real ? "uintBitsToFloat(" : "", range->name);

@@ -2,29 +2,8 @@
  * storage buffers, std140 for the uniform block of the parameters. Called by load.c and vary.c
  * between check and plan; the emitted C asserts the results. */
 #include "plan.h"
+#include "formats.h"
 #include "stages.h"
-
-static const struct type_info types[DT_TYPE_COUNT] = {
-    [DT_TYPE_FLOAT] = {"DT_TYPE_FLOAT", "float", "float", 1, 1, 4, 4},
-    [DT_TYPE_VEC2] = {"DT_TYPE_VEC2", "vec2", "float", 2, 1, 8, 8},
-    [DT_TYPE_VEC3] = {"DT_TYPE_VEC3", "vec3", "float", 3, 1, 12, 16},
-    [DT_TYPE_VEC4] = {"DT_TYPE_VEC4", "vec4", "float", 4, 1, 16, 16},
-    [DT_TYPE_INT] = {"DT_TYPE_INT", "int", "int32_t", 1, 1, 4, 4},
-    [DT_TYPE_IVEC2] = {"DT_TYPE_IVEC2", "ivec2", "int32_t", 2, 1, 8, 8},
-    [DT_TYPE_IVEC3] = {"DT_TYPE_IVEC3", "ivec3", "int32_t", 3, 1, 12, 16},
-    [DT_TYPE_IVEC4] = {"DT_TYPE_IVEC4", "ivec4", "int32_t", 4, 1, 16, 16},
-    [DT_TYPE_UINT] = {"DT_TYPE_UINT", "uint", "uint32_t", 1, 1, 4, 4},
-    [DT_TYPE_UVEC2] = {"DT_TYPE_UVEC2", "uvec2", "uint32_t", 2, 1, 8, 8},
-    [DT_TYPE_UVEC3] = {"DT_TYPE_UVEC3", "uvec3", "uint32_t", 3, 1, 12, 16},
-    [DT_TYPE_UVEC4] = {"DT_TYPE_UVEC4", "uvec4", "uint32_t", 4, 1, 16, 16},
-    [DT_TYPE_BOOL] = {"DT_TYPE_BOOL", "bool", "uint32_t", 1, 1, 4, 4},
-    [DT_TYPE_MAT4] = {"DT_TYPE_MAT4", "mat4", "float", 4, 4, 64, 16},
-};
-
-const struct type_info *type_info(enum dt_type type)
-{
-    return &types[type];
-}
 
 static uint32_t align_up(uint32_t value, uint32_t alignment)
 {
@@ -100,7 +79,8 @@ void layout_model(struct model *model)
         if (resource->kind == DT_BUFFER && resource->structure)
             resource->stride = resource->structure->stride;
         else if (resource->kind == DT_BUFFER)
-            resource->stride = align_up(types[resource->type].size, types[resource->type].align);
+            resource->stride =
+                align_up(type_info(resource->type)->size, type_info(resource->type)->align);
     }
     layout_block(pipeline);
 }

@@ -23,144 +23,47 @@ static void *table(struct lowering *l, size_t count, size_t size)
     return memory ? memory : scratch;
 }
 
-/* ---- Passes ---------------------------------------------------------------------------------- */
-
-bool pass_draws(const struct pass *pass)
-{
-    return pass->kind != PASS_DISPATCH;
-}
-
-const struct expr *resource_size(const struct resource *resource, int axis)
-{
-    const struct expr *const image[3] = {resource->width, resource->height, resource->layers};
-    return resource->kind == DT_IMAGE ? image[axis] : axis == 0 ? resource->count : NULL;
-}
-
-struct groups pass_groups(const struct pass *pass, int axis)
-{
-    uint32_t local = pass->size == SIZE_GROUPS ? 1 : pass->local[axis];
-    const struct expr *expr = pass->dispatch[axis];
-    if (pass->size == SIZE_IMAGE)
-        return axis == 2 && !pass->size_resource->layers
-                   ? (struct groups){.divisor = 1}
-                   : (struct groups){GROUPS_IMAGE, .image = pass->size_resource, .of_axis = axis,
-                                     .divisor = local};
-    if (pass->size == SIZE_INTERLEAVE) {
-        /* A group covers `local` pixels of a class; a class has each tile-th pixel of the frame.
-         * Groups of all classes follow each other: they read the same lines of the caches. */
-        const uint32_t *tile = pass->interleave->tile;
-        int of_axis = axis - 1;
-        return axis == 0 ? (struct groups){.divisor = tile[0] * tile[1]}
-                         : (struct groups){GROUPS_FRAME, .of_axis = of_axis,
-                                           .divisor = tile[of_axis] * pass->local[of_axis]};
-    }
-    if (expr && expr_reach(expr) != EXPR_BAKED)
-        return (struct groups){GROUPS_EXPR, .expr = expr, .divisor = local};
-    return (struct groups){
-        .divisor = dt_groups(expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1), local)};
-}
-
-bool pass_clears_targets(const struct pass *pass)
-{
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].kind & (ACCESS_COLOR | ACCESS_DEPTH) &&
-            pass->accesses[i].mode == MODE_WRITE)
-            return true;
-    return false;
-}
-
-const struct access *pass_clears(const struct pass *pass, uint32_t *at)
-{
-    while (*at < pass->access_count) {
-        const struct access *access = &pass->accesses[(*at)++];
-        if (access->resource && access->mode == MODE_WRITE &&
-            !(access->kind & (ACCESS_COLOR | ACCESS_DEPTH)))
-            return access;
-    }
-    return NULL;
-}
-
 /* ---- Uses ------------------------------------------------------------------------------------ */
-
-static unsigned accesses_of(unsigned kinds)
-{
-    static const struct {
-        unsigned kinds, accesses;
-    } map[] = {
-        {ACCESS_STORAGE_READ, DT_READ_STORAGE},
-        {ACCESS_STORAGE_WRITE, DT_WRITE_STORAGE},
-        {ACCESS_FETCH | ACCESS_SAMPLED, DT_READ_TEXTURE},
-        {ACCESS_UNIFORM, DT_READ_UNIFORM},
-        {ACCESS_COLOR, DT_WRITE_COLOR},
-        {ACCESS_DEPTH, DT_READ_DEPTH | DT_WRITE_DEPTH},
-        {ACCESS_INDIRECT, DT_READ_INDIRECT},
-        {ACCESS_INDEX, DT_READ_INDEX},
-        {ACCESS_CLEAR, DT_WRITE_CLEAR},
-    };
-    unsigned accesses = 0;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(map); i++)
-        accesses |= kinds & map[i].kinds ? map[i].accesses : 0;
-    return accesses;
-}
-
-/* A colour target is read when its content is kept or blended with. */
-static bool reads_color(const struct access *access)
-{
-    return access->kind & ACCESS_COLOR && (access->mode == MODE_UPDATE || access->blend);
-}
 
 /* An image has one layout in a pass, for all accesses of the pass. */
 static uint8_t layout_in_pass(const struct pass *pass, const struct resource *resource)
 {
-    static const uint8_t layouts[] = {[LAYOUT_GENERAL] = DT_LAYOUT_GENERAL,
-                                      [LAYOUT_READ] = DT_LAYOUT_READ,
-                                      [LAYOUT_COLOR] = DT_LAYOUT_COLOR,
-                                      [LAYOUT_DEPTH] = DT_LAYOUT_DEPTH};
     unsigned kinds = 0;
     if (resource && resource->kind == DT_BUFFER)
         return DT_LAYOUT_NONE;
     for (uint32_t i = 0; i < pass->access_count; i++)
         kinds |= pass->accesses[i].resource == resource ? pass->accesses[i].kind : 0;
-    return layouts[layout_of(kinds)];
+    return (uint8_t)layout_of(kinds);
 }
 
 static struct dt_barrier barrier_of(const struct pass *pass, const struct barrier *barrier)
 {
     const unsigned writes = DT_WRITE_STORAGE | DT_WRITE_COLOR | DT_WRITE_DEPTH | DT_WRITE_CLEAR;
-    unsigned to = accesses_of(barrier->to);
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource == barrier->resource && to & DT_WRITE_COLOR &&
-            reads_color(&pass->accesses[i]))
-            to |= DT_READ_COLOR;
     return (struct dt_barrier){
         .resource = (uint16_t)barrier->resource->index,
         .from_stages = (uint16_t)(barrier->from_stages ? barrier->from_stages : barrier->to_stages),
-        .from = (uint16_t)(barrier->from_writes ? accesses_of(barrier->from) & writes : 0),
+        .from = (uint16_t)(barrier->from_writes ? barrier->from & writes : 0),
         .to_stages = (uint16_t)barrier->to_stages,
-        .to = (uint16_t)to,
+        .to = (uint16_t)barrier->to,
         .layout = layout_in_pass(pass, barrier->resource),
         .discard = barrier->discard && barrier->resource->kind == DT_IMAGE,
     };
 }
 
-static void lower_barriers(struct lowering *l, struct lowered *out)
+static void lower_steps(struct lowering *l, struct lowered *out)
 {
-    out->barriers = table(l, l->from->pass_count, sizeof *out->barriers);
+    out->passes = table(l, l->from->pass_count, sizeof *out->passes);
     for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
         const struct pass *pass = l->from->order[p];
         struct dt_barrier *barriers = table(l, pass->barrier_count, sizeof *barriers);
         for (uint32_t i = 0; i < pass->barrier_count && !l->failed; i++)
             barriers[i] = barrier_of(pass, &pass->barriers[i]);
-        out->barriers[p] = barriers;
+        out->passes[p] = (struct lowered_pass){
+            .steps = pass_steps(pass, l->arena),
+            .runs = {pass_runs(pass, 0), pass_runs(pass, 1), pass_runs(pass, 2)},
+            .barriers = barriers};
+        l->failed |= !out->passes[p].steps.list;
     }
-}
-
-static void lower_groups(struct lowering *l, struct lowered *out)
-{
-    out->groups = table(l, l->from->pass_count, sizeof *out->groups);
-    for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++)
-        for (int axis = 0; axis < 3 && !pass_draws(l->from->order[p]); axis++)
-            out->groups[p][axis] = pass_groups(l->from->order[p], axis);
 }
 
 /* ---- Storage, samplers ----------------------------------------------------------------------- */
@@ -180,7 +83,7 @@ static void lower_storage(struct lowering *l, struct dt_panel *panel)
     struct dt_storage *storage = table(l, l->from->resource_count, sizeof *storage);
     for (uint32_t i = 0; i < l->from->resource_count && !l->failed; i++) {
         const struct resource *resource = &l->from->resources[i];
-        unsigned usage = accesses_of(resource->usage);
+        unsigned usage = resource->usage;
         bool image = resource->kind == DT_IMAGE;
         storage[i] = (struct dt_storage){
             .usage = (uint16_t)(usage   ? usage
@@ -200,10 +103,6 @@ static void lower_storage(struct lowering *l, struct dt_panel *panel)
 
 static void lower_samplers(struct lowering *l, struct dt_panel *panel)
 {
-    static const enum dt_wrap wraps[] = {[WRAP_CLAMP] = DT_WRAP_CLAMP,
-                                         [WRAP_REPEAT] = DT_WRAP_REPEAT,
-                                         [WRAP_MIRROR] = DT_WRAP_MIRROR,
-                                         [WRAP_BORDER] = DT_WRAP_BORDER};
     struct dt_sampler *samplers = table(l, l->from->sampler_count, sizeof *samplers);
     for (uint32_t i = 0; i < l->from->sampler_count && !l->failed; i++) {
         const struct sampler *sampler = &l->from->samplers[i];
@@ -212,7 +111,7 @@ static void lower_samplers(struct lowering *l, struct dt_panel *panel)
                 .name = sampler->name,
                 .linear = sampler->linear,
                 .linear_mip = sampler->linear_mip,
-                .wrap = wraps[sampler->wrap],
+                .wrap = sampler->wrap,
                 .border = sampler->border,
                 .compare = sampler->compare,
                 .anisotropy = (float)sampler->anisotropy,
@@ -236,29 +135,24 @@ static int16_t sampler_index(const struct pipeline *pipeline, const struct sampl
 static bool is_image(const struct access *access)
 {
     return access->resource ? access->resource->kind == DT_IMAGE
-                            : access->builtin == BUILTIN_TEXTURES;
+                            : access->builtin == DT_SCENE_TEXTURES;
 }
 
 static uint16_t object_of(const struct access *access)
 {
-    static const uint16_t builtins[BUILTIN_COUNT] = {
-        [BUILTIN_VERTICES] = DT_SCENE_VERTICES,   [BUILTIN_INDICES] = DT_SCENE_INDICES,
-        [BUILTIN_MATERIALS] = DT_SCENE_MATERIALS, [BUILTIN_OBJECTS] = DT_SCENE_OBJECTS,
-        [BUILTIN_TEXTURES] = DT_SCENE_TEXTURES,
-    };
-    return access->resource ? (uint16_t)access->resource->index : builtins[access->builtin];
+    return access->resource ? (uint16_t)access->resource->index : access->builtin;
 }
 
 static struct dt_binding binding_of(const struct pipeline *pipeline, const struct pass *pass,
                                     const struct access *access)
 {
-    bool texture = access->kind & (ACCESS_FETCH | ACCESS_SAMPLED);
+    bool texture = access->kind & DT_READ_TEXTURE;
     struct dt_binding binding = {
         .binding = (uint16_t)access->binding,
         .resource = object_of(access),
-        .kind = !is_image(access) ? access->kind & ACCESS_UNIFORM ? DT_BIND_UNIFORM
-                                    : texture                     ? DT_BIND_TEXELS
-                                                                  : DT_BIND_STORAGE
+        .kind = !is_image(access) ? access->kind & DT_READ_UNIFORM ? DT_BIND_UNIFORM
+                                    : texture                      ? DT_BIND_TEXELS
+                                                                   : DT_BIND_STORAGE
                 : texture         ? DT_BIND_TEXTURE
                                   : DT_BIND_IMAGE,
     };
@@ -272,7 +166,7 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     if (texture)
         binding.sampler = sampler_index(pipeline, access->filter);
     else
-        binding.access = (uint16_t)accesses_of(access->kind);
+        binding.access = (uint16_t)access->kind;
     return binding;
 }
 
@@ -298,7 +192,7 @@ static void lower_bindings(struct lowering *l, const struct pass *pass, struct d
         bindings[count++] = block_of(pass->frame_binding, DT_FRAME, true);
         bindings[count++] = block_of(pass->live_binding, DT_LIVE, true);
     }
-    if (pass->kind == PASS_SCENE && !l->failed) {
+    if (pass->kind == DT_PASS_DRAW_SCENE && !l->failed) {
         bindings[count++] =
             block_of(pass->materials_binding, DT_SCENE_MATERIALS, pass->uniform_materials);
         bindings[count++] = (struct dt_binding){.binding = (uint16_t)pass->textures_binding,
@@ -317,9 +211,9 @@ static void lower_targets(struct lowering *l, const struct pass *pass, struct dt
     struct dt_target *colors = table(l, pass->access_count, sizeof *colors);
     for (uint32_t i = 0; i < pass->access_count && !l->failed; i++) {
         const struct access *access = &pass->accesses[i];
-        struct dt_target *depth = access->kind & ACCESS_DEPTH ? table(l, 1, sizeof *depth) : NULL;
+        struct dt_target *depth = access->kind & DT_WRITE_DEPTH ? table(l, 1, sizeof *depth) : NULL;
         struct dt_target *target =
-            access->kind & ACCESS_COLOR ? &colors[access->attachment] : depth;
+            access->kind & DT_WRITE_COLOR ? &colors[access->attachment] : depth;
         if (!target)
             continue;
         *target = (struct dt_target){.resource = (uint16_t)access->resource->index,
@@ -331,7 +225,7 @@ static void lower_targets(struct lowering *l, const struct pass *pass, struct dt
             target->blend = access->blend;
             target->keep = access->keep;
         }
-        program->color_count += access->kind & ACCESS_COLOR ? 1 : 0;
+        program->color_count += access->kind & DT_WRITE_COLOR ? 1 : 0;
         program->depth = depth ? depth : program->depth;
     }
     program->colors = colors;
@@ -356,29 +250,22 @@ static uint8_t input_locations(const struct shader *vertex)
 static void lower_program(struct lowering *l, const struct pass *pass, const struct shader *vertex,
                           struct dt_program *program)
 {
-    static const enum dt_compare compares[] = {[COMPARE_OFF] = DT_COMPARE_ALWAYS,
-                                               [COMPARE_LESS] = DT_COMPARE_LESS,
-                                               [COMPARE_LESS_EQUAL] = DT_COMPARE_LESS_EQUAL,
-                                               [COMPARE_GREATER] = DT_COMPARE_GREATER,
-                                               [COMPARE_ALWAYS] = DT_COMPARE_ALWAYS};
-    static const enum dt_cull culls[] = {
-        [CULL_NONE] = DT_CULL_NONE, [CULL_BACK] = DT_CULL_BACK, [CULL_FRONT] = DT_CULL_FRONT};
     *program = (struct dt_program){0};
     lower_bindings(l, pass, program);
     if (!pass_draws(pass))
         return;
     lower_targets(l, pass, program);
-    program->cull = culls[pass->cull];
+    program->cull = pass->cull;
     program->layered = pass->layers != NULL;
     program->clip_distances = pass->clip_distances;
     program->attributes = input_locations(vertex);
     program->topology = pass->topology;
     program->bias_constant = pass->bias_constant;
     program->bias_slope = pass->bias_slope;
-    if (program->depth && pass->depth_compare != COMPARE_OFF) {
+    if (program->depth && pass->depth_test) {
         program->depth_test = true;
         program->depth_write = pass->depth_write;
-        program->compare = compares[pass->depth_compare];
+        program->compare = pass->depth_compare;
     }
 }
 
@@ -445,7 +332,7 @@ static bool filters_anisotropic(const struct pass *pass)
 static bool stores(const struct pass *pass)
 {
     for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].kind & ACCESS_STORAGE_WRITE)
+        if (pass->accesses[i].kind & DT_WRITE_STORAGE)
             return true;
     return false;
 }
@@ -457,7 +344,7 @@ static bool blends_apart(const struct pass *pass)
     bool apart = false;
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
-        if (!(access->kind & ACCESS_COLOR))
+        if (!(access->kind & DT_WRITE_COLOR))
             continue;
         if (!first)
             first = access;
@@ -474,7 +361,7 @@ static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
     struct dt_need *needs = table(l, l->from->pass_count * most, sizeof *needs);
     for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
         const struct pass *pass = l->from->order[p];
-        bool scene = pass->kind == PASS_SCENE;
+        bool scene = pass->kind == DT_PASS_DRAW_SCENE;
         bool indirect = pass_draws(pass) && pass->indirect_resource;
         const struct {
             const char *feature;
@@ -599,7 +486,7 @@ static void lower_fields(struct lowering *l, const struct resource *from, struct
     to->fields = fields;
     to->field_count = count;
     to->stride = from->stride;
-    to->controls_work = from->usage & (ACCESS_INDIRECT | ACCESS_INDEX);
+    to->controls_work = from->usage & (DT_READ_INDIRECT | DT_READ_INDEX);
 }
 
 static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
@@ -615,6 +502,8 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
                                             .input = from->input,
                                             .file = from->file,
                                             .contract = from->contract.allowed};
+        if (from->contract.allowed.kind != DT_CONTRACT_FLIPS)
+            resources[i].contract.margin_field = 0;
         if (from->kind == DT_BUFFER) {
             lower_fields(l, from, &resources[i]);
             continue;
@@ -669,19 +558,15 @@ static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pa
 
 static bool uses_scene(const struct pass *pass)
 {
-    bool uses = pass->kind == PASS_SCENE;
+    bool uses = pass->kind == DT_PASS_DRAW_SCENE;
     for (uint32_t i = 0; i < pass->access_count; i++)
-        uses |= pass->accesses[i].builtin >= 0;
+        uses |= pass->accesses[i].builtin;
     return uses;
 }
 
 static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
                          struct dt_pipeline *pipeline)
 {
-    static const enum dt_pass_kind kinds[] = {[PASS_SCENE] = DT_PASS_DRAW_SCENE,
-                                              [PASS_FULLSCREEN] = DT_PASS_DRAW_FULLSCREEN,
-                                              [PASS_VERTICES] = DT_PASS_DRAW_VERTICES,
-                                              [PASS_DISPATCH] = DT_PASS_DISPATCH};
     struct dt_pass *passes = table(l, l->from->pass_count, sizeof *passes);
     for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++) {
         const struct pass *from = l->from->order[i];
@@ -692,7 +577,7 @@ static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
         passes[i] = (struct dt_pass){.name = from->name,
                                      .doc = from->doc ? from->doc : "",
                                      .shader = from->shader,
-                                     .kind = kinds[from->kind],
+                                     .kind = from->kind,
                                      .uses_scene = uses_scene(from),
                                      .limit = from->limit};
         lower_uses(l, from, &passes[i]);
@@ -738,8 +623,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     lower_programs(&l, shaders[BACKEND_VK], &out->panel);
     lower_needs(&l, shaders[BACKEND_VK], &out->panel);
     lower_demands(&l, shaders[BACKEND_VK], &out->panel);
-    lower_barriers(&l, out);
-    lower_groups(&l, out);
+    lower_steps(&l, out);
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
         lower_shaders(&l, shaders[backend], backend, out);
     return l.failed ? NULL : out;

@@ -9,7 +9,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* enum dt_type, dt_format, dt_contract_kind, struct dt_blend: generated code has the same */
+/* enums and structs of generated code, which the model has, too */
 #include "panel.h"
 
 /* ---- Places and expressions ------------------------------------------------------------------ */
@@ -67,20 +67,6 @@ struct structure {
     uint32_t align, stride; /* layout, std430; stride is the array stride */
 };
 
-/* How a pass uses a resource: a mask for one access in access.kind, for all in resource.usage. */
-enum access_kind {
-    ACCESS_STORAGE_READ = 1 << 0,  /* buffer as storage, image by imageLoad */
-    ACCESS_STORAGE_WRITE = 1 << 1, /* buffer as storage, image by imageStore */
-    ACCESS_FETCH = 1 << 2,         /* image by texelFetch */
-    ACCESS_SAMPLED = 1 << 3,       /* image through a filtering sampler */
-    ACCESS_UNIFORM = 1 << 4,       /* buffer as a uniform block */
-    ACCESS_COLOR = 1 << 5,         /* colour attachment */
-    ACCESS_DEPTH = 1 << 6,         /* depth attachment */
-    ACCESS_INDIRECT = 1 << 7,      /* arguments of a draw or dispatch */
-    ACCESS_INDEX = 1 << 8,         /* index buffer */
-    ACCESS_CLEAR = 1 << 9          /* cleared by the runtime because the pass was skipped */
-};
-
 struct contract {
     struct dt_contract allowed; /* check resolves the margin */
     struct loc loc;
@@ -120,7 +106,7 @@ struct resource {
     struct loc encoding_loc;
     /* plan */
     uint32_t index;            /* in pipeline->resources */
-    unsigned usage;            /* mask of enum access_kind over all passes */
+    unsigned usage;            /* mask of enum dt_access over all passes */
     int first_pass, last_pass; /* in execution order; -1: unused. History spans the frame. */
     uint32_t slot;             /* Vulkan memory slot */
     int share;                 /* OpenGL: resource whose texture it uses; -1: its own */
@@ -129,7 +115,6 @@ struct resource {
 
 enum sampler_kind { SAMPLER_HAMMERSLEY, SAMPLER_FILTER };
 enum sampler_map { MAP_SQUARE, MAP_POLAR_DISK, MAP_CONCENTRIC_DISK };
-enum sampler_wrap { WRAP_CLAMP, WRAP_REPEAT, WRAP_MIRROR, WRAP_BORDER };
 struct sampler {
     const char *name, *doc;
     struct loc loc;
@@ -137,8 +122,8 @@ struct sampler {
     struct expr *count; /* hammersley */
     enum sampler_map map;
     bool linear, linear_mip, compare; /* filter */
-    enum sampler_wrap wrap;
-    enum dt_border border; /* WRAP_BORDER */
+    enum dt_wrap wrap;
+    enum dt_border border; /* DT_WRAP_BORDER */
     double anisotropy;     /* 1 */
 };
 
@@ -187,10 +172,10 @@ struct access {
     uint8_t keep; /* channels that `mask` leaves out, red in bit 0 */
     struct loc blend_loc, mask_loc;
     struct resource *resource;       /* check; NULL for a builtin */
-    int builtin;                     /* enum builtin, or -1 */
+    uint16_t builtin;                /* enum dt_builtin; 0: none */
     struct sampler *filter;          /* check */
     uint32_t mip_value, layer_value; /* check */
-    unsigned kind;                   /* plan: mask of enum access_kind */
+    unsigned kind;                   /* plan: mask of enum dt_access */
     int binding;    /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
     int attachment; /* plan: colour attachment number; -1 */
 };
@@ -200,15 +185,9 @@ static inline const char *access_word(const struct access *access)
     return access->as ? access->as : access->name;
 }
 
-enum builtin {
-    BUILTIN_VERTICES,
-    BUILTIN_INDICES,
-    BUILTIN_MATERIALS,
-    BUILTIN_OBJECTS,
-    BUILTIN_TEXTURES,
-    BUILTIN_COUNT
-};
-/* names in specs: scene_vertices scene_indices scene_materials scene_objects scene_textures */
+/* Names of the scene's resources, from DT_SCENE_VERTICES on (check_names.c). */
+enum { SCENE_RESOURCES = DT_SCENE_TEXTURES - DT_SCENE_VERTICES + 1 };
+extern const char *const scene_resources[SCENE_RESOURCES];
 
 /* STORAGE_AUTO, where the plan leaves it: read in place, as the kind of the access says. */
 enum storage_class { STORAGE_AUTO, STORAGE_SHARED, STORAGE_BUFFER, STORAGE_UNIFORM };
@@ -239,42 +218,23 @@ struct define { /* a macro of the body */
     const char *param;  /* of an argument: the parameter of any type that it is; then no value */
 };
 
-enum pass_kind { PASS_SCENE, PASS_FULLSCREEN, PASS_VERTICES, PASS_DISPATCH };
 enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
-enum pass_cull { CULL_NONE, CULL_BACK, CULL_FRONT };
-enum pass_compare {
-    COMPARE_OFF,
-    COMPARE_LESS,
-    COMPARE_LESS_EQUAL,
-    COMPARE_GREATER,
-    COMPARE_ALWAYS
-};
 
 struct barrier { /* before the pass: the accesses that `resource` waits for */
     struct resource *resource;
-    unsigned from; /* mask of access_kind of the earlier passes (0: first touch in the frame) */
-    unsigned from_stages;   /* enum stage_bit of those accesses */
+    unsigned from; /* mask of enum dt_access of the earlier passes (0: first touch in the frame) */
+    unsigned from_stages;   /* enum dt_stage of those accesses */
     bool from_writes;       /* the earlier accesses wrote: memory dependency, not only execution */
     unsigned to, to_stages; /* the accesses that wait */
     bool discard;           /* first touch of a transient: content undefined */
     /* first touch of a slot that another resource used before, else NULL */
     const struct resource *alias;
 };
-enum stage_bit {
-    STAGE_COMPUTE = 1,
-    STAGE_VERTEX = 2,
-    STAGE_FRAGMENT = 4,
-    STAGE_COLOR = 8,
-    STAGE_DEPTH = 16,
-    STAGE_INDIRECT = 32,
-    STAGE_INDEX = 64,
-    STAGE_CLEAR = 128
-};
 
 struct pass {
     const char *name, *doc;
     struct loc loc;
-    enum pass_kind kind;
+    enum dt_pass_kind kind;
     /* scene draws: "camera" or "light", the View that the body calls `view` */
     const char *view;
     /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
@@ -318,9 +278,9 @@ struct pass {
     struct define *defines;
     uint32_t define_count;
     /* draws */
-    enum pass_cull cull;
-    enum pass_compare depth_compare; /* default LESS with a depth target */
-    bool depth_write;
+    enum dt_cull cull;
+    bool depth_test, depth_write;
+    enum dt_compare depth_compare; /* default LESS */
     uint32_t clip_distances;
     struct expr *vertices, *instances; /* draws of vertices; NULL: indirect; instances NULL: 1 */
     enum dt_topology topology;

@@ -76,7 +76,7 @@ static void add_image(const struct access *access, uint64_t needs[DT_LIMITS])
     needs[limit] = larger(needs[limit], volume ? larger(side, layers) : side);
     if (!volume)
         needs[DT_LIMIT_IMAGE_LAYERS] = larger(needs[DT_LIMIT_IMAGE_LAYERS], layers);
-    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH)) {
+    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH)) {
         needs[DT_LIMIT_TARGET_WIDTH] = larger(needs[DT_LIMIT_TARGET_WIDTH], width);
         needs[DT_LIMIT_TARGET_HEIGHT] = larger(needs[DT_LIMIT_TARGET_HEIGHT], height);
     }
@@ -86,27 +86,10 @@ static void add_buffer(const struct access *access, uint64_t needs[DT_LIMITS])
 {
     const struct resource *buffer = access->resource;
     enum dt_device_limit limit =
-        access->kind & ACCESS_UNIFORM ? DT_LIMIT_UNIFORM_BYTES : DT_LIMIT_STORAGE_BYTES;
-    uint64_t block = access->kind & ACCESS_UNIFORM ? buffer->block : 0;
+        access->kind & DT_READ_UNIFORM ? DT_LIMIT_UNIFORM_BYTES : DT_LIMIT_STORAGE_BYTES;
+    uint64_t block = access->kind & DT_READ_UNIFORM ? buffer->block : 0;
     if (access->binding >= 0)
         needs[limit] = larger(needs[limit], block ? block : buffer->bytes);
-}
-
-static uint64_t groups_along(const struct groups *groups)
-{
-    static const int frame[] = {REFERENCE_WIDTH, REFERENCE_HEIGHT, 1};
-    switch (groups->kind) {
-    case GROUPS_NUMBER:
-        return groups->divisor;
-    case GROUPS_EXPR:
-        return dt_groups((int64_t)value_of(groups->expr), groups->divisor);
-    case GROUPS_IMAGE:
-        return dt_groups((int64_t)value_of(resource_size(groups->image, groups->of_axis)),
-                         groups->divisor);
-    case GROUPS_FRAME:
-        return dt_groups(frame[groups->of_axis], groups->divisor);
-    }
-    return 1;
 }
 
 /* What one pass needs of each limit, at the reference size of the frame. */
@@ -125,12 +108,14 @@ static void count_limits(const struct lowered *tables, uint32_t index, uint64_t 
     }
     if (pass->layers)
         needs[DT_LIMIT_TARGET_LAYERS] = value_of(pass->layers);
-    for (int axis = 0; axis < 3 && !pass_draws(pass) && pass->size != SIZE_INDIRECT; axis++)
-        needs[DT_LIMIT_GROUPS_X + axis] = groups_along(&tables->groups[index][axis]);
+    const struct step *work = steps_work(&tables->passes[index].steps);
+    for (int axis = 0; axis < 3 && work->verb == DT_VERB_DISPATCH; axis++)
+        needs[DT_LIMIT_GROUPS_X + axis] =
+            (uint64_t)amount_value(&work->arguments[axis], REFERENCE_WIDTH, REFERENCE_HEIGHT, NULL);
     if (pass_draws(pass) && pass->indirect_resource)
         needs[DT_LIMIT_DRAWS] =
             pass->indirect_resource->bytes /
-            (pass->kind == PASS_VERTICES ? DT_VERTEX_DRAW_BYTES : DT_DRAW_BYTES);
+            (pass->kind == DT_PASS_DRAW_VERTICES ? DT_VERTEX_DRAW_BYTES : DT_DRAW_BYTES);
 }
 
 /* The passes of a row, comma between them. */

@@ -20,15 +20,15 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
 {
     const struct format_info *format = format_info(access->resource->format);
 
-    if (access->mode == MODE_READ) {
-        if (access->sampler)
-            return ACCESS_SAMPLED;
-        return pass->kind == PASS_DISPATCH && format->storage ? ACCESS_STORAGE_READ : ACCESS_FETCH;
-    }
-    if (pass->kind != PASS_DISPATCH)
-        return access->resource->format == DT_FORMAT_D32F ? ACCESS_DEPTH : ACCESS_COLOR;
-    return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
-                                      : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
+    if (access->mode == MODE_READ)
+        return pass->kind == DT_PASS_DISPATCH && format->qualifier && !access->sampler
+                   ? DT_READ_STORAGE
+                   : DT_READ_TEXTURE;
+    if (pass->kind != DT_PASS_DISPATCH)
+        return access->resource->format == DT_FORMAT_D32F     ? DT_READ_DEPTH | DT_WRITE_DEPTH
+               : access->mode == MODE_UPDATE || access->blend ? DT_READ_COLOR | DT_WRITE_COLOR
+                                                              : DT_WRITE_COLOR;
+    return access->mode == MODE_WRITE ? DT_WRITE_STORAGE : DT_READ_STORAGE | DT_WRITE_STORAGE;
 }
 
 /* CPU drivers gather from a uniform block, but load from a storage buffer lane by lane, with bounds
@@ -64,9 +64,8 @@ static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *
                             const struct access *access)
 {
     if (access->mode == MODE_READ)
-        return reads_uniform(pipeline, pass, access) ? ACCESS_UNIFORM : ACCESS_STORAGE_READ;
-    return access->mode == MODE_WRITE ? ACCESS_STORAGE_WRITE
-                                      : ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE;
+        return reads_uniform(pipeline, pass, access) ? DT_READ_UNIFORM : DT_READ_STORAGE;
+    return access->mode == MODE_WRITE ? DT_WRITE_STORAGE : DT_READ_STORAGE | DT_WRITE_STORAGE;
 }
 
 /* Every device can bind eight storage images. Reads beyond these use texelFetch, which returns the
@@ -79,14 +78,14 @@ static void limit_storage_images(struct pass *pass, struct diag *diag)
         const struct access *access = &pass->accesses[i];
 
         count += access->resource && access->resource->kind == DT_IMAGE &&
-                 access->kind & (ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE);
+                 access->kind & (DT_READ_STORAGE | DT_WRITE_STORAGE);
     }
     for (uint32_t i = pass->access_count; i-- > 0 && count > STORAGE_IMAGE_LIMIT;) {
         struct access *access = &pass->accesses[i];
 
         if (access->resource && access->resource->kind == DT_IMAGE &&
-            access->kind == ACCESS_STORAGE_READ) {
-            access->kind = ACCESS_FETCH;
+            access->kind == DT_READ_STORAGE) {
+            access->kind = DT_READ_TEXTURE;
             count--;
         }
     }
@@ -104,12 +103,12 @@ static void limit_uniforms(struct pass *pass)
 
     for (uint32_t i = 0; i < pass->access_count; i++) {
         struct access *access = &pass->accesses[i];
-        bool wanted = !access->resource || !(access->kind & ACCESS_UNIFORM);
+        bool wanted = !access->resource || !(access->kind & DT_READ_UNIFORM);
 
         for (uint32_t k = 0; k < pass->range_count && !wanted; k++)
             wanted = pass->ranges[k].access == access && pass->ranges[k].storage == STORAGE_UNIFORM;
         if (!wanted && ++count > UNIFORM_LIMIT)
-            access->kind = ACCESS_STORAGE_READ;
+            access->kind = DT_READ_STORAGE;
     }
 }
 
@@ -117,25 +116,24 @@ static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struc
 {
     int attachments = 0;
 
-    pass->uniform_materials = pass->kind == PASS_SCENE && !pipeline->gpu;
+    pass->uniform_materials = pass->kind == DT_PASS_DRAW_SCENE && !pipeline->gpu;
 
     for (uint32_t i = 0; i < pass->access_count; i++) {
         struct access *access = &pass->accesses[i];
 
         access->binding = access->attachment = -1;
         if (!access->resource) {
-            bool mesh = access->builtin == BUILTIN_VERTICES || access->builtin == BUILTIN_INDICES;
-            access->kind = access->builtin == BUILTIN_TEXTURES ? ACCESS_SAMPLED
-                           : mesh && !pipeline->gpu            ? ACCESS_FETCH
-                           : access->builtin == BUILTIN_MATERIALS && !pipeline->gpu
-                               ? ACCESS_UNIFORM
-                               : ACCESS_STORAGE_READ;
+            bool mesh = access->builtin == DT_SCENE_VERTICES || access->builtin == DT_SCENE_INDICES;
+            access->kind =
+                access->builtin == DT_SCENE_TEXTURES || (mesh && !pipeline->gpu) ? DT_READ_TEXTURE
+                : access->builtin == DT_SCENE_MATERIALS && !pipeline->gpu        ? DT_READ_UNIFORM
+                                                                                 : DT_READ_STORAGE;
         } else if (access->resource->kind == DT_IMAGE) {
             access->kind = image_kind(pass, access);
         } else {
             access->kind = buffer_kind(pipeline, pass, access);
         }
-        if (access->kind & ACCESS_COLOR)
+        if (access->kind & DT_WRITE_COLOR)
             access->attachment = attachments++;
     }
     if (attachments > COLOR_TARGET_LIMIT) {
@@ -158,14 +156,14 @@ enum binding_class {
 
 static enum binding_class binding_class(const struct access *access)
 {
-    bool image =
-        access->resource ? access->resource->kind == DT_IMAGE : access->builtin == BUILTIN_TEXTURES;
+    bool image = access->resource ? access->resource->kind == DT_IMAGE
+                                  : access->builtin == DT_SCENE_TEXTURES;
 
-    if (access->kind & (ACCESS_COLOR | ACCESS_DEPTH))
+    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH))
         return BIND_NONE;
-    if (access->kind & (ACCESS_FETCH | ACCESS_SAMPLED))
+    if (access->kind & DT_READ_TEXTURE)
         return BIND_TEXTURE;
-    if (access->kind & ACCESS_UNIFORM)
+    if (access->kind & DT_READ_UNIFORM)
         return BIND_UNIFORM;
     return image ? BIND_STORAGE_IMAGE : BIND_STORAGE_BUFFER;
 }
@@ -177,9 +175,10 @@ static int bind_class(struct pass *pass, enum binding_class class, int next)
 
         if (binding_class(access) != class)
             continue;
-        if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_MATERIALS && !access->resource)
+        if (pass->kind == DT_PASS_DRAW_SCENE && access->builtin == DT_SCENE_MATERIALS &&
+            !access->resource)
             access->binding = pass->materials_binding;
-        else if (pass->kind == PASS_SCENE && access->builtin == BUILTIN_TEXTURES &&
+        else if (pass->kind == DT_PASS_DRAW_SCENE && access->builtin == DT_SCENE_TEXTURES &&
                  !access->resource)
             access->binding = pass->textures_binding;
         else
@@ -194,7 +193,8 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
 {
     int next = bind_class(pass, BIND_STORAGE_IMAGE, 0), first_texture = 0;
 
-    pass->materials_binding = pass->kind == PASS_SCENE && !pass->uniform_materials ? next++ : -1;
+    pass->materials_binding =
+        pass->kind == DT_PASS_DRAW_SCENE && !pass->uniform_materials ? next++ : -1;
     next = bind_class(pass, BIND_STORAGE_BUFFER, next);
     pass->frame_binding = next++;
     pass->live_binding = next++;
@@ -202,7 +202,7 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
         pass->materials_binding = next++;
     next = bind_class(pass, BIND_UNIFORM, next);
     first_texture = next;
-    pass->textures_binding = pass->kind == PASS_SCENE ? next++ : -1;
+    pass->textures_binding = pass->kind == DT_PASS_DRAW_SCENE ? next++ : -1;
     next = bind_class(pass, BIND_TEXTURE, next);
     if (next - first_texture > TEXTURE_LIMIT) {
         diag_error(diag, pass->loc,
@@ -381,16 +381,17 @@ static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
 
 static unsigned stages_of(const struct pass *pass, const struct access *access)
 {
-    if (access->kind & ACCESS_COLOR)
-        return STAGE_COLOR;
-    if (access->kind & ACCESS_DEPTH)
-        return STAGE_DEPTH;
-    if (pass->kind == PASS_DISPATCH)
-        return STAGE_COMPUTE;
+    if (access->kind & DT_WRITE_COLOR)
+        return DT_STAGE_COLOR;
+    if (access->kind & DT_WRITE_DEPTH)
+        return DT_STAGE_DEPTH;
+    if (pass->kind == DT_PASS_DISPATCH)
+        return DT_STAGE_COMPUTE;
     /* Draws write buffers in the fragment stage; generated vertex shaders read none. */
-    return (pass->kind != PASS_FULLSCREEN || pass->own_vertices) && access->mode == MODE_READ
-               ? STAGE_VERTEX | STAGE_FRAGMENT
-               : STAGE_FRAGMENT;
+    return (pass->kind != DT_PASS_DRAW_FULLSCREEN || pass->own_vertices) &&
+                   access->mode == MODE_READ
+               ? DT_STAGE_VERTEX | DT_STAGE_FRAGMENT
+               : DT_STAGE_FRAGMENT;
 }
 
 static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch touch)
@@ -408,11 +409,16 @@ static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch 
     return count + 1;
 }
 
+bool access_is_texels(const struct access *access)
+{
+    return access->kind & DT_READ_TEXTURE &&
+           (access->builtin == DT_SCENE_VERTICES || access->builtin == DT_SCENE_INDICES);
+}
+
 bool access_sees_one_mip(const struct access *access)
 {
     return access->resource && (access->resource->mips || access->resource->shape) &&
-           access->kind & (ACCESS_FETCH | ACCESS_SAMPLED) &&
-           (access->mip || access->layer || access->kind & ACCESS_FETCH);
+           access->kind & DT_READ_TEXTURE && (access->mip || access->layer || !access->sampler);
 }
 
 uint32_t mips_of(const struct resource *resource)
@@ -423,7 +429,7 @@ uint32_t mips_of(const struct resource *resource)
 static uint32_t touched_mips(const struct access *access)
 {
     uint32_t mips = mips_of(access->resource);
-    bool one = access_sees_one_mip(access) || !(access->kind & (ACCESS_FETCH | ACCESS_SAMPLED));
+    bool one = access_sees_one_mip(access) || !(access->kind & DT_READ_TEXTURE);
 
     return one ? 1u << access->mip_value : mips < 32 ? (1u << mips) - 1 : UINT32_MAX;
 }
@@ -434,13 +440,13 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
 
     if (pass->indirect_resource) {
         count = merge_touch(touches, count,
-                            (struct touch){pass->indirect_resource, ACCESS_INDIRECT, STAGE_INDIRECT,
-                                           true, false, 1});
+                            (struct touch){pass->indirect_resource, DT_READ_INDIRECT,
+                                           DT_STAGE_INDIRECT, true, false, 1});
     }
     if (pass->index_resource) {
         count = merge_touch(
             touches, count,
-            (struct touch){pass->index_resource, ACCESS_INDEX, STAGE_INDEX, true, false, 1});
+            (struct touch){pass->index_resource, DT_READ_INDEX, DT_STAGE_INDEX, true, false, 1});
     }
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
@@ -454,9 +460,9 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
         /* A pass that is skipped at run time clears its outputs: targets as attachments, other
          * resources by clear commands. */
         if (pass->conditional && access->mode == MODE_WRITE &&
-            !(access->kind & (ACCESS_COLOR | ACCESS_DEPTH))) {
-            touch.kind |= ACCESS_CLEAR;
-            touch.stages |= STAGE_CLEAR;
+            !(access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH))) {
+            touch.kind |= DT_WRITE_CLEAR;
+            touch.stages |= DT_STAGE_CLEAR;
         }
         count = merge_touch(touches, count, touch);
     }
@@ -471,7 +477,7 @@ static void plan_blocks(struct pipeline *pipeline)
         struct resource *buffer = &pipeline->resources[i];
         uint64_t bytes;
 
-        if (!(buffer->usage & ACCESS_UNIFORM) || !buffer->count || expr_is_literal(buffer->count))
+        if (!(buffer->usage & DT_READ_UNIFORM) || !buffer->count || expr_is_literal(buffer->count))
             continue;
         bytes = buffer->stride *
                 (uint64_t)expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);

@@ -4,18 +4,9 @@
 #define DIPTYCH_GEN_PLAN_H
 
 #include "diag.h"
+#include "formats.h"
 
 /* ---- layout.c -------------------------------------------------------------------------------- */
-
-struct type_info {
-    const char *dt;       /* enumerator in diptych.h */
-    const char *glsl;     /* name in specs and shaders */
-    const char *c;        /* element type in C */
-    uint32_t components;  /* per column */
-    uint32_t columns;     /* 4 for mat4, else 1 */
-    uint32_t size, align; /* bytes; the same in std140 and std430 outside arrays */
-};
-const struct type_info *type_info(enum dt_type type);
 
 /* Whether the buffer's elements have the same layout in std140 and std430, so that a uniform block
  * can read them. */
@@ -23,15 +14,6 @@ bool std140_equals_std430(const struct resource *buffer);
 
 /* ---- format.c -------------------------------------------------------------------------------- */
 
-struct format_info {
-    const char *name; /* in specs */
-    const char *dt;   /* enumerator in diptych.h */
-    const char *vk;   /* VkFormat */
-    uint32_t bytes;   /* per texel */
-    bool storage;     /* imageLoad and imageStore on both backends */
-    bool integer;
-};
-const struct format_info *format_info(enum dt_format format);
 /* The number nearest to `value` that the channel, 0 to 3, of the format can hold. Drivers round
  * others to either side. */
 float format_round(enum dt_format format, int channel, double value);
@@ -42,10 +24,13 @@ float format_round(enum dt_format format, int channel, double value);
  * `layer`. It then binds a view of this mip, and the same pass may write the other mips. */
 bool access_sees_one_mip(const struct access *access);
 
+/* Whether it reads a buffer of the scene as a texel buffer. */
+bool access_is_texels(const struct access *access);
+
 struct touch {
     struct resource *resource;
-    unsigned kind;   /* mask of enum access_kind */
-    unsigned stages; /* mask of enum stage_bit */
+    unsigned kind;   /* mask of enum dt_access */
+    unsigned stages; /* mask of enum dt_stage */
     bool reads, writes;
     uint32_t mips; /* mask; 1 for a buffer. Layers of a mip are synchronized together */
 };
@@ -83,8 +68,7 @@ bool resource_covers(const struct resource *a, const struct resource *b);
 void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 
 /* The layout of an image while a pass uses it with these kinds of access (mask of enum
- * access_kind). */
-enum image_layout { LAYOUT_GENERAL, LAYOUT_READ, LAYOUT_COLOR, LAYOUT_DEPTH };
-enum image_layout layout_of(unsigned kind); /* barrier.c */
+ * dt_access). */
+enum dt_layout layout_of(unsigned kind); /* barrier.c */
 
 #endif

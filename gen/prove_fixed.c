@@ -26,22 +26,21 @@ static bool is_exact(const struct access *access)
            access->resource->contract.allowed.kind == DT_CONTRACT_EXACT;
 }
 
-/* Whether the draw can change a channel of the format: 'r', 'g', 'b' or 'a'. */
-static bool draws_channel(const struct access *access, char channel)
+/* Whether the draw can change a channel of the format, red is 0. */
+static bool draws_channel(const struct access *access, uint32_t channel)
 {
-    unsigned bit = (unsigned)(strchr("rgba", channel) - "rgba");
-    return strchr(format_info(access->resource->format)->name, channel) &&
-           !(access->keep >> bit & 1);
+    return channel < format_info(access->resource->format)->channels &&
+           !(access->keep >> channel & 1);
 }
 
 /* Why one equation of blending is open; NULL: it is not. */
 static const char *open_equation(enum dt_format format, enum dt_factor src, enum dt_factor dst,
                                  enum dt_blend_op op)
 {
-    const char *name = format_info(format)->name;
-    bool single = strstr(name, "32f");
+    enum number_kind kind = format_info(format)->kind;
+    bool single = kind == NUMBER_FLOAT;
     if (op == DT_BLEND_MIN || op == DT_BLEND_MAX)
-        return single || strstr(name, "16f") ? "of -0.0 and 0.0 it may keep either" : NULL;
+        return single || kind == NUMBER_HALF ? "of -0.0 and 0.0 it may keep either" : NULL;
     if (src > DT_FACTOR_ZERO || dst > DT_FACTOR_ZERO)
         return "the driver rounds products with a factor, or fuses them with the sum";
     bool sum = src == DT_FACTOR_ONE && dst == DT_FACTOR_ONE;
@@ -52,10 +51,9 @@ static void prove_blend(const struct pass *pass, const struct access *target, st
 {
     const struct dt_blend *blend = target->blend;
     enum dt_format format = target->resource->format;
-    bool color =
-        draws_channel(target, 'r') || draws_channel(target, 'g') || draws_channel(target, 'b');
+    bool color = draws_channel(target, 0) || draws_channel(target, 1) || draws_channel(target, 2);
     const char *why = color ? open_equation(format, blend->src, blend->dst, blend->op) : NULL;
-    if (!why && draws_channel(target, 'a'))
+    if (!why && draws_channel(target, 3))
         why = open_equation(format, blend->alpha_src, blend->alpha_dst, blend->alpha_op);
     if (why)
         diag_error(diag, target->own_blend ? target->blend_loc : pass->blend_loc,
@@ -65,17 +63,17 @@ static void prove_blend(const struct pass *pass, const struct access *target, st
 static void prove_target(const struct pass *pass, const struct access *target, bool own_depth,
                          struct diag *diag)
 {
-    bool makes_vertices =
-        pass->kind == PASS_VERTICES || (pass->kind == PASS_FULLSCREEN && pass->own_vertices);
-    if (target->kind & ACCESS_COLOR && target->blend)
+    bool makes_vertices = pass->kind == DT_PASS_DRAW_VERTICES ||
+                          (pass->kind == DT_PASS_DRAW_FULLSCREEN && pass->own_vertices);
+    if (target->kind & DT_WRITE_COLOR && target->blend)
         prove_blend(pass, target, diag);
-    if (target->kind & ACCESS_COLOR && target->resource->format == DT_FORMAT_RGBA8_SRGB)
+    if (target->kind & DT_WRITE_COLOR && target->resource->format == DT_FORMAT_RGBA8_SRGB)
         diag_error(diag, target->loc,
                    "`%s` is not exact: the driver encodes sRGB, and may miss by a code; draw codes "
                    "into rgba8",
                    target->name);
-    if (target->kind & ACCESS_DEPTH && makes_vertices && pass->depth_write &&
-        pass->depth_compare != COMPARE_OFF && !own_depth)
+    if (target->kind & DT_WRITE_DEPTH && makes_vertices && pass->depth_write && pass->depth_test &&
+        !own_depth)
         diag_error(diag, target->loc,
                    "`%s` is not exact: interpolation of depth depends on the driver; write "
                    "gl_FragDepth",
@@ -109,7 +107,7 @@ void prove_fixed(const struct pass *pass, const struct shader *fragment, struct 
     if (exact && (pass->bias_constant != 0 || pass->bias_slope != 0))
         diag_error(diag, pass->bias_loc,
                    "`depth_bias` is not exact: its unit, and the slope, depend on the driver");
-    if (exact && pass->clip_distances && pass->kind != PASS_SCENE)
+    if (exact && pass->clip_distances && pass->kind != DT_PASS_DRAW_SCENE)
         diag_error(diag, pass->clip_loc,
                    "`clip_distances` are not exact: where they cut a triangle, the driver rounds");
 }

@@ -201,8 +201,8 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
         struct fy_node *item = wrong_number(reader, key, node);
         if (item)
             diag_error(reader->diag, node_loc(reader, item),
-                       "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "", label,
-                       quote ? "`" : "", describe(reader, item));
+                       "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "",
+                       label, quote ? "`" : "", describe(reader, item));
         else
             diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
                        quote ? "`" : "", table_type_text(key->type), describe(reader, node));

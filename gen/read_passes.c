@@ -79,11 +79,8 @@ static void set_name(struct reader *reader, struct fy_node *node, struct access 
 static bool read_access(struct reader *reader, struct fy_node *node, enum access_mode mode,
                         struct access *access)
 {
-    *access = (struct access){.mode = mode,
-                              .builtin = -1,
-                              .binding = -1,
-                              .attachment = -1,
-                              .loc = node_loc(reader, node)};
+    *access = (struct access){
+        .mode = mode, .binding = -1, .attachment = -1, .loc = node_loc(reader, node)};
     set_name(reader, node, access);
     if (access->name && is_path(access->name))
         return true;
@@ -254,7 +251,7 @@ static int read_dispatch(struct reader *reader, const struct fields *fields, str
     const char *key = field_node(fields, "dispatch") ? "dispatch" : "groups";
     struct fy_node *node = field_node(fields, key);
     const char *text = referred_name(reader, node);
-    pass->kind = PASS_DISPATCH;
+    pass->kind = DT_PASS_DISPATCH;
     pass->size_loc = field_loc(reader, fields, key);
     pass->size = !strcmp(key, "groups") ? SIZE_GROUPS : SIZE_INVOCATIONS;
     if (pass->size == SIZE_INVOCATIONS && text && names_image(&reader->model->pipeline, text)) {
@@ -296,11 +293,11 @@ static void refuse_others(struct reader *reader, const struct fields *fields,
     static const char *const dispatch[] = {
         "view",  "layers",         "indices",  "cull",    "depth",      "depth_write",
         "blend", "clip_distances", "viewport", "scissor", "depth_bias", NULL};
-    if (pass->kind == PASS_SCENE)
+    if (pass->kind == DT_PASS_DRAW_SCENE)
         refuse_keys(reader, fields, "a draw", scene);
-    else if (pass->kind == PASS_FULLSCREEN)
+    else if (pass->kind == DT_PASS_DRAW_FULLSCREEN)
         refuse_keys(reader, fields, "a fullscreen draw", fullscreen);
-    else if (pass->kind == PASS_VERTICES)
+    else if (pass->kind == DT_PASS_DRAW_VERTICES)
         refuse_keys(reader, fields, "a draw of vertices", vertices);
     else
         refuse_keys(reader, fields, "a dispatch", dispatch);
@@ -311,10 +308,11 @@ static void read_draw(struct reader *reader, const struct fields *fields, struct
     struct fy_node *node = field_node(fields, "draw");
     struct fields map;
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
-        pass->kind = field_choice(reader, fields, "draw", 0) ? PASS_FULLSCREEN : PASS_SCENE;
+        pass->kind =
+            field_choice(reader, fields, "draw", 0) ? DT_PASS_DRAW_FULLSCREEN : DT_PASS_DRAW_SCENE;
         return;
     }
-    pass->kind = PASS_VERTICES;
+    pass->kind = DT_PASS_DRAW_VERTICES;
     if (!fields_read(reader, node, SECTION_DRAW, node_loc(reader, node), &map))
         return;
     pass->vertices = field_expr(reader, &map, "vertices");
@@ -348,7 +346,7 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
         else
             found = keys[i];
     }
-    pass->kind = PASS_DISPATCH;
+    pass->kind = DT_PASS_DISPATCH;
     pass->size = SIZE_INDIRECT;
     pass->size_loc = pass->indirect_loc;
     if (found && !strcmp(found, "draw")) {
@@ -369,10 +367,10 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
                        "`indirect`",
                        pass->name);
     }
-    if (pass->indirect && found && pass->kind == PASS_DISPATCH)
+    if (pass->indirect && found && pass->kind == DT_PASS_DISPATCH)
         diag_error(reader->diag, pass->indirect_loc,
                    "`indirect` excludes `%s`: the buffer gives the number of workgroups", found);
-    if (pass->kind == PASS_DISPATCH)
+    if (pass->kind == DT_PASS_DISPATCH)
         read_local(reader, fields, pass, dimensions);
     refuse_others(reader, fields, pass);
 }
@@ -419,14 +417,15 @@ static void read_depth_bias(struct reader *reader, const struct fields *fields, 
 
 static void read_draw_state(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
-    if (pass->kind == PASS_DISPATCH)
+    if (pass->kind == DT_PASS_DISPATCH)
         return;
     bool depth = has_depth_target(&reader->model->pipeline, pass);
     pass->view = field_choice(reader, fields, "view", 0) ? "light" : "camera";
     pass->layers = field_expr(reader, fields, "layers");
-    pass->cull = (enum pass_cull)field_choice(reader, fields, "cull", CULL_NONE);
-    pass->depth_compare = (enum pass_compare)field_choice(reader, fields, "depth",
-                                                          depth ? COMPARE_LESS : COMPARE_OFF);
+    pass->cull = (enum dt_cull)field_choice(reader, fields, "cull", DT_CULL_NONE);
+    int compare = field_choice(reader, fields, "depth", depth ? 1 : 0); /* 0: off */
+    pass->depth_test = compare > 0;
+    pass->depth_compare = pass->depth_test ? (enum dt_compare)(compare - 1) : DT_COMPARE_LESS;
     pass->depth_write = field_bool(reader, fields, "depth_write", true);
     read_rect(reader, fields, "viewport", pass->viewport);
     read_rect(reader, fields, "scissor", pass->scissor);
@@ -444,7 +443,7 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
                    "at most 8 clip distances");
     else
         pass->clip_distances = (uint32_t)distances;
-    if (pass->depth_compare != COMPARE_OFF && !depth)
+    if (pass->depth_test && !depth)
         diag_error(reader->diag, field_loc(reader, fields, "depth"),
                    "`depth` needs a depth target: the pass `%s` writes no image of format d32f",
                    pass->name);

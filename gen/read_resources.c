@@ -232,9 +232,9 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
     refuse_keys(reader, &fields, "filter", points);
     sampler->linear = field_choice(reader, &fields, "filter", 0) == 1;
     sampler->linear_mip = field_choice(reader, &fields, "mip_filter", 0) == 1;
-    sampler->wrap = (enum sampler_wrap)field_choice(reader, &fields, "wrap", WRAP_CLAMP);
+    sampler->wrap = (enum dt_wrap)field_choice(reader, &fields, "wrap", DT_WRAP_CLAMP);
     sampler->border = (enum dt_border)field_choice(reader, &fields, "border", 0);
-    if (field_given(&fields, "border") && sampler->wrap != WRAP_BORDER)
+    if (field_given(&fields, "border") && sampler->wrap != DT_WRAP_BORDER)
         diag_error(reader->diag, field_loc(reader, &fields, "border"),
                    "`%s` has a border colour, but not `wrap: border`", sampler->name);
     sampler->compare = field_bool(reader, &fields, "compare", false);

@@ -34,7 +34,7 @@ struct jobs {
 
 static bool has_stage(const struct pass *pass, enum stage stage)
 {
-    return pass->kind == PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
+    return pass->kind == DT_PASS_DISPATCH ? stage == STAGE_IS_COMPUTE : stage != STAGE_IS_COMPUTE;
 }
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
@@ -243,7 +243,7 @@ static void prove_draws(const struct model *model, const struct pass_shaders *sh
                         struct diag *diag)
 {
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
-        if (model->pipeline.order[i]->kind != PASS_DISPATCH)
+        if (model->pipeline.order[i]->kind != DT_PASS_DISPATCH)
             prove_fixed(model->pipeline.order[i], &shaders[i].stage[STAGE_IS_FRAGMENT], diag);
 }
 

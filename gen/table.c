@@ -3,18 +3,21 @@
 
 #include <string.h>
 
-#define NUMBER_TYPES "float|vec2|vec3|vec4|int|ivec2|ivec3|ivec4|uint|uvec2|uvec3|uvec4"
-#define PARAM_TYPES  NUMBER_TYPES "|bool"
-#define FIELD_TYPES                                                                                \
-    NUMBER_TYPES "|bool|mat4" /* bool keeps the numbering of enum dt_type; set_type rejects it */
-#define FORMATS                                                                                    \
-    "r8|rg8|rgba8|rgba8_srgb|r16f|rg16f|rgba16f|r32f|rg32f|rgba32f|r32ui|rg32ui|rgba32ui|r32i|"    \
-    "d32f|"                                                                                        \
-    "r16|rg16|rgba16|r16_snorm|rg16_snorm|rgba16_snorm|"                                           \
-    "r8ui|rg8ui|rgba8ui|r16ui|rg16ui|rgba16ui|"                                                    \
-    "r8i|rg8i|rgba8i|r16i|rg16i|rgba16i|rg32i|rgba32i|"                                            \
-    "r11g11b10f|rgb10a2"
-
+static const char param_types[] = /* no matrices */
+#define COLUMNS_1(name) "|" name
+#define COLUMNS_4(name)
+#define DT_TYPE(ENUMERATOR, name, components, columns, ...) COLUMNS_##columns(name)
+#include "types.def"
+    ;
+/* Bool keeps the numbering of enum dt_type; set_type rejects it. */
+static const char field_types[] =
+#define DT_TYPE(ENUMERATOR, name, ...) "|" name
+#include "types.def"
+    ;
+static const char formats[] =
+#define DT_FORMAT(ENUMERATOR, name, ...) "|" name
+#include "formats.def"
+    ;
 #define BLENDS "off|add|over|premultiplied|min|max|multiply"
 #define FACTORS                                                                                    \
     "one|zero|src_color|one_minus_src_color|dst_color|one_minus_dst_color|src_alpha|"              \
@@ -293,7 +296,7 @@ const struct key table_keys[] = {
      "A parameter, by its name.", "8"},
     {SECTION_PARAM, "value", KEY_VALUE, SECTION_NONE, NULL, REQUIRED, NULL,
      "The value: a number, a bool or a list of numbers.", "[4, 4]"},
-    {SECTION_PARAM, "type", KEY_CHOICE, SECTION_NONE, PARAM_TYPES, OPTIONAL,
+    {SECTION_PARAM, "type", KEY_CHOICE, SECTION_NONE, param_types + 1, OPTIONAL,
      "int, float or bool, ivecN or vecN, by the value",
      "The type. Without it an integer is int, a real float, a list ivecN or vecN.", "uint"},
     {SECTION_PARAM, "min", KEY_NUMBER, SECTION_NONE, NULL, OPTIONAL, NULL,
@@ -329,9 +332,9 @@ const struct key table_keys[] = {
     /* structs */
     {SECTION_STRUCTS, "*", KEY_MAP, SECTION_STRUCT, NULL, OPTIONAL, NULL, "A struct, by its name.",
      "{position: vec3, members: uint}"},
-    {SECTION_STRUCT, "*", KEY_TYPE, SECTION_FIELD, FIELD_TYPES, OPTIONAL, NULL,
+    {SECTION_STRUCT, "*", KEY_TYPE, SECTION_FIELD, field_types + 1, OPTIONAL, NULL,
      "A field, by its name.", "vec3"},
-    {SECTION_FIELD, "type", KEY_TYPE, SECTION_NONE, FIELD_TYPES, REQUIRED, NULL,
+    {SECTION_FIELD, "type", KEY_TYPE, SECTION_NONE, field_types + 1, REQUIRED, NULL,
      "The field's type.", "float"},
     {SECTION_FIELD, "count", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "no array",
      "Elements, for an array.", "4"},
@@ -356,7 +359,7 @@ const struct key table_keys[] = {
      "What it holds, with units.", "\"virtual point lights\""},
     {SECTION_IMAGES, "*", KEY_MAP, SECTION_IMAGE, NULL, OPTIONAL, NULL, "An image, by its name.",
      "{format: rgba16f, size: frame}"},
-    {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, FORMATS, REQUIRED, NULL,
+    {SECTION_IMAGE, "format", KEY_CHOICE, SECTION_NONE, formats + 1, REQUIRED, NULL,
      "Format of a texel. Without ending, numbers from 0 to 1 in integer steps; `_snorm`: from -1 "
      "to "
      "1; `f`: floats; `ui` and `i`: unsigned and signed integers. r11g11b10f has floats without a "

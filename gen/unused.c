@@ -76,7 +76,7 @@ static void check_access(const struct pass *pass, const struct pass_shaders *sha
     static const char *const lists[] = {"reads", "writes", "updates"};
     static const char *const constants[] = {"_count", "_size", NULL}, *const alone[] = {"", NULL};
     const char *word = access_word(access);
-    bool target = access->kind & ACCESS_COLOR;
+    bool target = access->kind & DT_WRITE_COLOR;
     if (is_silent(pass, access) || reads_by_range(pass, access) ||
         mentions(pass, word, constants) || (target && mentions(pass, word, alone)) ||
         (!target && access->binding >= 0 && has_binding(shaders, access->binding)))

@@ -181,11 +181,6 @@ void draw_params(struct draws *draws, const struct pipeline *pipeline)
 
 /* ---- Details --------------------------------------------------------------------------------- */
 
-static size_t channel_count(const char *format)
-{
-    return strcspn(format, "0123456789");
-}
-
 /* Whether `other` can replace the image's format with only a change of precision: the same
  * channels, of floats, large enough for the clear colour, and at least half for a half or a
  * float. */
@@ -193,12 +188,9 @@ static bool may_replace(const struct resource *image, const struct format_info *
 {
     const struct format_info *own = format_info(image->format);
     const double largest_half = 65504;
-    size_t channels = channel_count(own->name);
-    bool half = other->bytes == 2 * channels;
-    bool packed = !strcmp(other->name, "r11g11b10f");
-    if (own == other || packed || own->integer || !strchr(other->name, 'f') || !own->storage ||
-        !other->storage || channels != channel_count(other->name) ||
-        strncmp(own->name, other->name, channels) != 0)
+    bool half = other->kind == NUMBER_HALF, single = other->kind == NUMBER_FLOAT;
+    if (own == other || number_is_integer(own->kind) || !(half || single) || !own->qualifier ||
+        !other->qualifier || own->channels != other->channels)
         return false;
     for (int i = 0; half && i < 4; i++)
         if (fabs(image->clear[i]) > largest_half)
@@ -229,7 +221,7 @@ static void draw_sampler(struct draws *draws, const struct sampler *sampler)
     if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->map != MAP_SQUARE && one_in(draws, 2))
         add_set(draws, path_of(draws, "samplers", sampler->name, "map"),
                 sampler->map == MAP_POLAR_DISK ? "concentric_disk" : "polar_disk");
-    size_t count = sampler->wrap == WRAP_BORDER ? 2 : 3; /* its colour needs the wrap */
+    size_t count = sampler->wrap == DT_WRAP_BORDER ? 2 : 3; /* its colour needs the wrap */
     for (size_t i = 0; sampler->kind == SAMPLER_FILTER && i < count; i++)
         if (one_in(draws, 2))
             set_choice(draws, path_of(draws, "samplers", sampler->name, filter_keys[i]),
@@ -262,7 +254,7 @@ static void draw_local(struct draws *draws, const struct pass *pass)
 {
     static const uint32_t widths[] = {1, 3, 8, 16, 32, 64, 128}, heights[] = {1, 2, 3, 4, 8};
     bool line = pass->size == SIZE_INVOCATIONS && !pass->dispatch[1];
-    if (pass->kind != PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
+    if (pass->kind != DT_PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
         pass->size == SIZE_INDIRECT || !one_in(draws, 3))
         return;
     uint32_t width = widths[below(draws, sizeof widths / sizeof *widths)];

@@ -30,7 +30,7 @@ static uint64_t add_hash(uint64_t hash, const void *data, size_t size)
 
 static const uint64_t START = 0xcbf29ce484222325u;
 
-static struct head head_of(struct gl_runtime *rt)
+static struct head head_of(struct dt_gl_runtime *rt)
 {
     static const GLenum names[] = {GL_VENDOR, GL_RENDERER, GL_VERSION};
     struct head head = {.driver = START};
@@ -42,7 +42,7 @@ static struct head head_of(struct gl_runtime *rt)
     return head;
 }
 
-static uint64_t hash_code(const struct gl_runtime *rt, const struct dt_stages *stages)
+static uint64_t hash_code(const struct dt_gl_runtime *rt, const struct dt_stages *stages)
 {
     const struct dt_code *codes[] = {&stages->compute, &stages->vertex, &stages->fragment};
     uint64_t hash = START;
@@ -67,7 +67,7 @@ static size_t padded(size_t size)
 
 /* ---- Taking ---------------------------------------------------------------------------------- */
 
-bool gl_cache_take(struct gl_runtime *rt, const struct dt_bytes *cache)
+bool gl_cache_take(struct dt_gl_runtime *rt, const struct dt_bytes *cache)
 {
     struct head head = head_of(rt);
     if (cache->size < sizeof head || memcmp(cache->data, &head, sizeof head) != 0)
@@ -82,7 +82,7 @@ bool gl_cache_take(struct gl_runtime *rt, const struct dt_bytes *cache)
 }
 
 /* Whether the driver takes the binary; forgets its errors. */
-static bool take(struct gl_runtime *rt, GLuint program, const struct entry *entry,
+static bool take(struct dt_gl_runtime *rt, GLuint program, const struct entry *entry,
                  const uint8_t *binary)
 {
     GLint status = GL_FALSE;
@@ -93,7 +93,7 @@ static bool take(struct gl_runtime *rt, GLuint program, const struct entry *entr
     return status;
 }
 
-bool gl_cache_link(struct gl_runtime *rt, GLuint program, const struct dt_stages *stages)
+bool gl_cache_link(struct dt_gl_runtime *rt, GLuint program, const struct dt_stages *stages)
 {
     if (!rt->cache.data)
         return false;
@@ -112,7 +112,7 @@ bool gl_cache_link(struct gl_runtime *rt, GLuint program, const struct dt_stages
 }
 
 /* Mesa 22.3 crashes on variables without names, as those of SPIR-V are. */
-static bool gives_binaries(struct gl_runtime *rt)
+static bool gives_binaries(struct dt_gl_runtime *rt)
 {
     const char *version = (const char *)rt->gl.GetString(GL_VERSION);
     return rt->glsl || !version || !strstr(version, "Mesa");
@@ -132,7 +132,7 @@ static uint8_t *add(struct dt_bytes *cache, size_t size)
     return memset(data, 0, padded(size));
 }
 
-static bool add_program(struct gl_runtime *rt, struct dt_bytes *cache, uint32_t pass)
+static bool add_program(struct dt_gl_runtime *rt, struct dt_bytes *cache, uint32_t pass)
 {
     GLuint program = ((struct gl_program *)dt_program(&rt->core, pass))->handle;
     struct entry entry = {.code = hash_code(rt, &rt->core.shaders->stages[pass])};
@@ -156,7 +156,7 @@ static bool add_program(struct gl_runtime *rt, struct dt_bytes *cache, uint32_t 
     return true;
 }
 
-bool gl_cache_give(struct gl_runtime *rt, struct dt_bytes *out)
+bool gl_cache_give(struct dt_gl_runtime *rt, struct dt_bytes *out)
 {
     const struct head head = head_of(rt);
     uint8_t *place = add(out, sizeof head);

@@ -280,7 +280,7 @@ static GLADapiproc load(void *user, const char *name)
     return function;
 }
 
-static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int major, int minor,
+static bool make(struct dt_gl_runtime *rt, const struct gl_context_kind *kind, int major, int minor,
                  struct reason *why)
 {
     struct gl_context *ctx = &rt->context;
@@ -297,7 +297,7 @@ static bool make(struct gl_runtime *rt, const struct gl_context_kind *kind, int 
 }
 
 /* Mesa's software drivers have all of 4.6, but report 4.5. */
-static bool make_any(struct gl_runtime *rt, const struct gl_context_kind *kind)
+static bool make_any(struct dt_gl_runtime *rt, const struct gl_context_kind *kind)
 {
     struct reason why = {""};
     return make(rt, kind, 4, 6, &why) || make(rt, kind, 4, 5, &why) ||
@@ -312,7 +312,7 @@ static bool make_any(struct gl_runtime *rt, const struct gl_context_kind *kind)
 static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenum severity,
                                     GLsizei length, const GLchar *message, const void *user)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)user;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)user;
     (void)source;
     if (severity == GL_DEBUG_SEVERITY_NOTIFICATION || type == GL_DEBUG_TYPE_PERFORMANCE)
         return;
@@ -322,7 +322,7 @@ static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenu
     dt_error(&rt->core, "OpenGL debug message %u: %.*s", id, (int)length, message);
 }
 
-static void hear_messages(struct gl_runtime *rt)
+static void hear_messages(struct dt_gl_runtime *rt)
 {
     rt->gl.Enable(GL_DEBUG_OUTPUT);
     rt->gl.Enable(GL_DEBUG_OUTPUT_SYNCHRONOUS);
@@ -334,14 +334,14 @@ static void hear_messages(struct gl_runtime *rt)
 /* Unbinds the current context first (EGL, GLFW), to force a real switch. OSMesa, EGL and GLX share
  * Mesa's dispatch table but track the current context separately; each skips a switch to a context
  * that it believes current. */
-bool gl_context_current(struct gl_runtime *rt)
+bool gl_context_current(struct dt_gl_runtime *rt)
 {
     return rt->context.kind->current(&rt->context) ||
            dt_error(&rt->core, "%s: the OpenGL context cannot be made current",
                     rt->core.device_name);
 }
 
-bool gl_context_open(struct gl_runtime *rt, const char *name)
+bool gl_context_open(struct dt_gl_runtime *rt, const char *name)
 {
     const struct gl_context_kind *kind = NULL;
     for (size_t i = 0; i < DT_ARRAY_COUNT(kinds); i++)
@@ -370,17 +370,17 @@ void gl_context_wait_for_screen(void)
     glfwSwapInterval(1);
 }
 
-void gl_context_swap(struct gl_runtime *rt)
+void gl_context_swap(struct dt_gl_runtime *rt)
 {
     glfwSwapBuffers(rt->context.window);
 }
 
-void gl_context_window_size(struct gl_runtime *rt, int *width, int *height)
+void gl_context_window_size(struct dt_gl_runtime *rt, int *width, int *height)
 {
     glfwGetFramebufferSize(rt->context.window, width, height);
 }
 
-void gl_context_close(struct gl_runtime *rt)
+void gl_context_close(struct dt_gl_runtime *rt)
 {
     destroy(&rt->context);
 }

@@ -2,7 +2,7 @@
  * current context. The passes of a pipeline run between the host's commands and restore the
  * context's state. diptych_vk.h is the same for Vulkan.
  *
- *     struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+ *     struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
  *         .log = log, .get_proc_address = eglGetProcAddress});
  *     dt_gl_import_scene(rt, &(struct dt_gl_scene){.vertices = ..., .indices = ..., ...});
  *     dt_gl_create(rt, &ssvp_gl);
@@ -56,7 +56,7 @@ extern "C" {
 
 #pragma GCC visibility push(default) /* what the libraries export */
 
-struct gl_runtime;
+struct dt_gl_runtime;
 
 struct dt_gl_host {
     struct dt_log log; /* message NULL: no log */
@@ -72,8 +72,8 @@ struct dt_gl_host {
 };
 
 /* NULL after an error, for example if the context lacks a required feature. */
-struct gl_runtime *dt_gl_open(const struct dt_gl_host *host);
-void dt_gl_close(struct gl_runtime *rt); /* accepts NULL; does not destroy imported objects */
+struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host);
+void dt_gl_close(struct dt_gl_runtime *rt); /* accepts NULL; does not destroy imported objects */
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
@@ -115,18 +115,18 @@ struct dt_gl_scene {
 };
 /* Call before resize. Import and resize again when a name, a size or index_count changes. A
  * pipeline whose passes neither draw nor read the scene needs no scene. */
-bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene);
+bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
 /* Creates the programs, which takes seconds on some drivers. Replaces the previous pipeline and
  * reuses its unchanged programs. The shaders must live until the next create or close. If the context
  * lacks what a pass needs, create logs it and the pass, and the pipeline before stays. */
-bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders);
+bool dt_gl_create(struct dt_gl_runtime *rt, const struct dt_shaders *shaders);
 
 /* The same with the shaders of `from`, whose programs both runtimes then share: compiles nothing. Both
  * have the same context. `from` may be closed first. */
-bool dt_gl_create_from(struct gl_runtime *rt, const struct gl_runtime *from);
+bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *from);
 
 /* Uses a texture of the host for a resource of the pipeline. The texture is immutable
  * (glTextureStorage2D, 3D for arrays and 3D images), with the format, size, layers or depth, and mips
@@ -134,18 +134,19 @@ bool dt_gl_create_from(struct gl_runtime *rt, const struct gl_runtime *from);
  * A frame may lose the old content. The texture must live until the next import of the resource,
  * create or close. `resource` is NAME_RESOURCE_...; call after create, before resize. Texture 0
  * cancels the import. */
-bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture);
+bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned texture);
 
 /* Uses a buffer of the host for a resource of the pipeline: at least as many bytes as the resource
  * has, laid out as in NAME.h. The offset is also a multiple of 4; 0 if passes take indices or
  * arguments from the buffer. The buffer must live until the next import of the resource, create or
  * close. Call after create, before resize. Buffer 0 cancels the import. diptych never writes an
  * imported input, buffer or image; the host may write it between frames. */
-bool dt_gl_import_buffer(struct gl_runtime *rt, uint32_t resource, const struct dt_gl_range *range);
+bool dt_gl_import_buffer(struct dt_gl_runtime *rt, uint32_t resource,
+                         const struct dt_gl_range *range);
 
 /* Creates all other resources, for a frame size in pixels. Resources with history start at zero,
  * but not imported ones. */
-bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
+bool dt_gl_resize(struct dt_gl_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs
  * every input that is not imported, after each resize; the content then stays, and may be replaced
@@ -153,13 +154,13 @@ bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height);
  * the whole resource or mip, tightly packed, row 0 first, that is the bottom of a picture; elements
  * of a struct lie as in NAME.h. Its `extent` is what NAME_pipeline.extent gives for the frame size, of
  * an image halved for each mip, at least 1. They are borrowed for the call. */
-bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
+bool dt_gl_write(struct dt_gl_runtime *rt, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes);
 
 /* Runs all passes of one frame. Ignores width and height of `frame`; the host counts `index` from 0
  * after every resize. `live`: the live parameters, struct NAME_live; NULL: their defaults. The
  * function reads both before it returns. */
-bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live);
+bool dt_gl_record(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live);
 
 /* Runs the passes `first` to `end` - 1, so that commands of the host can stand between two parts of a
  * frame:
@@ -174,7 +175,7 @@ bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const voi
  * resource that dt_gl_get_resource gives. A pass that replaces all of a resource discards what the host
  * wrote. Outputs have content only after the pass that writes them; before it, their memory is that of
  * other resources: do not write them. */
-bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
+bool dt_gl_record_passes(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live,
                          uint32_t first, uint32_t end);
 
 /* The OpenGL object of a resource, imported or not, to copy or sample it after a frame. Members of
@@ -190,17 +191,17 @@ struct dt_gl_resource {
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
  * or content from outside in the spec: other passes may have reused its memory. Also an error between
  * the parts of a frame for an output that no part so far has written. */
-bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
+bool dt_gl_get_resource(struct dt_gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
 
 /* The programs of the pipeline as binaries of the driver, for dt_gl_host.cache of a later run: the
  * host keeps the bytes, and frees out->data. Without `glsl` Mesa gives no binaries, nor do some other
  * drivers; then the cache has no programs. */
-bool dt_gl_get_cache(struct gl_runtime *rt, struct dt_bytes *out);
+bool dt_gl_get_cache(struct dt_gl_runtime *rt, struct dt_bytes *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped, or not finished yet, since this
  * function never waits. `age`: 0 is the last frame, 1 the one before, up to `frames` - 1 of the host; all
  * since resize. The older a frame, the likelier it has finished. */
-bool dt_gl_timings(struct gl_runtime *rt, uint32_t age, double *pass_ms);
+bool dt_gl_timings(struct dt_gl_runtime *rt, uint32_t age, double *pass_ms);
 
 #pragma GCC visibility pop
 

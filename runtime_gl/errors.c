@@ -39,7 +39,8 @@ static const char *reset_text(GLenum status)
 
 /* Names the pass that noticed the reset. With an observer this pass caused the reset, since every
  * pass finishes before the next. */
-static bool device_lost(struct gl_runtime *rt, const char *call, const char *object, GLenum status)
+static bool device_lost(struct dt_gl_runtime *rt, const char *call, const char *object,
+                        GLenum status)
 {
     struct dt_core *core = &rt->core;
     const char *name = rt->recording ? core->pipeline->passes[core->pass].name : object;
@@ -48,7 +49,7 @@ static bool device_lost(struct gl_runtime *rt, const char *call, const char *obj
                     name, (int)strcspn(call, "("), call, reset_text(status));
 }
 
-bool gl_check(struct gl_runtime *rt, const char *call, const char *object)
+bool gl_check(struct dt_gl_runtime *rt, const char *call, const char *object)
 {
     GLenum error = rt->gl.GetError();
     if (error == GL_NO_ERROR)
@@ -63,7 +64,7 @@ bool gl_check(struct gl_runtime *rt, const char *call, const char *object)
     return false;
 }
 
-bool gl_finish(struct gl_runtime *rt, const char *object)
+bool gl_finish(struct dt_gl_runtime *rt, const char *object)
 {
     if (!GL(rt, object, Finish()))
         return false;

@@ -4,17 +4,17 @@
 
 #include <math.h>
 
-static const char *pass_name(const struct gl_runtime *rt, uint32_t pass)
+static const char *pass_name(const struct dt_gl_runtime *rt, uint32_t pass)
 {
     return rt->core.pipeline->passes[pass].name;
 }
 
-static const struct dt_program *info_of(const struct gl_runtime *rt, uint32_t pass)
+static const struct dt_program *info_of(const struct dt_gl_runtime *rt, uint32_t pass)
 {
     return &rt->core.panel->programs[pass];
 }
 
-static const struct gl_program *program_of(const struct gl_runtime *rt, uint32_t pass)
+static const struct gl_program *program_of(const struct dt_gl_runtime *rt, uint32_t pass)
 {
     return dt_program(&rt->core, pass);
 }
@@ -23,7 +23,7 @@ static const struct gl_program *program_of(const struct gl_runtime *rt, uint32_t
 
 bool gl_begin(void *runtime, uint32_t pass, bool runs)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const char *name = pass_name(rt, pass);
     uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass);
     (void)runs;
@@ -38,7 +38,7 @@ bool gl_begin(void *runtime, uint32_t pass, bool runs)
 
 bool gl_end(void *runtime, uint32_t pass)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const char *name = pass_name(rt, pass);
     uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass) + 1;
     if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)))
@@ -49,7 +49,7 @@ bool gl_end(void *runtime, uint32_t pass)
 }
 
 /* OpenGL needs barriers only after shader stores; it orders all other accesses itself. */
-static GLbitfield bits_of(const struct gl_runtime *rt, const struct dt_barrier *barrier)
+static GLbitfield bits_of(const struct dt_gl_runtime *rt, const struct dt_barrier *barrier)
 {
     const struct gl_resource *resource = dt_resource(&rt->core, barrier->resource);
     bool image = resource->image.handle;
@@ -75,7 +75,7 @@ static GLbitfield bits_of(const struct gl_runtime *rt, const struct dt_barrier *
 
 bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers, uint32_t count)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     GLbitfield bits = 0;
     for (uint32_t i = 0; i < count; i++)
         bits |= bits_of(rt, &barriers[i]);
@@ -84,7 +84,7 @@ bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers
 
 /* ---- Bindings -------------------------------------------------------------------------------- */
 
-static bool bind_buffer(struct gl_runtime *rt, const struct dt_binding *binding)
+static bool bind_buffer(struct dt_gl_runtime *rt, const struct dt_binding *binding)
 {
     const struct gl_buffer *buffer = gl_buffer_of(rt, binding->resource);
     if (binding->kind == DT_BIND_TEXELS)
@@ -96,7 +96,7 @@ static bool bind_buffer(struct gl_runtime *rt, const struct dt_binding *binding)
                               binding->binding, buffer->handle, buffer->offset, size));
 }
 
-static GLuint sampler_of(const struct gl_runtime *rt, const struct dt_binding *binding)
+static GLuint sampler_of(const struct dt_gl_runtime *rt, const struct dt_binding *binding)
 {
     if (binding->resource == DT_SCENE_TEXTURES)
         return rt->builtin.texture_sampler;
@@ -105,7 +105,7 @@ static GLuint sampler_of(const struct gl_runtime *rt, const struct dt_binding *b
                : *(const GLuint *)dt_sampler(&rt->core, (uint32_t)binding->sampler);
 }
 
-static bool bind_image(struct gl_runtime *rt, const struct dt_binding *binding, GLuint view)
+static bool bind_image(struct dt_gl_runtime *rt, const struct dt_binding *binding, GLuint view)
 {
     const struct gl_image *image = gl_image_of(rt, binding->resource);
     bool reads = binding->access & DT_READ_STORAGE, writes = binding->access & DT_WRITE_STORAGE;
@@ -122,7 +122,7 @@ static bool bind_image(struct gl_runtime *rt, const struct dt_binding *binding, 
 
 bool gl_bind(void *runtime, uint32_t pass)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const struct dt_program *info = info_of(rt, pass);
     const struct gl_program *program = dt_program(&rt->core, pass);
     for (uint32_t i = 0; i < info->binding_count; i++) {
@@ -140,7 +140,7 @@ bool gl_bind(void *runtime, uint32_t pass)
 
 bool gl_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const char *name = pass_name(rt, pass);
     return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
            GL(rt, name, DispatchCompute(x, y, z));
@@ -148,7 +148,7 @@ bool gl_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t 
 
 bool gl_dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
     const char *name = pass_name(rt, pass);
     return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
@@ -158,7 +158,7 @@ bool gl_dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 
 /* ---- Clears ---------------------------------------------------------------------------------- */
 
-static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
+static bool clear_color(struct dt_gl_runtime *rt, GLuint framebuffer, GLint index,
                         const struct dt_target *target)
 {
     const struct gl_image *image = gl_image_of(rt, target->resource);
@@ -180,7 +180,7 @@ static bool clear_color(struct gl_runtime *rt, GLuint framebuffer, GLint index,
 /* A layered draw clears all layers of its images. */
 bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const struct dt_program *info = info_of(rt, pass);
     GLuint framebuffer = program_of(rt, pass)->framebuffer;
     (void)layers;
@@ -199,7 +199,7 @@ bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 
 bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     (void)pass;
     return gl_image_clear(rt, gl_image_of(rt, resource), mip,
                           rt->core.panel->storage[resource].clear);
@@ -207,14 +207,14 @@ bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mi
 
 bool gl_clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     (void)pass;
     return gl_buffer_fill(rt, gl_buffer_of(rt, resource), 0);
 }
 
 /* ---- Draws ----------------------------------------------------------------------------------- */
 
-static void enable(struct gl_runtime *rt, GLenum what, bool on)
+static void enable(struct dt_gl_runtime *rt, GLenum what, bool on)
 {
     if (on)
         rt->gl.Enable(what);
@@ -222,7 +222,7 @@ static void enable(struct gl_runtime *rt, GLenum what, bool on)
         rt->gl.Disable(what);
 }
 
-static void set_blend(struct gl_runtime *rt, GLuint index, const struct dt_target *target)
+static void set_blend(struct dt_gl_runtime *rt, GLuint index, const struct dt_target *target)
 {
     static const GLenum factors[] = {
         [DT_FACTOR_ONE] = GL_ONE,
@@ -254,7 +254,7 @@ static void set_blend(struct gl_runtime *rt, GLuint index, const struct dt_targe
     rt->gl.BlendEquationSeparatei(index, ops[blend->op], ops[blend->alpha_op]);
 }
 
-static void set_raster_state(struct gl_runtime *rt, const struct dt_program *info)
+static void set_raster_state(struct dt_gl_runtime *rt, const struct dt_program *info)
 {
     static const GLenum compares[] = {[DT_COMPARE_LESS] = GL_LESS,
                                       [DT_COMPARE_LESS_EQUAL] = GL_LEQUAL,
@@ -274,7 +274,7 @@ static void set_raster_state(struct gl_runtime *rt, const struct dt_program *inf
         enable(rt, GL_CLIP_DISTANCE0 + i, i < info->clip_distances);
 }
 
-static void set_viewport(struct gl_runtime *rt, const struct dt_program *info)
+static void set_viewport(struct dt_gl_runtime *rt, const struct dt_program *info)
 {
     const struct dt_target *target = info->color_count ? &info->colors[0] : info->depth;
     const struct gl_image *image = gl_image_of(rt, target->resource);
@@ -286,7 +286,7 @@ static void set_viewport(struct gl_runtime *rt, const struct dt_program *info)
     rt->gl.Scissor(scissor.x, scissor.y, (GLsizei)scissor.width, (GLsizei)scissor.height);
 }
 
-static bool begin_draw(struct gl_runtime *rt, uint32_t pass, uint32_t layers, GLuint input)
+static bool begin_draw(struct dt_gl_runtime *rt, uint32_t pass, uint32_t layers, GLuint input)
 {
     const struct dt_program *info = info_of(rt, pass);
     const struct gl_program *program = program_of(rt, pass);
@@ -301,7 +301,8 @@ static bool begin_draw(struct gl_runtime *rt, uint32_t pass, uint32_t layers, GL
 
 /* Programs without vertex input fetch vertices from storage buffers; their draws are indexed,
  * too. */
-static bool begin_indexed(struct gl_runtime *rt, uint32_t pass, uint32_t layers, uint32_t indices)
+static bool begin_indexed(struct dt_gl_runtime *rt, uint32_t pass, uint32_t layers,
+                          uint32_t indices)
 {
     const struct gl_buffer *buffer = gl_buffer_of(rt, indices);
     GLuint input =
@@ -312,7 +313,7 @@ static bool begin_indexed(struct gl_runtime *rt, uint32_t pass, uint32_t layers,
 
 bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     return begin_indexed(rt, pass, layers, DT_SCENE_INDICES) &&
            GL(rt, pass_name(rt, pass),
               DrawElementsInstanced(GL_TRIANGLES, (GLsizei)rt->index_count, GL_UNSIGNED_INT, NULL,
@@ -322,7 +323,7 @@ bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                       uint32_t arguments)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
     return begin_indexed(rt, pass, layers, indices) &&
            GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)) &&
@@ -333,7 +334,7 @@ bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t in
 
 bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     return begin_draw(rt, pass, layers, rt->no_input) &&
            GL(rt, pass_name(rt, pass), DrawArraysInstanced(GL_TRIANGLES, 0, 3, (GLsizei)layers));
 }
@@ -344,7 +345,7 @@ static const GLenum topologies[] = {
 bool gl_draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
                       uint32_t instances)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     return begin_draw(rt, pass, layers, rt->no_input) &&
            GL(rt, pass_name(rt, pass),
               DrawArraysInstanced(topologies[info_of(rt, pass)->topology], 0, (GLsizei)vertices,
@@ -353,7 +354,7 @@ bool gl_draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t ve
 
 bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t arguments)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
     return begin_draw(rt, pass, layers, rt->no_input) &&
            GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)) &&
@@ -365,7 +366,7 @@ bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, ui
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-static bool write_blocks(struct gl_runtime *rt, const struct dt_frame *frame, const void *live)
+static bool write_blocks(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     return gl_buffer_write(rt, &rt->builtin.frame, frame, sizeof *frame) &&
            gl_buffer_write(rt, &rt->builtin.live, live, rt->core.pipeline->live_size);
@@ -375,7 +376,7 @@ static bool write_blocks(struct gl_runtime *rt, const struct dt_frame *frame, co
  * frames and the host, and a host's part also ends with one. */
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     bool good = (core->first_pass || write_blocks(rt, frame, live)) &&
                 GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS)) && dt_front_record(core, live);
     if (rt->grouped) /* a pass failed between begin and end */
@@ -387,7 +388,7 @@ bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *l
 
 bool gl_pause(struct dt_core *core)
 {
-    return gl_finish((struct gl_runtime *)core, core->pipeline->passes[core->pass].name);
+    return gl_finish((struct dt_gl_runtime *)core, core->pipeline->passes[core->pass].name);
 }
 
 bool gl_resume(struct dt_core *core)
@@ -397,7 +398,7 @@ bool gl_resume(struct dt_core *core)
 }
 
 /* Of a pass that has not finished: NAN for a host, which never waits here; the app waits. */
-static bool read_timing(struct gl_runtime *rt, const GLuint queries[2], const char *name,
+static bool read_timing(struct dt_gl_runtime *rt, const GLuint queries[2], const char *name,
                         double *ms)
 {
     GLint finished = GL_TRUE;
@@ -415,7 +416,7 @@ static bool read_timing(struct gl_runtime *rt, const GLuint queries[2], const ch
     return true;
 }
 
-static bool read_timings(struct gl_runtime *rt, uint32_t slot, double *pass_ms)
+static bool read_timings(struct dt_gl_runtime *rt, uint32_t slot, double *pass_ms)
 {
     const struct dt_core *core = &rt->core;
     for (uint32_t i = 0; i < core->pipeline->pass_count; i++) {
@@ -431,7 +432,7 @@ static bool read_timings(struct gl_runtime *rt, uint32_t slot, double *pass_ms)
 /* A host's query buffer would take the results. */
 bool gl_timings(struct dt_core *core, uint32_t slot, double *pass_ms)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     GLint bound = 0;
     if (!GL(rt, "timings", GetIntegerv(GL_QUERY_BUFFER_BINDING, &bound)) ||
         (bound && !GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, 0))))

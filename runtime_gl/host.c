@@ -4,7 +4,7 @@
 
 #include <stdlib.h>
 
-static bool leave(struct gl_runtime *rt, bool good)
+static bool leave(struct dt_gl_runtime *rt, bool good)
 {
     return gl_state_leave(&rt->core) && good;
 }
@@ -17,7 +17,7 @@ static GLADapiproc load(void *user, const char *name)
     return host->get_proc_address(name);
 }
 
-static bool open_in(struct gl_runtime *rt, const struct dt_gl_host *host)
+static bool open_in(struct dt_gl_runtime *rt, const struct dt_gl_host *host)
 {
     if (!host->get_proc_address || !gladLoadGLContext(&rt->gl, host->get_proc_address))
         return dt_error(&rt->core, "OpenGL: no functions; make a context current, and give its "
@@ -25,10 +25,10 @@ static bool open_in(struct gl_runtime *rt, const struct dt_gl_host *host)
     return gl_context_suits(rt, load, (void *)host);
 }
 
-struct gl_runtime *dt_gl_open(const struct dt_gl_host *host)
+struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
 {
     const struct dt_core bare = {.backend = &gl_backend, .log = host->log, .hosted = true};
-    struct gl_runtime *rt = calloc(1, sizeof *rt);
+    struct dt_gl_runtime *rt = calloc(1, sizeof *rt);
     if (!rt) {
         dt_error(&bare, "out of memory for an OpenGL runtime; free some");
         return NULL;
@@ -50,7 +50,7 @@ struct gl_runtime *dt_gl_open(const struct dt_gl_host *host)
     return NULL;
 }
 
-void dt_gl_close(struct gl_runtime *rt)
+void dt_gl_close(struct dt_gl_runtime *rt)
 {
     if (!rt)
         return;
@@ -66,7 +66,7 @@ void dt_gl_close(struct gl_runtime *rt)
 /* ---- The scene ------------------------------------------------------------------------------- */
 
 /* One white texel, if the host has no textures. */
-static bool import_textures(struct gl_runtime *rt, unsigned textures)
+static bool import_textures(struct dt_gl_runtime *rt, unsigned textures)
 {
     static const float white[4] = {1, 1, 1, 1};
     struct gl_image *image = &rt->builtin.textures;
@@ -82,7 +82,7 @@ static bool import_textures(struct gl_runtime *rt, unsigned textures)
     return textures || (gl_image_create(rt, image) && gl_image_clear(rt, image, 0, white));
 }
 
-static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
+static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
     struct gl_builtin *builtin = &rt->builtin;
     if (scene->indices.offset)
@@ -108,7 +108,7 @@ static bool import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
            import_textures(rt, scene->textures) && gl_scene_describe(rt, scene->attributes);
 }
 
-bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
+bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
     if (!dt_front_import_scene(&rt->core, scene->index_count))
         return false;
@@ -124,12 +124,12 @@ bool dt_gl_import_scene(struct gl_runtime *rt, const struct dt_gl_scene *scene)
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-bool dt_gl_create(struct gl_runtime *rt, const struct dt_shaders *shaders)
+bool dt_gl_create(struct dt_gl_runtime *rt, const struct dt_shaders *shaders)
 {
     return dt_front_create(&rt->core, shaders, NULL);
 }
 
-bool dt_gl_create_from(struct gl_runtime *rt, const struct gl_runtime *from)
+bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *from)
 {
     return dt_front_can_share(&rt->core, &from->core) &&
            (rt->glsl == from->glsl ||
@@ -138,7 +138,7 @@ bool dt_gl_create_from(struct gl_runtime *rt, const struct gl_runtime *from)
            dt_front_create(&rt->core, from->core.shaders, &from->core);
 }
 
-bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned texture)
+bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned texture)
 {
     if (!dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
         return false;
@@ -147,7 +147,8 @@ bool dt_gl_import_image(struct gl_runtime *rt, uint32_t resource, unsigned textu
     return true;
 }
 
-bool dt_gl_import_buffer(struct gl_runtime *rt, uint32_t resource, const struct dt_gl_range *range)
+bool dt_gl_import_buffer(struct dt_gl_runtime *rt, uint32_t resource,
+                         const struct dt_gl_range *range)
 {
     if (!dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
         return false;
@@ -156,29 +157,29 @@ bool dt_gl_import_buffer(struct gl_runtime *rt, uint32_t resource, const struct 
     return true;
 }
 
-bool dt_gl_resize(struct gl_runtime *rt, uint32_t width, uint32_t height)
+bool dt_gl_resize(struct dt_gl_runtime *rt, uint32_t width, uint32_t height)
 {
     return dt_front_resize(&rt->core, width, height);
 }
 
-bool dt_gl_write(struct gl_runtime *rt, uint32_t resource, uint32_t mip,
+bool dt_gl_write(struct dt_gl_runtime *rt, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes)
 {
     return dt_verb_write(&rt->core, resource, mip, bytes);
 }
 
-bool dt_gl_record(struct gl_runtime *rt, const struct dt_frame *frame, const void *live)
+bool dt_gl_record(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     return dt_verb_render(&rt->core, frame, live, NULL);
 }
 
-bool dt_gl_record_passes(struct gl_runtime *rt, const struct dt_frame *frame, const void *live,
+bool dt_gl_record_passes(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live,
                          uint32_t first, uint32_t end)
 {
     return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
-bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out)
+bool dt_gl_get_resource(struct dt_gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out)
 {
     struct dt_bytes shape;
     *out = (struct dt_gl_resource){0};
@@ -202,12 +203,12 @@ bool dt_gl_get_resource(struct gl_runtime *rt, uint32_t resource, struct dt_gl_r
     return true;
 }
 
-bool dt_gl_timings(struct gl_runtime *rt, uint32_t age, double *pass_ms)
+bool dt_gl_timings(struct dt_gl_runtime *rt, uint32_t age, double *pass_ms)
 {
     return dt_front_timings(&rt->core, age, pass_ms);
 }
 
-bool dt_gl_get_cache(struct gl_runtime *rt, struct dt_bytes *out)
+bool dt_gl_get_cache(struct dt_gl_runtime *rt, struct dt_bytes *out)
 {
     *out = (struct dt_bytes){0};
     if (!rt->core.panel)

@@ -1,6 +1,6 @@
 /* Shared by the files of the OpenGL runtime: the runtime's state, the GL macro for calls, the
  * objects behind resources and programs, and functions used across files. Independent of any
- * pipeline. All state is in struct gl_runtime, including the table of OpenGL functions, so several
+ * pipeline. All state is in struct dt_gl_runtime, including the table of OpenGL functions, so several
  * contexts can coexist. A bool function logs the error before it returns false. Every destroy
  * function accepts a zeroed struct, and zeroes its argument. */
 #ifndef DIPTYCH_RUNTIME_GL_INTERNAL_H
@@ -83,7 +83,7 @@ struct gl_present {
 
 struct gl_kept; /* state.c: the saved state of a host's context */
 
-struct gl_runtime {
+struct dt_gl_runtime {
     struct dt_core core;
     struct dt_backend backend; /* gl_backend plus functions for the app; see runtime.c */
     GladGLContext gl;
@@ -110,41 +110,41 @@ struct gl_runtime {
 /* Makes an OpenGL call that can fail. True, or logs one DT_ERROR that names the call and the
  * object. */
 #define GL(rt, object, call) ((rt)->gl.call, gl_check((rt), #call, (object)))
-bool gl_check(struct gl_runtime *rt, const char *call, const char *object);
+bool gl_check(struct dt_gl_runtime *rt, const char *call, const char *object);
 
 /* glFinish; an error if the device was reset. */
-bool gl_finish(struct gl_runtime *rt, const char *object);
+bool gl_finish(struct dt_gl_runtime *rt, const char *object);
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 
 /* Creates the context `name` and makes it current, loads rt->gl, sets the fixed state. */
-bool gl_context_open(struct gl_runtime *rt, const char *name);
-bool gl_context_current(struct gl_runtime *rt);
-void gl_context_wait_for_screen(void);       /* sets the swap interval to 1 */
-void gl_context_swap(struct gl_runtime *rt); /* shows the window's back buffer */
+bool gl_context_open(struct dt_gl_runtime *rt, const char *name);
+bool gl_context_current(struct dt_gl_runtime *rt);
+void gl_context_wait_for_screen(void);          /* sets the swap interval to 1 */
+void gl_context_swap(struct dt_gl_runtime *rt); /* shows the window's back buffer */
 /* Size of the window's framebuffer in pixels; 0 while minimised. */
-void gl_context_window_size(struct gl_runtime *rt, int *width, int *height);
-void gl_context_close(struct gl_runtime *rt);
+void gl_context_window_size(struct dt_gl_runtime *rt, int *width, int *height);
+void gl_context_close(struct dt_gl_runtime *rt);
 
 /* ---- state.c --------------------------------------------------------------------------------- */
 
 /* True when the context has all of the extensions; else `missing` lists the missing ones, separated
  * by blanks. */
-bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
-                size_t size);
+bool gl_has_all(const struct dt_gl_runtime *rt, const char *const *names, size_t count,
+                char *missing, size_t size);
 /* Checks that the current context has all required features, takes those functions that glad leaves
  * out, and reads its limits. */
-bool gl_context_suits(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user);
-bool gl_is_software(const struct gl_runtime *rt); /* the driver draws on the CPU */
+bool gl_context_suits(struct dt_gl_runtime *rt, GLADuserptrloadfunc load, void *user);
+bool gl_is_software(const struct dt_gl_runtime *rt); /* the driver draws on the CPU */
 /* Sets the state that passes rely on but do not set. */
-bool gl_state_fix(struct gl_runtime *rt);
+bool gl_state_fix(struct dt_gl_runtime *rt);
 
 /* Around all work in a host's context: enter saves the host's state and sets the state that passes
  * rely on; leave restores the saved state. */
 bool gl_state_enter(struct dt_core *core);
 bool gl_state_leave(struct dt_core *core);
 /* Saves one binding, before its first change between enter and leave. */
-void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLuint at);
+void gl_state_keep_binding(struct dt_gl_runtime *rt, enum dt_binding_kind kind, GLuint at);
 
 /* ---- resources.c ----------------------------------------------------------------------------- */
 
@@ -160,56 +160,56 @@ GLenum gl_target(const struct gl_image *image);
 GLsizei gl_mip_size(uint32_t size, uint32_t mip);
 
 /* The caller fills name, size and block. `data` has `size` bytes, or is NULL. */
-bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data);
-bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
+bool gl_buffer_create(struct dt_gl_runtime *rt, struct gl_buffer *buffer, const void *data);
+bool gl_buffer_write(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size);
 /* Creates `texels`, unless it is there. resource: DT_SCENE_VERTICES or DT_SCENE_INDICES. */
-bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource);
-void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer);
+bool gl_buffer_texels(struct dt_gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource);
+void gl_buffer_destroy(struct dt_gl_runtime *rt, struct gl_buffer *buffer);
 
 /* Uses `least` bytes or all of a host's range; an error names `name`. */
-bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
+bool gl_buffer_import(const struct dt_gl_runtime *rt, struct gl_buffer *buffer, const char *name,
                       const struct dt_gl_range *range, uint64_t least);
 /* The caller fills all fields except the handle. */
-bool gl_image_create(struct gl_runtime *rt, struct gl_image *image);
+bool gl_image_create(struct dt_gl_runtime *rt, struct gl_image *image);
 /* Uses a host's texture instead of creating one; checks that it matches. */
-bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint texture);
-bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+bool gl_image_import(struct dt_gl_runtime *rt, struct gl_image *image, GLuint texture);
+bool gl_image_clear(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     const float clear[4]);
 /* A texture that is one mip or all, and one layer or all, of the image. */
-bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
+bool gl_image_view(struct dt_gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view);
-void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image);
+void gl_image_destroy(struct dt_gl_runtime *rt, struct gl_image *image);
 
 /* Set every byte. */
-bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int byte);
-bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte);
+bool gl_buffer_fill(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, int byte);
+bool gl_image_fill(struct dt_gl_runtime *rt, const struct gl_image *image, int byte);
 
-bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info);
-void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler);
+bool gl_sampler_create(struct dt_gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info);
+void gl_sampler_destroy(struct dt_gl_runtime *rt, GLuint *sampler);
 
 /* ---- program.c ------------------------------------------------------------------------------- */
 
 /* cache.c: keeps the cache, if this driver made it. */
-bool gl_cache_take(struct gl_runtime *rt, const struct dt_bytes *cache);
+bool gl_cache_take(struct dt_gl_runtime *rt, const struct dt_bytes *cache);
 /* Whether the program was linked with a binary of the cache. */
-bool gl_cache_link(struct gl_runtime *rt, GLuint program, const struct dt_stages *stages);
-bool gl_cache_give(struct gl_runtime *rt, struct dt_bytes *out);
+bool gl_cache_link(struct dt_gl_runtime *rt, GLuint program, const struct dt_stages *stages);
+bool gl_cache_give(struct dt_gl_runtime *rt, struct dt_bytes *out);
 
-bool gl_program_create(struct gl_runtime *rt, GLuint *program, const char *name,
+bool gl_program_create(struct dt_gl_runtime *rt, GLuint *program, const char *name,
                        const struct dt_stages *stages);
-void gl_program_destroy(struct gl_runtime *rt, GLuint *program);
+void gl_program_destroy(struct dt_gl_runtime *rt, GLuint *program);
 
 /* ---- panel.c --------------------------------------------------------------------------------- */
 
 /* Functions for hosts; no window, no read-back. */
 extern const struct dt_backend gl_backend;
 
-bool gl_builtin_create(struct gl_runtime *rt);
-void gl_builtin_destroy(struct gl_runtime *rt);
+bool gl_builtin_create(struct dt_gl_runtime *rt);
+void gl_builtin_destroy(struct dt_gl_runtime *rt);
 /* `resource`: index in the pipeline, or enum dt_builtin. */
-struct gl_buffer *gl_buffer_of(struct gl_runtime *rt, uint32_t resource);
-const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resource);
+struct gl_buffer *gl_buffer_of(struct dt_gl_runtime *rt, uint32_t resource);
+const struct gl_image *gl_image_of(const struct dt_gl_runtime *rt, uint32_t resource);
 
 /* ---- frame.c --------------------------------------------------------------------------------- */
 
@@ -239,9 +239,9 @@ bool gl_resume(struct dt_core *core);
 /* ---- scene.c --------------------------------------------------------------------------------- */
 
 bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene); /* replaces the old one */
-bool gl_scene_describe(struct gl_runtime *rt,
+bool gl_scene_describe(struct dt_gl_runtime *rt,
                        const struct dt_gl_attribute given[DT_ATTRIBUTES]); /* creates scene_input */
-void gl_scene_destroy(struct gl_runtime *rt);
+void gl_scene_destroy(struct dt_gl_runtime *rt);
 
 /* ---- present.c: the verbs of a window; readback.c -------------------------------------------- */
 
@@ -249,7 +249,7 @@ bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
 bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels);
 bool gl_present(struct dt_core *core, const struct dt_window_frame *frame);
-void gl_present_destroy(struct gl_runtime *rt);
+void gl_present_destroy(struct dt_gl_runtime *rt);
 
 bool gl_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool gl_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);

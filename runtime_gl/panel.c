@@ -7,7 +7,7 @@
 
 /* ---- Built-in objects ------------------------------------------------------------------------ */
 
-bool gl_builtin_create(struct gl_runtime *rt)
+bool gl_builtin_create(struct dt_gl_runtime *rt)
 {
     static const struct dt_sampler nearest = {.name = "nearest", .anisotropy = 1.0f};
     static const struct dt_sampler trilinear = {.name = "scene textures",
@@ -22,7 +22,7 @@ bool gl_builtin_create(struct gl_runtime *rt)
            GL(rt, "no vertex input", CreateVertexArrays(1, &rt->no_input));
 }
 
-void gl_builtin_destroy(struct gl_runtime *rt)
+void gl_builtin_destroy(struct dt_gl_runtime *rt)
 {
     gl_buffer_destroy(rt, &rt->builtin.frame);
     gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
@@ -32,12 +32,12 @@ void gl_builtin_destroy(struct gl_runtime *rt)
     rt->no_input = 0;
 }
 
-static struct gl_resource *resource_of(const struct gl_runtime *rt, uint32_t resource)
+static struct gl_resource *resource_of(const struct dt_gl_runtime *rt, uint32_t resource)
 {
     return dt_resource(&rt->core, resource);
 }
 
-struct gl_buffer *gl_buffer_of(struct gl_runtime *rt, uint32_t resource)
+struct gl_buffer *gl_buffer_of(struct dt_gl_runtime *rt, uint32_t resource)
 {
     switch (resource) {
     case DT_FRAME:
@@ -57,7 +57,7 @@ struct gl_buffer *gl_buffer_of(struct gl_runtime *rt, uint32_t resource)
     }
 }
 
-const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resource)
+const struct gl_image *gl_image_of(const struct dt_gl_runtime *rt, uint32_t resource)
 {
     return resource == DT_SCENE_TEXTURES ? &rt->builtin.textures
                                          : &resource_of(rt, resource)->image;
@@ -66,7 +66,7 @@ const struct gl_image *gl_image_of(const struct gl_runtime *rt, uint32_t resourc
 /* ---- The panel ------------------------------------------------------------------------------- */
 
 /* Most needs are part of OpenGL 4.6; subgroups are not. */
-static bool has_needs(struct gl_runtime *rt, const struct dt_panel *panel)
+static bool has_needs(struct dt_gl_runtime *rt, const struct dt_panel *panel)
 {
     static const char *const extension[] = {"GL_KHR_shader_subgroup"};
     char missing[64];
@@ -97,12 +97,12 @@ static bool suits(struct dt_core *core, const struct dt_panel *panel)
         for (uint32_t i = 0; i < panel->programs[pass].binding_count; i++)
             if (!check_binding(core, panel, pass, &panel->programs[pass].bindings[i]))
                 return false;
-    return has_needs((struct gl_runtime *)core, panel);
+    return has_needs((struct dt_gl_runtime *)core, panel);
 }
 
 static bool begin_panel(struct dt_core *core)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     const struct dt_pipeline *pipeline = core->pipeline;
     uint32_t queries = core->timing ? 2 * dt_run(core, core->frames, 0) : 0;
     rt->imports = calloc(pipeline->resource_count + 1, sizeof *rt->imports);
@@ -117,7 +117,7 @@ static bool begin_panel(struct dt_core *core)
 
 static void end_panel(struct dt_core *core)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     if (rt->queries)
         rt->gl.DeleteQueries((GLsizei)(2 * dt_run(core, core->frames, 0)), rt->queries);
     gl_buffer_destroy(rt, &rt->builtin.live);
@@ -129,24 +129,24 @@ static void end_panel(struct dt_core *core)
 
 static bool rest(struct dt_core *core, const char *verb)
 {
-    return core->hosted || gl_finish((struct gl_runtime *)core, verb);
+    return core->hosted || gl_finish((struct dt_gl_runtime *)core, verb);
 }
 
 static bool create_sampler(struct dt_core *core, void *sampler, const struct dt_sampler *info)
 {
-    return gl_sampler_create((struct gl_runtime *)core, sampler, info);
+    return gl_sampler_create((struct dt_gl_runtime *)core, sampler, info);
 }
 
 static void destroy_sampler(struct dt_core *core, void *sampler)
 {
-    gl_sampler_destroy((struct gl_runtime *)core, sampler);
+    gl_sampler_destroy((struct dt_gl_runtime *)core, sampler);
 }
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
 static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     struct gl_program *program = made;
     const char *name = core->pipeline->passes[pass].name;
     if (!(program->users = calloc(1, sizeof *program->users)))
@@ -169,7 +169,7 @@ static void destroy_program(struct dt_core *core, void *made)
     struct gl_program *program = made;
     if (!program->users || --*program->users)
         return;
-    gl_program_destroy((struct gl_runtime *)core, &program->handle);
+    gl_program_destroy((struct dt_gl_runtime *)core, &program->handle);
     free(program->users);
 }
 
@@ -181,7 +181,7 @@ static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
 
 /* ---- Framebuffers of draws, and views of mips and layers -------------------------------------- */
 
-static bool attach(struct gl_runtime *rt, GLuint framebuffer, GLenum point,
+static bool attach(struct dt_gl_runtime *rt, GLuint framebuffer, GLenum point,
                    const struct dt_target *target, bool layered)
 {
     const struct gl_image *image = gl_image_of(rt, target->resource);
@@ -211,7 +211,7 @@ static const char *status_text(GLenum status)
 
 /* A pass may sample one mip or layer and draw into another only through a texture that has no
  * texel of the target (OpenGL 4.6, 9.3.1: rendering feedback loops). */
-static bool create_views(struct gl_runtime *rt, struct gl_program *program,
+static bool create_views(struct dt_gl_runtime *rt, struct gl_program *program,
                          const struct dt_program *info)
 {
     for (uint32_t i = 0; i < info->binding_count; i++) {
@@ -223,7 +223,7 @@ static bool create_views(struct gl_runtime *rt, struct gl_program *program,
     return true;
 }
 
-static bool create_framebuffer(struct gl_runtime *rt, GLuint *framebuffer, uint32_t pass)
+static bool create_framebuffer(struct dt_gl_runtime *rt, GLuint *framebuffer, uint32_t pass)
 {
     const struct dt_program *info = &rt->core.panel->programs[pass];
     const char *name = rt->core.pipeline->passes[pass].name;
@@ -245,7 +245,7 @@ static bool create_framebuffer(struct gl_runtime *rt, GLuint *framebuffer, uint3
            dt_error(&rt->core, "pass %s: %s", name, status_text(status));
 }
 
-static bool create_texels(struct gl_runtime *rt, const struct dt_program *info)
+static bool create_texels(struct dt_gl_runtime *rt, const struct dt_program *info)
 {
     for (uint32_t i = 0; i < info->binding_count; i++) {
         uint16_t resource = info->bindings[i].resource;
@@ -258,7 +258,7 @@ static bool create_texels(struct gl_runtime *rt, const struct dt_program *info)
 
 static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     struct gl_program *program = made;
     return create_texels(rt, &core->panel->programs[pass]) &&
            create_views(rt, program, &core->panel->programs[pass]) &&
@@ -268,7 +268,7 @@ static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
 
 static void disconnect_program(struct dt_core *core, void *made)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     struct gl_program *program = made;
     if (program->framebuffer)
         rt->gl.DeleteFramebuffers(1, &program->framebuffer);
@@ -288,7 +288,7 @@ static bool can_share(const struct gl_image *image, const struct gl_image *owner
            image->layered == owner->layered;
 }
 
-static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t extent[3])
+static bool create_image(struct dt_gl_runtime *rt, uint32_t index, const uint32_t extent[3])
 {
     const struct dt_resource *info = &rt->core.pipeline->resources[index];
     struct gl_image *image = &resource_of(rt, index)->image;
@@ -312,7 +312,7 @@ static bool create_image(struct gl_runtime *rt, uint32_t index, const uint32_t e
 }
 
 /* Of a host's range only the resource's bytes are bound, and draws are counted by them. */
-static bool import_buffer(struct gl_runtime *rt, uint32_t index, GLsizeiptr size)
+static bool import_buffer(struct dt_gl_runtime *rt, uint32_t index, GLsizeiptr size)
 {
     const struct dt_storage *storage = &rt->core.panel->storage[index];
     const char *name = rt->core.pipeline->resources[index].name;
@@ -333,7 +333,7 @@ static bool import_buffer(struct gl_runtime *rt, uint32_t index, GLsizeiptr size
 
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     const struct dt_resource *info = &core->pipeline->resources[index];
     const struct dt_gl_range *import = &rt->imports[index].buffer;
     struct gl_buffer *buffer = &resource_of(rt, index)->buffer;
@@ -351,7 +351,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
  * texture. */
 static bool place_resources(struct dt_core *core)
 {
-    const struct gl_runtime *rt = (struct gl_runtime *)core;
+    const struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     uint32_t count = core->pipeline->resource_count;
     for (uint32_t i = 0; i < count; i++) {
         struct gl_resource *resource = resource_of(rt, i);
@@ -366,7 +366,7 @@ static bool place_resources(struct dt_core *core)
 
 static bool fill_resource(struct dt_core *core, uint32_t index)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     const struct gl_resource *resource = resource_of(rt, index);
     bool history = core->pipeline->resources[index].history;
     int byte = history ? 0 : core->poison;
@@ -378,7 +378,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
 
 static void destroy_resource(struct dt_core *core, uint32_t index)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     struct gl_resource *resource = resource_of(rt, index);
     gl_buffer_destroy(rt, &resource->buffer);
     gl_image_destroy(rt, &resource->image);

@@ -32,7 +32,7 @@ static const char fragment_text[] = "#version 450 core\n"
 /* ---- Textures -------------------------------------------------------------------------------- */
 
 /* The texture, resized if needed; a resize loses the content. */
-static struct gl_image *sized_texture(struct gl_runtime *rt, uint32_t texture, uint32_t width,
+static struct gl_image *sized_texture(struct dt_gl_runtime *rt, uint32_t texture, uint32_t width,
                                       uint32_t height)
 {
     static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
@@ -52,7 +52,7 @@ static struct gl_image *sized_texture(struct gl_runtime *rt, uint32_t texture, u
 
 bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     const struct gl_image *image = gl_image_of(rt, resource);
     const struct gl_image *to = sized_texture(rt, texture, image->width, image->height);
     return to && GL(rt, image->name, MemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT)) &&
@@ -65,7 +65,7 @@ bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
 bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     const struct gl_image *to = sized_texture(rt, texture, width, height);
     return to && GL(rt, to->name,
                     TextureSubImage2D(to->handle, 0, 0, 0, (GLsizei)width, (GLsizei)height, GL_RGBA,
@@ -74,7 +74,7 @@ bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, ui
 
 /* ---- Drawing --------------------------------------------------------------------------------- */
 
-static bool prepare(struct gl_runtime *rt)
+static bool prepare(struct dt_gl_runtime *rt)
 {
     struct gl_present *present = &rt->present;
     static const struct dt_stages stages = {.vertex = {.glsl = vertex_text},
@@ -91,8 +91,8 @@ static bool prepare(struct gl_runtime *rt)
 }
 
 /* Converts pixels, y from the top, to clip space, where y = -1 is the window's bottom row. */
-static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame *frame, int width,
-                            int height)
+static bool upload_vertices(struct dt_gl_runtime *rt, const struct dt_window_frame *frame,
+                            int width, int height)
 {
     size_t size = frame->vertex_count * sizeof *frame->vertices;
     struct dt_window_vertex *vertices = malloc(size + 1);
@@ -118,7 +118,7 @@ static bool upload_vertices(struct gl_runtime *rt, const struct dt_window_frame 
 }
 
 /* Shows sRGB codes unchanged: GL_FRAMEBUFFER_SRGB is off. */
-static void begin(struct gl_runtime *rt, int width, int height)
+static void begin(struct dt_gl_runtime *rt, int width, int height)
 {
     static const float black[4] = {0, 0, 0, 1};
     rt->gl.BindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
@@ -137,14 +137,14 @@ static void begin(struct gl_runtime *rt, int width, int height)
     rt->gl.BindBufferBase(GL_SHADER_STORAGE_BUFFER, 0, rt->present.vertices.handle);
 }
 
-static void end(struct gl_runtime *rt)
+static void end(struct dt_gl_runtime *rt)
 {
     rt->gl.Disable(GL_BLEND);
     rt->gl.Disable(GL_SCISSOR_TEST);
     rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
 }
 
-static void draw(struct gl_runtime *rt, const struct dt_window_draw *draw, int height)
+static void draw(struct dt_gl_runtime *rt, const struct dt_window_draw *draw, int height)
 {
     const int32_t *clip = draw->clip;
     const struct gl_image *image = &rt->present.textures[draw->texture];
@@ -158,7 +158,7 @@ static void draw(struct gl_runtime *rt, const struct dt_window_draw *draw, int h
 
 bool gl_present(struct dt_core *core, const struct dt_window_frame *frame)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     int width, height;
     gl_context_window_size(rt, &width, &height);
     if (width < 1 || height < 1)
@@ -175,7 +175,7 @@ bool gl_present(struct dt_core *core, const struct dt_window_frame *frame)
     return gl_finish(rt, "window");
 }
 
-void gl_present_destroy(struct gl_runtime *rt)
+void gl_present_destroy(struct dt_gl_runtime *rt)
 {
     struct gl_present *present = &rt->present;
     for (int i = 0; i < DT_WINDOW_TEXTURES; i++)

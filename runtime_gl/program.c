@@ -5,8 +5,8 @@
 #include <stdlib.h>
 
 /* Logs the driver's message about a shader or program that it refuses. */
-static bool log_refusal(struct gl_runtime *rt, const char *program, const char *what, GLuint handle,
-                        bool linking)
+static bool log_refusal(struct dt_gl_runtime *rt, const char *program, const char *what,
+                        GLuint handle, bool linking)
 {
     GLint size = 0;
     if (linking)
@@ -24,7 +24,7 @@ static bool log_refusal(struct gl_runtime *rt, const char *program, const char *
     return false;
 }
 
-static bool load_code(struct gl_runtime *rt, const char *name, GLuint shader,
+static bool load_code(struct dt_gl_runtime *rt, const char *name, GLuint shader,
                       const struct dt_code *code)
 {
     if (rt->glsl && !code->glsl)
@@ -47,7 +47,7 @@ static bool load_code(struct gl_runtime *rt, const char *name, GLuint shader,
 
 /* Compiles one stage, if present, and attaches it. OpenGL keeps a deleted shader while it is
  * attached. */
-static bool attach_stage(struct gl_runtime *rt, GLuint program, const char *name, GLenum kind,
+static bool attach_stage(struct dt_gl_runtime *rt, GLuint program, const char *name, GLenum kind,
                          const char *what, const struct dt_code *code)
 {
     if (!code->size && !code->glsl) /* absent; the runtime's own shaders have only GLSL */
@@ -64,7 +64,7 @@ static bool attach_stage(struct gl_runtime *rt, GLuint program, const char *name
     return good;
 }
 
-static bool link_program(struct gl_runtime *rt, GLuint program, const char *name)
+static bool link_program(struct dt_gl_runtime *rt, GLuint program, const char *name)
 {
     GLint status = GL_FALSE;
     if (!GL(rt, name, LinkProgram(program)))
@@ -73,7 +73,7 @@ static bool link_program(struct gl_runtime *rt, GLuint program, const char *name
     return status || log_refusal(rt, name, "linking", program, true);
 }
 
-bool gl_program_create(struct gl_runtime *rt, GLuint *program, const char *name,
+bool gl_program_create(struct dt_gl_runtime *rt, GLuint *program, const char *name,
                        const struct dt_stages *stages)
 {
     *program = rt->gl.CreateProgram();
@@ -92,7 +92,7 @@ bool gl_program_create(struct gl_runtime *rt, GLuint *program, const char *name,
            link_program(rt, *program, name);
 }
 
-void gl_program_destroy(struct gl_runtime *rt, GLuint *program)
+void gl_program_destroy(struct dt_gl_runtime *rt, GLuint *program)
 {
     if (*program)
         rt->gl.DeleteProgram(*program);

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static bool allocate(struct gl_runtime *rt, const char *name, struct dt_bytes *out)
+static bool allocate(struct dt_gl_runtime *rt, const char *name, struct dt_bytes *out)
 {
     out->data = malloc(out->size ? out->size : 1);
     return out->data || dt_error(&rt->core, "%s: no memory for %zu bytes to read back; free some",
@@ -22,7 +22,8 @@ static bool keep(struct dt_bytes *out, bool ok)
     return ok;
 }
 
-static bool read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, struct dt_bytes *out)
+static bool read_buffer(struct dt_gl_runtime *rt, const struct gl_buffer *buffer,
+                        struct dt_bytes *out)
 {
     if (!GL(rt, buffer->name, MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT)) ||
         !allocate(rt, buffer->name, out))
@@ -32,7 +33,7 @@ static bool read_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer, s
                    GetNamedBufferSubData(buffer->handle, 0, (GLsizeiptr)out->size, out->data)));
 }
 
-static bool read_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+static bool read_image(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                        struct dt_bytes *out)
 {
     const struct gl_format *f = gl_format(image->format);
@@ -54,14 +55,14 @@ static bool read_image(struct gl_runtime *rt, const struct gl_image *image, uint
     return true;
 }
 
-static bool write_buffer(struct gl_runtime *rt, const struct gl_buffer *buffer,
+static bool write_buffer(struct dt_gl_runtime *rt, const struct gl_buffer *buffer,
                          const struct dt_bytes *bytes)
 {
     return GL(rt, buffer->name, MemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT)) &&
            gl_buffer_write(rt, buffer, bytes->data, bytes->size);
 }
 
-static bool write_image(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+static bool write_image(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                         const struct dt_bytes *bytes)
 {
     const struct gl_format *f = gl_format(image->format);
@@ -85,14 +86,14 @@ static bool is_image(const struct dt_core *core, uint32_t resource)
 
 bool gl_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     return is_image(core, resource) ? read_image(rt, gl_image_of(rt, resource), mip, out)
                                     : read_buffer(rt, gl_buffer_of(rt, resource), out);
 }
 
 bool gl_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     return is_image(core, resource) ? write_image(rt, gl_image_of(rt, resource), mip, bytes)
                                     : write_buffer(rt, gl_buffer_of(rt, resource), bytes);
 }

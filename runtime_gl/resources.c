@@ -5,48 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const struct gl_format formats[DT_FORMAT_COUNT] = {
-    [DT_FORMAT_R8] = {GL_R8, GL_RED, GL_UNSIGNED_BYTE, 1},
-    [DT_FORMAT_RG8] = {GL_RG8, GL_RG, GL_UNSIGNED_BYTE, 2},
-    [DT_FORMAT_RGBA8] = {GL_RGBA8, GL_RGBA, GL_UNSIGNED_BYTE, 4},
-    [DT_FORMAT_RGBA8_SRGB] = {GL_SRGB8_ALPHA8, GL_RGBA, GL_UNSIGNED_BYTE, 4},
-    [DT_FORMAT_R16F] = {GL_R16F, GL_RED, GL_HALF_FLOAT, 2},
-    [DT_FORMAT_RG16F] = {GL_RG16F, GL_RG, GL_HALF_FLOAT, 4},
-    [DT_FORMAT_RGBA16F] = {GL_RGBA16F, GL_RGBA, GL_HALF_FLOAT, 8},
-    [DT_FORMAT_R32F] = {GL_R32F, GL_RED, GL_FLOAT, 4},
-    [DT_FORMAT_RG32F] = {GL_RG32F, GL_RG, GL_FLOAT, 8},
-    [DT_FORMAT_RGBA32F] = {GL_RGBA32F, GL_RGBA, GL_FLOAT, 16},
-    [DT_FORMAT_R32UI] = {GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, 4},
-    [DT_FORMAT_RG32UI] = {GL_RG32UI, GL_RG_INTEGER, GL_UNSIGNED_INT, 8},
-    [DT_FORMAT_RGBA32UI] = {GL_RGBA32UI, GL_RGBA_INTEGER, GL_UNSIGNED_INT, 16},
-    [DT_FORMAT_R32I] = {GL_R32I, GL_RED_INTEGER, GL_INT, 4},
-    [DT_FORMAT_D32F] = {GL_DEPTH_COMPONENT32F, GL_DEPTH_COMPONENT, GL_FLOAT, 4},
-    [DT_FORMAT_R16] = {GL_R16, GL_RED, GL_UNSIGNED_SHORT, 2},
-    [DT_FORMAT_RG16] = {GL_RG16, GL_RG, GL_UNSIGNED_SHORT, 4},
-    [DT_FORMAT_RGBA16] = {GL_RGBA16, GL_RGBA, GL_UNSIGNED_SHORT, 8},
-    [DT_FORMAT_R16_SNORM] = {GL_R16_SNORM, GL_RED, GL_SHORT, 2},
-    [DT_FORMAT_RG16_SNORM] = {GL_RG16_SNORM, GL_RG, GL_SHORT, 4},
-    [DT_FORMAT_RGBA16_SNORM] = {GL_RGBA16_SNORM, GL_RGBA, GL_SHORT, 8},
-    [DT_FORMAT_R8UI] = {GL_R8UI, GL_RED_INTEGER, GL_UNSIGNED_BYTE, 1},
-    [DT_FORMAT_RG8UI] = {GL_RG8UI, GL_RG_INTEGER, GL_UNSIGNED_BYTE, 2},
-    [DT_FORMAT_RGBA8UI] = {GL_RGBA8UI, GL_RGBA_INTEGER, GL_UNSIGNED_BYTE, 4},
-    [DT_FORMAT_R16UI] = {GL_R16UI, GL_RED_INTEGER, GL_UNSIGNED_SHORT, 2},
-    [DT_FORMAT_RG16UI] = {GL_RG16UI, GL_RG_INTEGER, GL_UNSIGNED_SHORT, 4},
-    [DT_FORMAT_RGBA16UI] = {GL_RGBA16UI, GL_RGBA_INTEGER, GL_UNSIGNED_SHORT, 8},
-    [DT_FORMAT_R8I] = {GL_R8I, GL_RED_INTEGER, GL_BYTE, 1},
-    [DT_FORMAT_RG8I] = {GL_RG8I, GL_RG_INTEGER, GL_BYTE, 2},
-    [DT_FORMAT_RGBA8I] = {GL_RGBA8I, GL_RGBA_INTEGER, GL_BYTE, 4},
-    [DT_FORMAT_R16I] = {GL_R16I, GL_RED_INTEGER, GL_SHORT, 2},
-    [DT_FORMAT_RG16I] = {GL_RG16I, GL_RG_INTEGER, GL_SHORT, 4},
-    [DT_FORMAT_RGBA16I] = {GL_RGBA16I, GL_RGBA_INTEGER, GL_SHORT, 8},
-    [DT_FORMAT_RG32I] = {GL_RG32I, GL_RG_INTEGER, GL_INT, 8},
-    [DT_FORMAT_RGBA32I] = {GL_RGBA32I, GL_RGBA_INTEGER, GL_INT, 16},
-    [DT_FORMAT_R11G11B10F] = {GL_R11F_G11F_B10F, GL_RGB, GL_UNSIGNED_INT_10F_11F_11F_REV, 4},
-    [DT_FORMAT_RGB10A2] = {GL_RGB10_A2, GL_RGBA, GL_UNSIGNED_INT_2_10_10_10_REV, 4},
-};
-
 const struct gl_format *gl_format(enum dt_format format)
 {
+    static const struct gl_format formats[] = {
+#define DT_FORMAT(ENUMERATOR, name, channels, bytes, kind, qualifier, vulkan, ...)                 \
+    {__VA_ARGS__, bytes},
+#include "formats.def"
+    };
     return &formats[format];
 }
 
@@ -76,7 +41,7 @@ GLsizei gl_mip_size(uint32_t size, uint32_t mip)
  * buffer's own size, from which shaders compute length(). */
 enum { LEAST_BYTES = 16 };
 
-bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const void *data)
+bool gl_buffer_create(struct dt_gl_runtime *rt, struct gl_buffer *buffer, const void *data)
 {
     const char *name = buffer->name;
     GLsizeiptr whole = buffer->block > buffer->size ? buffer->block : buffer->size;
@@ -86,7 +51,7 @@ bool gl_buffer_create(struct gl_runtime *rt, struct gl_buffer *buffer, const voi
            (!data || gl_buffer_write(rt, buffer, data, (size_t)buffer->size));
 }
 
-bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, const char *name,
+bool gl_buffer_import(const struct dt_gl_runtime *rt, struct gl_buffer *buffer, const char *name,
                       const struct dt_gl_range *range, uint64_t least)
 {
     uint64_t size = range->buffer ? range->size : 0;
@@ -100,14 +65,14 @@ bool gl_buffer_import(const struct gl_runtime *rt, struct gl_buffer *buffer, con
     return true;
 }
 
-bool gl_buffer_write(struct gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
+bool gl_buffer_write(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, const void *data,
                      size_t size)
 {
     return !size ||
            GL(rt, buffer->name, NamedBufferSubData(buffer->handle, 0, (GLsizeiptr)size, data));
 }
 
-bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int byte)
+bool gl_buffer_fill(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, int byte)
 {
     GLuint value = (GLuint)byte * 0x01010101u;
     return GL(rt, buffer->name,
@@ -115,7 +80,7 @@ bool gl_buffer_fill(struct gl_runtime *rt, const struct gl_buffer *buffer, int b
                                       GL_RED_INTEGER, GL_UNSIGNED_INT, &value));
 }
 
-bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource)
+bool gl_buffer_texels(struct dt_gl_runtime *rt, struct gl_buffer *buffer, uint16_t resource)
 {
     bool vertices = resource == DT_SCENE_VERTICES;
     return buffer->texels ||
@@ -128,7 +93,7 @@ bool gl_buffer_texels(struct gl_runtime *rt, struct gl_buffer *buffer, uint16_t 
                                   buffer->offset, buffer->size)));
 }
 
-void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
+void gl_buffer_destroy(struct dt_gl_runtime *rt, struct gl_buffer *buffer)
 {
     if (buffer->texels)
         rt->gl.DeleteTextures(1, &buffer->texels);
@@ -139,7 +104,7 @@ void gl_buffer_destroy(struct gl_runtime *rt, struct gl_buffer *buffer)
 
 /* ---- Images ---------------------------------------------------------------------------------- */
 
-bool gl_image_create(struct gl_runtime *rt, struct gl_image *image)
+bool gl_image_create(struct dt_gl_runtime *rt, struct gl_image *image)
 {
     GLsizei width = (GLsizei)image->width, height = (GLsizei)image->height;
     GLsizei layers = (GLsizei)image->layers, mips = (GLsizei)image->mips;
@@ -152,7 +117,7 @@ bool gl_image_create(struct gl_runtime *rt, struct gl_image *image)
     return GL(rt, name, TextureStorage2D(image->handle, mips, format, width, height));
 }
 
-bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint texture)
+bool gl_image_import(struct dt_gl_runtime *rt, struct gl_image *image, GLuint texture)
 {
     GLint width = 0, height = 0, depth = 0, format = 0, levels = 0, target = 0;
     GLenum own_target = gl_target(image), own_format = gl_format(image->format)->internal;
@@ -180,7 +145,7 @@ bool gl_image_import(struct gl_runtime *rt, struct gl_image *image, GLuint textu
                own_format, image->width, image->height, image->layers, image->mips);
 }
 
-bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+bool gl_image_clear(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     const float clear[4])
 {
     const GLuint u[4] = {(GLuint)clear[0], (GLuint)clear[1], (GLuint)clear[2], (GLuint)clear[3]};
@@ -202,7 +167,7 @@ bool gl_image_clear(struct gl_runtime *rt, const struct gl_image *image, uint32_
 }
 
 /* A cube without a sampler is read as an array. */
-bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
+bool gl_image_view(struct dt_gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view)
 {
     bool one = binding->one_layer, volume = image->shape == DT_SHAPE_3D;
@@ -215,7 +180,7 @@ bool gl_image_view(struct gl_runtime *rt, const struct gl_image *image,
                           one || volume ? 1 : image->layers));
 }
 
-void gl_image_destroy(struct gl_runtime *rt, struct gl_image *image)
+void gl_image_destroy(struct dt_gl_runtime *rt, struct gl_image *image)
 {
     if (image->handle && !image->borrowed && !image->imported)
         rt->gl.DeleteTextures(1, &image->handle);
@@ -235,7 +200,7 @@ static int image_byte(const struct gl_image *image, int byte)
 
 /* Fills one mip, layer by layer, from `texels` of one layer. Uploads bytes, because OpenGL converts
  * a clear colour and may change a NaN. */
-static bool fill_mip(struct gl_runtime *rt, const struct gl_image *image, GLint mip,
+static bool fill_mip(struct dt_gl_runtime *rt, const struct gl_image *image, GLint mip,
                      const void *texels)
 {
     const struct gl_format *f = gl_format(image->format);
@@ -255,7 +220,7 @@ static bool fill_mip(struct gl_runtime *rt, const struct gl_image *image, GLint 
     return true;
 }
 
-bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte)
+bool gl_image_fill(struct dt_gl_runtime *rt, const struct gl_image *image, int byte)
 {
     size_t size = (size_t)image->width * image->height * gl_format(image->format)->bytes;
     void *texels = malloc(size);
@@ -272,7 +237,7 @@ bool gl_image_fill(struct gl_runtime *rt, const struct gl_image *image, int byte
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info)
+bool gl_sampler_create(struct dt_gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info)
 {
     static const GLint wraps[] = {[DT_WRAP_CLAMP] = GL_CLAMP_TO_EDGE,
                                   [DT_WRAP_REPEAT] = GL_REPEAT,
@@ -303,7 +268,7 @@ bool gl_sampler_create(struct gl_runtime *rt, GLuint *sampler, const struct dt_s
             GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL)));
 }
 
-void gl_sampler_destroy(struct gl_runtime *rt, GLuint *sampler)
+void gl_sampler_destroy(struct dt_gl_runtime *rt, GLuint *sampler)
 {
     if (*sampler)
         rt->gl.DeleteSamplers(1, sampler);

@@ -8,12 +8,12 @@
 
 static bool enter(struct dt_core *core)
 {
-    return gl_context_current((struct gl_runtime *)core);
+    return gl_context_current((struct dt_gl_runtime *)core);
 }
 
 static void runtime_close(void *runtime)
 {
-    struct gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = runtime;
     if (!rt)
         return;
     if (rt->context.kind && gl_context_current(rt)) {
@@ -26,7 +26,7 @@ static void runtime_close(void *runtime)
     free(rt);
 }
 
-static void set_backend(struct gl_runtime *rt)
+static void set_backend(struct dt_gl_runtime *rt)
 {
     struct dt_backend *backend = &rt->backend;
     *backend = gl_backend;
@@ -42,7 +42,7 @@ static void set_backend(struct gl_runtime *rt)
 static void *runtime_open(const struct dt_runtime_options *options)
 {
     const struct dt_core bare = {.log = options->log};
-    struct gl_runtime *rt = calloc(1, sizeof *rt);
+    struct dt_gl_runtime *rt = calloc(1, sizeof *rt);
     if (!rt) {
         dt_error(&bare, "out of memory for an OpenGL runtime; free some");
         return NULL;
@@ -75,7 +75,7 @@ static double runtime_record_ms(void *runtime)
 
 static void *runtime_window(void *runtime)
 {
-    return ((struct gl_runtime *)runtime)->context.window;
+    return ((struct dt_gl_runtime *)runtime)->context.window;
 }
 
 const struct dt_runtime runtime_gl = {

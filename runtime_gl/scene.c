@@ -2,7 +2,7 @@
  * mips. Called by the front for the app; host.c calls gl_scene_describe. */
 #include "internal.h"
 
-static bool upload_buffers(struct gl_runtime *rt, const struct dt_scene *scene)
+static bool upload_buffers(struct dt_gl_runtime *rt, const struct dt_scene *scene)
 {
     struct gl_builtin *b = &rt->builtin;
     b->vertices =
@@ -23,7 +23,7 @@ static bool upload_buffers(struct gl_runtime *rt, const struct dt_scene *scene)
            gl_buffer_create(rt, &b->objects, scene->object_count ? scene->objects : NULL);
 }
 
-static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)
+static bool upload_textures(struct dt_gl_runtime *rt, const struct dt_scene *scene)
 {
     struct gl_image *image = &rt->builtin.textures;
     const uint8_t *texels = scene->texels;
@@ -48,7 +48,7 @@ static bool upload_textures(struct gl_runtime *rt, const struct dt_scene *scene)
 }
 
 /* Every attribute has a binding of its own. */
-bool gl_scene_describe(struct gl_runtime *rt, const struct dt_gl_attribute given[DT_ATTRIBUTES])
+bool gl_scene_describe(struct dt_gl_runtime *rt, const struct dt_gl_attribute given[DT_ATTRIBUTES])
 {
     static const GLint components[DT_ATTRIBUTES] = {3, 3, 2, 1, 1};
     const struct gl_buffer *vertices = &rt->builtin.vertices;
@@ -82,7 +82,7 @@ bool gl_scene_describe(struct gl_runtime *rt, const struct dt_gl_attribute given
 
 bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     gl_scene_destroy(rt);
     rt->index_count = scene->index_count;
     core->has_scene = upload_buffers(rt, scene) && upload_textures(rt, scene) &&
@@ -91,7 +91,7 @@ bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
     return core->has_scene;
 }
 
-void gl_scene_destroy(struct gl_runtime *rt)
+void gl_scene_destroy(struct dt_gl_runtime *rt)
 {
     rt->core.has_scene = rt->core.has_objects = false;
     gl_buffer_destroy(rt, &rt->builtin.vertices);

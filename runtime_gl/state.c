@@ -9,7 +9,7 @@
 
 /* ---- Required features ----------------------------------------------------------------------- */
 
-static bool has_extension(const struct gl_runtime *rt, const char *name)
+static bool has_extension(const struct dt_gl_runtime *rt, const char *name)
 {
     GLint count = 0;
     rt->gl.GetIntegerv(GL_NUM_EXTENSIONS, &count);
@@ -23,8 +23,8 @@ static const char *const needed[] = {
     "GL_ARB_shader_viewport_layer_array", /* gl_Layer from the vertex shader */
 };
 
-bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t count, char *missing,
-                size_t size)
+bool gl_has_all(const struct dt_gl_runtime *rt, const char *const *names, size_t count,
+                char *missing, size_t size)
 {
     missing[0] = '\0';
     for (size_t i = 0; i < count; i++) {
@@ -35,14 +35,14 @@ bool gl_has_all(const struct gl_runtime *rt, const char *const *names, size_t co
     return !missing[0];
 }
 
-static uint32_t integer(const struct gl_runtime *rt, GLenum name)
+static uint32_t integer(const struct dt_gl_runtime *rt, GLenum name)
 {
     GLint value = 0;
     rt->gl.GetIntegerv(name, &value);
     return (uint32_t)value;
 }
 
-static uint64_t integer64(const struct gl_runtime *rt, GLenum name)
+static uint64_t integer64(const struct dt_gl_runtime *rt, GLenum name)
 {
     GLint64 value = 0;
     rt->gl.GetInteger64v(name, &value);
@@ -50,7 +50,7 @@ static uint64_t integer64(const struct gl_runtime *rt, GLenum name)
 }
 
 /* The less of a limit's values for dispatches and for draws. */
-static uint64_t limit(struct gl_runtime *rt, const GLenum names[2], int index)
+static uint64_t limit(struct dt_gl_runtime *rt, const GLenum names[2], int index)
 {
     uint64_t least = UINT64_MAX;
     for (int i = 0; i < 2; i++) {
@@ -66,7 +66,7 @@ static uint64_t limit(struct gl_runtime *rt, const GLenum names[2], int index)
     return least;
 }
 
-static void read_limits(struct gl_runtime *rt)
+static void read_limits(struct dt_gl_runtime *rt)
 {
     static const struct {
         GLenum names[2];
@@ -97,7 +97,7 @@ static void read_limits(struct gl_runtime *rt)
     rt->buffer_alignment = texels > rt->buffer_alignment ? texels : rt->buffer_alignment;
 }
 
-bool gl_is_software(const struct gl_runtime *rt)
+bool gl_is_software(const struct dt_gl_runtime *rt)
 {
     static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "lavapipe"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
@@ -114,7 +114,7 @@ static const char *const core_4_6[] = {
 };
 
 /* glad leaves out the functions of a version that the context does not report. */
-static void take_4_6(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user)
+static void take_4_6(struct dt_gl_runtime *rt, GLADuserptrloadfunc load, void *user)
 {
     if (rt->gl.VERSION_4_6)
         return;
@@ -122,7 +122,7 @@ static void take_4_6(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user
     rt->gl.PolygonOffsetClamp = (PFNGLPOLYGONOFFSETCLAMPPROC)load(user, "glPolygonOffsetClamp");
 }
 
-bool gl_context_suits(struct gl_runtime *rt, GLADuserptrloadfunc load, void *user)
+bool gl_context_suits(struct dt_gl_runtime *rt, GLADuserptrloadfunc load, void *user)
 {
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
     const char *version = (const char *)rt->gl.GetString(GL_VERSION);
@@ -149,7 +149,7 @@ bool gl_context_suits(struct gl_runtime *rt, GLADuserptrloadfunc load, void *use
 
 /* Under this state OpenGL and Vulkan give the same bits: depth 0..1, row 0 at NDC y = -1, the first
  * vertex is the provoking one, sRGB targets encode, shaders size points, whose origin is row 0. */
-bool gl_state_fix(struct gl_runtime *rt)
+bool gl_state_fix(struct dt_gl_runtime *rt)
 {
     rt->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
     rt->gl.ProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
@@ -260,14 +260,14 @@ struct gl_kept {
     struct kept_image image[MAX_BINDINGS];
 };
 
-static GLint count_of(const struct gl_runtime *rt, GLenum name, GLint most)
+static GLint count_of(const struct dt_gl_runtime *rt, GLenum name, GLint most)
 {
     GLint count = 0;
     rt->gl.GetIntegerv(name, &count);
     return count < most ? count : most;
 }
 
-static void keep_blend(const struct gl_runtime *rt, struct gl_kept *kept)
+static void keep_blend(const struct dt_gl_runtime *rt, struct gl_kept *kept)
 {
     const GladGLContext *gl = &rt->gl;
     GLint count = count_of(rt, GL_MAX_DRAW_BUFFERS, MAX_DRAW_BUFFERS);
@@ -284,7 +284,7 @@ static void keep_blend(const struct gl_runtime *rt, struct gl_kept *kept)
     }
 }
 
-static void give_blend(const struct gl_runtime *rt, const struct gl_kept *kept)
+static void give_blend(const struct dt_gl_runtime *rt, const struct gl_kept *kept)
 {
     const GladGLContext *gl = &rt->gl;
     GLint count = count_of(rt, GL_MAX_DRAW_BUFFERS, MAX_DRAW_BUFFERS);
@@ -301,7 +301,7 @@ static void give_blend(const struct gl_runtime *rt, const struct gl_kept *kept)
     }
 }
 
-static void keep_viewports(const struct gl_runtime *rt, struct gl_kept *kept)
+static void keep_viewports(const struct dt_gl_runtime *rt, struct gl_kept *kept)
 {
     GLint count = count_of(rt, GL_MAX_VIEWPORTS, MAX_VIEWPORTS);
     for (GLuint i = 0; i < (GLuint)count; i++) {
@@ -312,7 +312,7 @@ static void keep_viewports(const struct gl_runtime *rt, struct gl_kept *kept)
     }
 }
 
-static void give_viewports(const struct gl_runtime *rt, const struct gl_kept *kept)
+static void give_viewports(const struct dt_gl_runtime *rt, const struct gl_kept *kept)
 {
     GLint count = count_of(rt, GL_MAX_VIEWPORTS, MAX_VIEWPORTS);
     for (GLuint i = 0; i < (GLuint)count; i++) {
@@ -327,7 +327,7 @@ static void give_viewports(const struct gl_runtime *rt, const struct gl_kept *ke
 }
 
 /* State that one query returns. */
-static void keep_integers(const struct gl_runtime *rt, struct gl_kept *kept)
+static void keep_integers(const struct dt_gl_runtime *rt, struct gl_kept *kept)
 {
     const struct {
         GLenum name;
@@ -365,7 +365,7 @@ static void keep_integers(const struct gl_runtime *rt, struct gl_kept *kept)
         kept->clip[i] = rt->gl.IsEnabled(GL_CLIP_DISTANCE0 + i);
 }
 
-static void give_integers(const struct gl_runtime *rt, const struct gl_kept *kept)
+static void give_integers(const struct dt_gl_runtime *rt, const struct gl_kept *kept)
 {
     const GladGLContext *gl = &rt->gl;
     gl->UseProgram((GLuint)kept->program);
@@ -395,7 +395,7 @@ static void give_integers(const struct gl_runtime *rt, const struct gl_kept *kep
 }
 
 /* Sets the initial state of a context, except for state that passes set before every draw. */
-static bool neutralise(struct gl_runtime *rt)
+static bool neutralise(struct dt_gl_runtime *rt)
 {
     for (size_t i = 0; i < SWITCHES; i++)
         rt->gl.Disable(switches[i]);
@@ -414,7 +414,7 @@ static bool neutralise(struct gl_runtime *rt)
 
 bool gl_state_enter(struct dt_core *core)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     GLenum error = rt->gl.GetError();
     if (error != GL_NO_ERROR)
         dt_log(core, DT_WARNING, "OpenGL error 0x%x was pending before diptych was called", error);
@@ -433,7 +433,7 @@ bool gl_state_enter(struct dt_core *core)
 
 /* ---- Bindings -------------------------------------------------------------------------------- */
 
-static void keep_range(const struct gl_runtime *rt, struct kept_range *range, GLuint index,
+static void keep_range(const struct dt_gl_runtime *rt, struct kept_range *range, GLuint index,
                        bool storage)
 {
     rt->gl.GetIntegeri_v(storage ? GL_SHADER_STORAGE_BUFFER_BINDING : GL_UNIFORM_BUFFER_BINDING,
@@ -444,7 +444,7 @@ static void keep_range(const struct gl_runtime *rt, struct kept_range *range, GL
                            &range->size);
 }
 
-static void give_range(const struct gl_runtime *rt, const struct kept_range *range, GLuint index,
+static void give_range(const struct dt_gl_runtime *rt, const struct kept_range *range, GLuint index,
                        GLenum target)
 {
     if (range->size > 0)
@@ -454,7 +454,7 @@ static void give_range(const struct gl_runtime *rt, const struct kept_range *ran
         rt->gl.BindBufferBase(target, index, (GLuint)range->buffer);
 }
 
-static void keep_texture(const struct gl_runtime *rt, struct kept_texture *texture, GLuint unit)
+static void keep_texture(const struct dt_gl_runtime *rt, struct kept_texture *texture, GLuint unit)
 {
     rt->gl.ActiveTexture(GL_TEXTURE0 + unit);
     for (int i = 0; i < TEXTURES; i++)
@@ -462,7 +462,7 @@ static void keep_texture(const struct gl_runtime *rt, struct kept_texture *textu
     rt->gl.GetIntegerv(GL_SAMPLER_BINDING, &texture->sampler);
 }
 
-static void give_texture(const struct gl_runtime *rt, const struct kept_texture *texture,
+static void give_texture(const struct dt_gl_runtime *rt, const struct kept_texture *texture,
                          GLuint unit)
 {
     rt->gl.ActiveTexture(GL_TEXTURE0 + unit);
@@ -471,7 +471,7 @@ static void give_texture(const struct gl_runtime *rt, const struct kept_texture 
     rt->gl.BindSampler(unit, (GLuint)texture->sampler);
 }
 
-static void keep_image(const struct gl_runtime *rt, struct kept_image *image, GLuint unit)
+static void keep_image(const struct dt_gl_runtime *rt, struct kept_image *image, GLuint unit)
 {
     rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_NAME, unit, &image->texture);
     rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_LEVEL, unit, &image->level);
@@ -481,7 +481,7 @@ static void keep_image(const struct gl_runtime *rt, struct kept_image *image, GL
     rt->gl.GetIntegeri_v(GL_IMAGE_BINDING_FORMAT, unit, &image->format);
 }
 
-void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLuint at)
+void gl_state_keep_binding(struct dt_gl_runtime *rt, enum dt_binding_kind kind, GLuint at)
 {
     struct gl_kept *kept = rt->kept;
     kind = kind == DT_BIND_TEXELS ? DT_BIND_TEXTURE : kind; /* of the same units */
@@ -505,7 +505,7 @@ void gl_state_keep_binding(struct gl_runtime *rt, enum dt_binding_kind kind, GLu
     }
 }
 
-static void give_bindings(const struct gl_runtime *rt, const struct gl_kept *kept)
+static void give_bindings(const struct dt_gl_runtime *rt, const struct gl_kept *kept)
 {
     for (GLuint i = 0; i < MAX_BINDINGS; i++) {
         if (kept->kept[DT_BIND_UNIFORM] >> i & 1)
@@ -526,7 +526,7 @@ static void give_bindings(const struct gl_runtime *rt, const struct gl_kept *kep
  * them. */
 bool gl_state_leave(struct dt_core *core)
 {
-    struct gl_runtime *rt = (struct gl_runtime *)core;
+    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
     struct gl_kept *kept = rt->kept;
     rt->kept = NULL;
     if (!kept)

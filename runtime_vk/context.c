@@ -17,7 +17,7 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
                                      const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
 {
     (void)severity;
-    struct vk_runtime *rt = user;
+    struct dt_vk_runtime *rt = user;
     bool counts = types & (VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
                            VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT);
     rt->core.messages += counts;
@@ -28,7 +28,7 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
 
 /* ---- Instance -------------------------------------------------------------------------------- */
 
-static bool open_instance(struct vk_runtime *rt)
+static bool open_instance(struct dt_vk_runtime *rt)
 {
     static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
     const char *extensions[MAX_EXTENSIONS] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
@@ -112,7 +112,7 @@ static int match_device(const VkPhysicalDevice *devices, uint32_t count, const c
     return -1;
 }
 
-static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *devices,
+static bool no_such_device(const struct dt_vk_runtime *rt, const VkPhysicalDevice *devices,
                            uint32_t count, const char *wanted)
 {
     char list[768] = "";
@@ -130,7 +130,7 @@ static bool no_such_device(const struct vk_runtime *rt, const VkPhysicalDevice *
 }
 
 /* vk_device_suits; with a window, also whether the device can present to the window. */
-static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
+static bool suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                   const struct dt_panel *panel, char *text, size_t size)
 {
     uint32_t bits;
@@ -145,7 +145,7 @@ static bool suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
 
 /* Chooses the device that the user names; without a name the first with all required features,
  * those of the panel included. */
-static bool choose_device(struct vk_runtime *rt, const struct dt_runtime_options *options)
+static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_options *options)
 {
     const char *wanted = options->device;
     VkPhysicalDevice devices[MAX_DEVICES];
@@ -178,7 +178,7 @@ static bool choose_device(struct vk_runtime *rt, const struct dt_runtime_options
            dt_error(&rt->core, "%s", missing);
 }
 
-static bool open_device(struct vk_runtime *rt)
+static bool open_device(struct dt_vk_runtime *rt)
 {
     rt->queue_family = vk_device_queue_family(rt, rt->physical, &rt->timestamp_bits);
     vk_features_supported(rt, &rt->features);
@@ -211,7 +211,7 @@ static bool open_device(struct vk_runtime *rt)
     return true;
 }
 
-static bool open_commands(struct vk_runtime *rt)
+static bool open_commands(struct dt_vk_runtime *rt)
 {
     VkCommandPoolCreateInfo pool = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
@@ -245,7 +245,7 @@ static void link_functions(struct vk_dispatch *vk)
 #undef LINK
 }
 
-bool vk_context_open(struct vk_runtime *rt, const struct dt_runtime_options *options)
+bool vk_context_open(struct dt_vk_runtime *rt, const struct dt_runtime_options *options)
 {
     bool window = rt->core.window;
     link_functions(&rt->vk);
@@ -254,7 +254,7 @@ bool vk_context_open(struct vk_runtime *rt, const struct dt_runtime_options *opt
            open_commands(rt);
 }
 
-void vk_context_close(struct vk_runtime *rt)
+void vk_context_close(struct dt_vk_runtime *rt)
 {
     if (rt->device) {
         vkDestroyFence(rt->device, rt->fence, NULL);

@@ -57,14 +57,14 @@ static void link_features(struct vk_features *features)
     };
 }
 
-static void find_features(const struct vk_runtime *rt, VkPhysicalDevice physical,
+static void find_features(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                           struct vk_features *features)
 {
     link_features(features);
     rt->vk.GetPhysicalDeviceFeatures2(physical, &features->core);
 }
 
-void vk_features_supported(const struct vk_runtime *rt, struct vk_features *features)
+void vk_features_supported(const struct dt_vk_runtime *rt, struct vk_features *features)
 {
     struct vk_features has;
     find_features(rt, rt->physical, &has);
@@ -115,7 +115,7 @@ static void add_enabled(struct vk_features *features, const VkBaseInStructure *n
     }
 }
 
-bool vk_features_enabled(struct vk_runtime *rt, const VkDeviceCreateInfo *info)
+bool vk_features_enabled(struct dt_vk_runtime *rt, const VkDeviceCreateInfo *info)
 {
     struct vk_features *features = &rt->features;
     *features = (struct vk_features){0};
@@ -174,7 +174,8 @@ static const struct {
 #undef BIT
 };
 
-static VkSubgroupFeatureFlags find_subgroups(const struct vk_runtime *rt, VkPhysicalDevice physical)
+static VkSubgroupFeatureFlags find_subgroups(const struct dt_vk_runtime *rt,
+                                             VkPhysicalDevice physical)
 {
     VkPhysicalDeviceSubgroupProperties subgroups = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_PROPERTIES,
@@ -214,7 +215,7 @@ static const struct dt_need *find_lack(VkSubgroupFeatureFlags subgroups,
     return NULL;
 }
 
-bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel)
+bool vk_device_suits_panel(struct dt_vk_runtime *rt, const struct dt_panel *panel)
 {
     VkSubgroupFeatureFlags subgroups = find_subgroups(rt, rt->physical);
     const struct dt_need *lack = find_lack(subgroups, &rt->features, panel);
@@ -230,7 +231,7 @@ bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel)
                         : "does not have; use another device");
 }
 
-uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
+uint32_t vk_device_queue_family(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits)
 {
     VkQueueFamilyProperties families[MAX_QUEUE_FAMILIES];
@@ -246,7 +247,7 @@ uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice ph
     return UINT32_MAX;
 }
 
-bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
+bool vk_device_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                      const struct dt_panel *panel, char *text, size_t size)
 {
     size_t used = 0;
@@ -294,7 +295,7 @@ static struct dt_limits limits_of(const VkPhysicalDeviceLimits *can)
     };
 }
 
-bool vk_device_is_enough(const struct vk_runtime *rt, VkPhysicalDevice physical,
+bool vk_device_is_enough(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                          const struct dt_panel *panel, char *text, size_t size)
 {
     VkPhysicalDeviceProperties properties;
@@ -303,7 +304,7 @@ bool vk_device_is_enough(const struct vk_runtime *rt, VkPhysicalDevice physical,
     return !panel || dt_front_suits(panel, &limits, properties.deviceName, text, size);
 }
 
-void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical)
+void vk_device_describe(struct dt_vk_runtime *rt, VkPhysicalDevice physical)
 {
     VkPhysicalDeviceMaintenance3Properties maintenance3 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_MAINTENANCE_3_PROPERTIES,

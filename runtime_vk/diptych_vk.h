@@ -6,7 +6,7 @@
  *     dt_vk_suits(&(struct dt_vk_host){...}, &ssvp_vk) to choose a physical device
  *     dt_vk_need_features(&ssvp_vk, &core, &vulkan11, &vulkan12, &vulkan13);
  *     vkCreateDevice(physical, &info, ...); with these structures in `info`
- *     struct vk_runtime *rt = dt_vk_open(&(struct dt_vk_host){
+ *     struct dt_vk_runtime *rt = dt_vk_open(&(struct dt_vk_host){
  *         .log = log, .instance = instance, .physical_device = physical, .device = device,
  *         .queue_family = family, .get_instance_proc_addr = vkGetInstanceProcAddr,
  *         .device_info = &info});
@@ -75,7 +75,7 @@ extern "C" {
 
 #pragma GCC visibility push(default) /* what the libraries export */
 
-struct vk_runtime;
+struct dt_vk_runtime;
 
 /* Memory that the host allocated: `memory` from `offset` on. `allocation`: for `free`, or NULL. */
 struct dt_vk_memory {
@@ -150,8 +150,8 @@ void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatu
                          VkPhysicalDeviceVulkan13Features *vulkan13);
 
 /* NULL after an error, for example if the device lacks a required feature. */
-struct vk_runtime *dt_vk_open(const struct dt_vk_host *host);
-void dt_vk_close(struct vk_runtime *rt); /* accepts NULL; does not destroy imported objects */
+struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host);
+void dt_vk_close(struct dt_vk_runtime *rt); /* accepts NULL; does not destroy imported objects */
 
 /* ---- The scene ------------------------------------------------------------------------------- */
 
@@ -199,18 +199,18 @@ struct dt_vk_scene {
 };
 /* Call before resize. Import and resize again when a handle, a size or index_count changes. A
  * pipeline whose passes neither draw nor read the scene needs no scene. */
-bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene);
+bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scene);
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
 /* Creates the programs, which takes seconds on some drivers. Replaces the previous pipeline and
  * reuses its unchanged programs. The shaders must live until the next create or close. */
-bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders);
+bool dt_vk_create(struct dt_vk_runtime *rt, const struct dt_shaders *shaders);
 
 /* The same with the shaders of `from`, whose programs both runtimes then share: compiles nothing. Both
  * have the same device and callbacks. `from` may be closed first; no other thread uses it during the
  * call. */
-bool dt_vk_create_from(struct vk_runtime *rt, const struct vk_runtime *from);
+bool dt_vk_create_from(struct dt_vk_runtime *rt, const struct dt_vk_runtime *from);
 
 /* An image of the host, used for a resource of the pipeline: single-sampled, optimal tiling, with
  * the format, size, layers and mips of the resource; 2D, or 3D with the depth in `layers`; for a
@@ -240,7 +240,8 @@ bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, 
 
 /* `resource` is NAME_RESOURCE_...; call after create, before resize. An image of VK_NULL_HANDLE
  * cancels the import. */
-bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image);
+bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
+                        const struct dt_vk_image *image);
 
 /* A buffer of the host, used for a resource of the pipeline: at least as many bytes as the resource
  * has, laid out as in NAME.h. The usage has what buffer_usage of dt_vk_get_resource has without the
@@ -248,7 +249,8 @@ bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct d
  * passes use it so. The offset is also a multiple of 4. The buffer lives until the next import of the
  * resource, create or close. Call after create, before resize. A buffer of VK_NULL_HANDLE cancels the
  * import. diptych never writes an imported input; the host may write it between frames. */
-bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_range *range);
+bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
+                         const struct dt_vk_range *range);
 
 /* The imported image or buffer belongs to another queue family between frames: the commands of a frame
  * begin with acquiring it from `family`, and end with releasing it to it. The host records the other
@@ -257,17 +259,17 @@ bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct 
  *     layout_before UNDEFINED, whose content is lost;
  *   - an acquire after, in the layout that dt_vk_get_resource then tells, or of the range.
  * Call after the import, before a frame. VK_QUEUE_FAMILY_IGNORED cancels it. */
-bool dt_vk_exchange(struct vk_runtime *rt, uint32_t resource, uint32_t family);
+bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family);
 
 /* Creates the resource with this usage, too, for commands of the host: COLOR_ATTACHMENT to draw into
  * it, VERTEX_BUFFER to draw from it. Replaces an earlier call for the resource; no effect on an
  * import. Call after create, before resize, which reports a usage that the device lacks. */
-bool dt_vk_add_image_usage(struct vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage);
-bool dt_vk_add_buffer_usage(struct vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage);
+bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage);
+bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage);
 
 /* Creates all other resources, for a frame size in pixels. The next frame sets resources with
  * history to zero, but not imported ones. */
-bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
+bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs
  * every input that is not imported, after each resize; the content then stays, and may be replaced
@@ -277,8 +279,8 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height);
  * an image halved for each mip, at least 1. The function copies them into `commands`, which are as for
  * record: frames recorded later see the new content, earlier ones the old. For large images that change
  * in every frame, an import is faster. */
-bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
-                 const struct dt_bytes *bytes);
+bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t resource,
+                 uint32_t mip, const struct dt_bytes *bytes);
 
 /* What other commands on the queue, of the host and of its other runtimes, do with resources that the
  * pipeline uses, too: imports, the scene, and those of dt_vk_get_resource. Stages of semaphores around
@@ -295,14 +297,14 @@ struct dt_vk_sync {
 /* From now on, commands of record, record_passes and write begin and end with barriers for these
  * stages and accesses instead of full ones: diptych waits only for them and for its own stages, and
  * only they wait for diptych. NULL: full barriers again. */
-void dt_vk_narrow(struct vk_runtime *rt, const struct dt_vk_sync *sync);
+void dt_vk_narrow(struct dt_vk_runtime *rt, const struct dt_vk_sync *sync);
 
 /* Records all passes of one frame. `commands` is a primary command buffer of `queue_family` in the
  * recording state, outside of a render pass; earlier bindings and dynamic state are lost. Ignores
  * width and height of `frame`; the host counts `index` from 0 after every resize. `live`: the live
  * parameters, struct NAME_live; NULL: their defaults. The function reads both before it returns.
  * Allocates nothing. */
-bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
+bool dt_vk_record(struct dt_vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live);
 
 /* Records the passes `first` to `end` - 1, so that commands of the host can stand between two parts
@@ -320,7 +322,7 @@ bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct 
  * wrote. Outputs have content only after the pass that writes them; before it, their memory is that of
  * other resources: do not write them. Imported images have layout_before until their first pass, and
  * layout_after after the last part. */
-bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
+bool dt_vk_record_passes(struct dt_vk_runtime *rt, VkCommandBuffer commands,
                          const struct dt_frame *frame, const void *live, uint32_t first,
                          uint32_t end);
 
@@ -355,14 +357,14 @@ struct dt_vk_resource {
 /* An error if the resource is neither an output, nor imported, nor has `keep: true`, `history: true`
  * or content from outside in the spec: other passes may have reused its memory. Also an error between
  * the parts of a frame for an output that no part so far has written. */
-bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
+bool dt_vk_get_resource(struct dt_vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped. `age`: 0 is the frame recorded
  * last, 1 the one before, up to `frames` - 1 of the host; all since resize. The frame is complete, and
  * its command buffers have finished: this function never waits. So a host with two frames in flight
  * asks for age 1, once it has waited for that frame's fence and before it records into the command
  * buffer again. */
-bool dt_vk_timings(struct vk_runtime *rt, uint32_t age, double *pass_ms);
+bool dt_vk_timings(struct dt_vk_runtime *rt, uint32_t age, double *pass_ms);
 
 #pragma GCC visibility pop
 

@@ -36,7 +36,7 @@ static const struct {
 #undef RESULT
 };
 
-bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const char *name)
+bool vk_check(struct dt_vk_runtime *rt, VkResult result, const char *call, const char *name)
 {
     if (result == VK_SUCCESS)
         return true;
@@ -54,7 +54,8 @@ bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const ch
                     length, call, name, (int)result);
 }
 
-void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name)
+void vk_set_name(const struct dt_vk_runtime *rt, VkObjectType type, uint64_t handle,
+                 const char *name)
 {
     VkDebugUtilsObjectNameInfoEXT info = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_OBJECT_NAME_INFO_EXT,

@@ -8,7 +8,7 @@
 
 /* ---- Command buffers ------------------------------------------------------------------------- */
 
-void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands)
+void vk_full_barrier(const struct dt_vk_runtime *rt, VkCommandBuffer commands)
 {
     VkMemoryBarrier2 memory = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
@@ -26,7 +26,7 @@ void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands)
     rt->vk.CmdPipelineBarrier2(commands, &info);
 }
 
-VkImageMemoryBarrier2 vk_image_barrier(const struct vk_runtime *rt, const struct vk_image *image,
+VkImageMemoryBarrier2 vk_image_barrier(const struct dt_vk_runtime *rt, const struct vk_image *image,
                                        VkImageLayout layout)
 {
     VkPipelineStageFlags2 stages = rt->narrow ? rt->stages : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
@@ -45,7 +45,7 @@ VkImageMemoryBarrier2 vk_image_barrier(const struct vk_runtime *rt, const struct
     };
 }
 
-void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
+void vk_transition(const struct dt_vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
                    VkImageLayout layout)
 {
     VkImageMemoryBarrier2 barrier = vk_image_barrier(rt, image, layout);
@@ -60,7 +60,7 @@ void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct
 
 /* Every command buffer begins with a full barrier. So a pipeline's barriers order only one frame;
  * uploads, read-backs and last frame's history need none. */
-static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name)
+static bool begin_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands, const char *name)
 {
     VkCommandBufferBeginInfo info = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO,
@@ -75,7 +75,7 @@ static bool begin_commands(struct vk_runtime *rt, VkCommandBuffer commands, cons
 }
 
 /* Submits the commands and waits. Signals `done` unless it is VK_NULL_HANDLE. */
-static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const char *name,
+static bool run_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands, const char *name,
                          VkSemaphore done)
 {
     VkSemaphoreSubmitInfo signal = {
@@ -101,17 +101,17 @@ static bool run_commands(struct vk_runtime *rt, VkCommandBuffer commands, const 
            VK(rt, rt->vk.ResetFences(rt->device, 1, &rt->fence), name);
 }
 
-VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name)
+VkCommandBuffer vk_immediate_begin(struct dt_vk_runtime *rt, const char *name)
 {
     return begin_commands(rt, rt->immediate_commands, name) ? rt->immediate_commands : NULL;
 }
 
-bool vk_immediate_end(struct vk_runtime *rt, const char *name)
+bool vk_immediate_end(struct dt_vk_runtime *rt, const char *name)
 {
     return run_commands(rt, rt->immediate_commands, name, VK_NULL_HANDLE);
 }
 
-bool vk_immediate_end_signal(struct vk_runtime *rt, const char *name, VkSemaphore done)
+bool vk_immediate_end_signal(struct dt_vk_runtime *rt, const char *name, VkSemaphore done)
 {
     return run_commands(rt, rt->immediate_commands, name, done);
 }
@@ -125,7 +125,7 @@ static double thread_ms(void)
     return (double)now.tv_sec * 1e3 + (double)now.tv_nsec * 1e-6;
 }
 
-void vk_reset_queries(const struct vk_runtime *rt)
+void vk_reset_queries(const struct dt_vk_runtime *rt)
 {
     rt->vk.CmdResetQueryPool(rt->frame_commands, rt->queries,
                              2 * dt_run(&rt->core, rt->core.slot, 0),
@@ -133,7 +133,7 @@ void vk_reset_queries(const struct vk_runtime *rt)
 }
 
 /* Records all commands of a frame except the last barrier. */
-static bool record_frame(struct vk_runtime *rt, const void *live)
+static bool record_frame(struct dt_vk_runtime *rt, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     if (!begin_commands(rt, rt->frame_commands, pipeline->name))
@@ -149,7 +149,7 @@ static bool record_frame(struct vk_runtime *rt, const void *live)
 
 bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct dt_pipeline *pipeline = core->pipeline;
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
     memcpy(rt->builtin.frame.bytes, frame, sizeof *frame);
@@ -169,14 +169,14 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
 /* With an observer every pass ends in a submission, so nothing is pending before the next. */
 bool vk_frame_pause(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     return run_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name,
                         VK_NULL_HANDLE);
 }
 
 bool vk_frame_resume(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     return begin_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name);
 }
 
@@ -184,7 +184,7 @@ bool vk_frame_resume(struct dt_core *core)
  * for the frame, so the query does not wait. */
 bool vk_frame_timings(struct dt_core *core, uint32_t slot, double *pass_ms)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     VkQueryResultFlags wait = core->hosted ? 0 : VK_QUERY_RESULT_WAIT_BIT;
     uint64_t mask = rt->timestamp_bits < 64 ? (1ull << rt->timestamp_bits) - 1 : UINT64_MAX;
     for (uint32_t pass = 0; pass < core->pipeline->pass_count; pass++) {

@@ -7,14 +7,14 @@
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-static bool check_functions(const struct vk_runtime *rt, bool good)
+static bool check_functions(const struct dt_vk_runtime *rt, bool good)
 {
     return good || dt_error(&rt->core,
                             "Vulkan: the loader lacks functions of version 1.3; make instance and "
                             "device with apiVersion 1.3");
 }
 
-static bool load_instance(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
+static bool load_instance(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 {
     bool good = true;
 #define LOAD(name) good = good && (rt->vk.name = (PFN_vk##name)get(rt->instance, "vk" #name));
@@ -23,7 +23,7 @@ static bool load_instance(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
     return check_functions(rt, good);
 }
 
-static bool load_device(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
+static bool load_device(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 {
     PFN_vkGetDeviceProcAddr get_device =
         (PFN_vkGetDeviceProcAddr)get(rt->instance, "vkGetDeviceProcAddr");
@@ -35,7 +35,7 @@ static bool load_device(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 }
 
 /* Called only if the host says that VK_EXT_debug_utils is enabled. */
-static void load_labels(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
+static void load_labels(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 {
     rt->begin_label =
         (PFN_vkCmdBeginDebugUtilsLabelEXT)get(rt->instance, "vkCmdBeginDebugUtilsLabelEXT");
@@ -46,7 +46,7 @@ static void load_labels(struct vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
         rt->begin_label = NULL;
 }
 
-static bool check_family(struct vk_runtime *rt)
+static bool check_family(struct dt_vk_runtime *rt)
 {
     const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     uint32_t count = 0;
@@ -70,7 +70,7 @@ static bool check_family(struct vk_runtime *rt)
                     rt->queue_family, rt->core.device_name);
 }
 
-static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
+static bool open_on(struct dt_vk_runtime *rt, const struct dt_vk_host *host)
 {
     char missing[512];
     if (!host->instance || !host->physical_device || !host->device || !host->get_instance_proc_addr)
@@ -98,8 +98,8 @@ static bool open_on(struct vk_runtime *rt, const struct dt_vk_host *host)
 
 bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders)
 {
-    struct vk_runtime rt = {.core = {.log = host->log, .timing = host->timing},
-                            .instance = host->instance};
+    struct dt_vk_runtime rt = {.core = {.log = host->log, .timing = host->timing},
+                               .instance = host->instance};
     const struct dt_panel *panel = shaders->panel;
     char missing[512];
     if (!host->instance || !host->physical_device || !host->get_instance_proc_addr)
@@ -117,9 +117,9 @@ bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders
 
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live);
 
-struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
+struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
 {
-    struct vk_runtime *rt = calloc(1, sizeof *rt);
+    struct dt_vk_runtime *rt = calloc(1, sizeof *rt);
     if (!rt) {
         dt_error(&(struct dt_core){.log = host->log}, "Vulkan: out of memory; free some");
         return NULL;
@@ -145,7 +145,7 @@ struct vk_runtime *dt_vk_open(const struct dt_vk_host *host)
     return NULL;
 }
 
-static void release_scene(struct vk_runtime *rt)
+static void release_scene(struct dt_vk_runtime *rt)
 {
     struct vk_builtin *builtin = &rt->builtin;
     if (builtin->textures.imported)
@@ -158,7 +158,7 @@ static void release_scene(struct vk_runtime *rt)
     rt->index_count = 0;
 }
 
-void dt_vk_close(struct vk_runtime *rt)
+void dt_vk_close(struct dt_vk_runtime *rt)
 {
     if (!rt)
         return;
@@ -174,7 +174,7 @@ void dt_vk_close(struct vk_runtime *rt)
 /* ---- Imports --------------------------------------------------------------------------------- */
 
 /* One white texel, if the host has no textures. */
-static bool create_white(struct vk_runtime *rt)
+static bool create_white(struct dt_vk_runtime *rt)
 {
     const struct vk_image_info info = {
         .name = "no textures",
@@ -189,7 +189,7 @@ static bool create_white(struct vk_runtime *rt)
     return vk_image_create_own(rt, &rt->builtin.textures, &info);
 }
 
-bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
+bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scene)
 {
     struct vk_builtin *builtin = &rt->builtin;
     const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
@@ -219,7 +219,8 @@ bool dt_vk_import_scene(struct vk_runtime *rt, const struct dt_vk_scene *scene)
     return true;
 }
 
-bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_image *image)
+bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
+                        const struct dt_vk_image *image)
 {
     if (!dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
         return false;
@@ -234,7 +235,8 @@ bool dt_vk_import_image(struct vk_runtime *rt, uint32_t resource, const struct d
     return true;
 }
 
-bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct dt_vk_range *range)
+bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
+                         const struct dt_vk_range *range)
 {
     if (!dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
         return false;
@@ -243,7 +245,7 @@ bool dt_vk_import_buffer(struct vk_runtime *rt, uint32_t resource, const struct 
     return true;
 }
 
-bool dt_vk_exchange(struct vk_runtime *rt, uint32_t resource, uint32_t family)
+bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family)
 {
     const struct dt_core *core = &rt->core;
     if (!core->pipeline || resource >= core->pipeline->resource_count || !core->imported[resource])
@@ -253,7 +255,7 @@ bool dt_vk_exchange(struct vk_runtime *rt, uint32_t resource, uint32_t family)
     return true;
 }
 
-bool dt_vk_add_image_usage(struct vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage)
+bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage)
 {
     if (!dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
         return false;
@@ -261,7 +263,7 @@ bool dt_vk_add_image_usage(struct vk_runtime *rt, uint32_t resource, VkImageUsag
     return true;
 }
 
-bool dt_vk_add_buffer_usage(struct vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage)
+bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage)
 {
     if (!dt_front_choose(&rt->core, "add_buffer_usage", DT_BUFFER, resource))
         return false;
@@ -271,12 +273,12 @@ bool dt_vk_add_buffer_usage(struct vk_runtime *rt, uint32_t resource, VkBufferUs
 
 /* ---- The pipeline ---------------------------------------------------------------------------- */
 
-bool dt_vk_create(struct vk_runtime *rt, const struct dt_shaders *shaders)
+bool dt_vk_create(struct dt_vk_runtime *rt, const struct dt_shaders *shaders)
 {
     return dt_front_create(&rt->core, shaders, NULL);
 }
 
-bool dt_vk_create_from(struct vk_runtime *rt, const struct vk_runtime *from)
+bool dt_vk_create_from(struct dt_vk_runtime *rt, const struct dt_vk_runtime *from)
 {
     return dt_front_can_share(&rt->core, &from->core) &&
            ((rt->device == from->device && rt->callbacks == from->callbacks) ||
@@ -285,7 +287,7 @@ bool dt_vk_create_from(struct vk_runtime *rt, const struct vk_runtime *from)
            dt_front_create(&rt->core, from->core.shaders, &from->core);
 }
 
-static bool create_upload(struct vk_runtime *rt)
+static bool create_upload(struct dt_vk_runtime *rt)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     struct vk_buffer_info info = {.name = "upload"};
@@ -303,7 +305,7 @@ static bool create_upload(struct vk_runtime *rt)
     return !info.size || vk_buffer_create_own(rt, &rt->upload, &info, false);
 }
 
-bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
+bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height)
 {
     /* The commands that filled the white texel may never have run: fill it again. */
     rt->builtin.textures.layout = VK_IMAGE_LAYOUT_UNDEFINED;
@@ -315,7 +317,7 @@ bool dt_vk_resize(struct vk_runtime *rt, uint32_t width, uint32_t height)
 
 /* ---- Barriers to the host -------------------------------------------------------------------- */
 
-void dt_vk_narrow(struct vk_runtime *rt, const struct dt_vk_sync *sync)
+void dt_vk_narrow(struct dt_vk_runtime *rt, const struct dt_vk_sync *sync)
 {
     rt->narrow = sync;
     if (sync)
@@ -336,7 +338,7 @@ enum when { BEFORE, WITHIN, AFTER };
 
 /* BEFORE: our commands wait for our earlier ones and for the host's. WITHIN: for our earlier ones.
  * AFTER: the host's wait for ours. */
-static void wait_for(const struct vk_runtime *rt, VkCommandBuffer commands, enum when when)
+static void wait_for(const struct dt_vk_runtime *rt, VkCommandBuffer commands, enum when when)
 {
     const VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
     const struct dt_vk_sync *sync = &rt->sync;
@@ -357,7 +359,7 @@ static void wait_for(const struct vk_runtime *rt, VkCommandBuffer commands, enum
 
 /* Moves an import between queue families, in its layout. The stages meet those of the semaphores that
  * the host waits for before, and signals after; HOST is not allowed here. */
-static void exchange(const struct vk_runtime *rt, uint32_t resource, uint32_t from, uint32_t to)
+static void exchange(const struct dt_vk_runtime *rt, uint32_t resource, uint32_t from, uint32_t to)
 {
     const struct dt_vk_range *range = &rt->choices[resource].buffer;
     const struct vk_image *image = &vk_resource_at(rt, resource)->image;
@@ -390,7 +392,7 @@ static void exchange(const struct vk_runtime *rt, uint32_t resource, uint32_t fr
 
 /* The bytes travel in the commands, so that earlier frames in flight keep their content. The buffer
  * holds a multiple of four bytes. */
-static void update(const struct vk_runtime *rt, VkCommandBuffer commands,
+static void update(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
                    const struct vk_buffer *buffer, VkDeviceSize offset, const void *data,
                    VkDeviceSize size)
 {
@@ -405,14 +407,14 @@ static void update(const struct vk_runtime *rt, VkCommandBuffer commands,
         rt->vk.CmdUpdateBuffer(commands, buffer->handle, offset + whole, sizeof rest, &rest);
 }
 
-static void write_uniform(const struct vk_runtime *rt, const struct vk_buffer *buffer,
+static void write_uniform(const struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
                           VkDeviceSize offset, const void *data, VkDeviceSize size)
 {
     update(rt, rt->frame_commands, buffer, offset, data, size);
 }
 
 /* Leaves the image in the layout that it had; a new one as resize leaves images with history. */
-static void write_image(const struct vk_runtime *rt, VkCommandBuffer commands,
+static void write_image(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
                         struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
 {
     const VkBufferImageCopy region = vk_mip_region(image, mip);
@@ -426,8 +428,8 @@ static void write_image(const struct vk_runtime *rt, VkCommandBuffer commands,
     vk_transition(rt, commands, image, layout);
 }
 
-bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resource, uint32_t mip,
-                 const struct dt_bytes *bytes)
+bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t resource,
+                 uint32_t mip, const struct dt_bytes *bytes)
 {
     if (!dt_front_fits(&rt->core, resource, mip, bytes))
         return false;
@@ -442,7 +444,7 @@ bool dt_vk_write(struct vk_runtime *rt, VkCommandBuffer commands, uint32_t resou
     return true;
 }
 
-static void write_uniforms(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+static void write_uniforms(struct dt_vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
@@ -452,7 +454,7 @@ static void write_uniforms(struct vk_runtime *rt, const struct dt_frame *frame, 
                   pipeline->block_size - size);
 }
 
-static void clear(const struct vk_runtime *rt, struct vk_image *image, float value,
+static void clear(const struct dt_vk_runtime *rt, struct vk_image *image, float value,
                   VkImageLayout layout)
 {
     VkImageSubresourceRange range = {image->aspect, 0, image->mips, 0, image->layers};
@@ -470,7 +472,7 @@ static void clear(const struct vk_runtime *rt, struct vk_image *image, float val
 
 /* Fills resources with history, but for inputs, and the white texel in the first frame after
  * resize. */
-static void fill_now(struct vk_runtime *rt)
+static void fill_now(struct dt_vk_runtime *rt)
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     struct vk_image *textures = &rt->builtin.textures;
@@ -490,7 +492,7 @@ static void fill_now(struct vk_runtime *rt)
 
 /* Imports start with the host's queue family, images in the host's layout. The plan expects images with
  * history in GENERAL, as resize and the frame before leave them. */
-static void take_imports(struct vk_runtime *rt)
+static void take_imports(struct dt_vk_runtime *rt)
 {
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         struct vk_image *image = &vk_resource_at(rt, i)->image;
@@ -508,7 +510,7 @@ static void take_imports(struct vk_runtime *rt)
 }
 
 /* First accesses of the pipeline wait for the barrier at the end. */
-static void begin_frame(struct vk_runtime *rt, const struct dt_frame *frame, const void *live)
+static void begin_frame(struct dt_vk_runtime *rt, const struct dt_frame *frame, const void *live)
 {
     take_imports(rt);
     write_uniforms(rt, frame, live);
@@ -518,7 +520,7 @@ static void begin_frame(struct vk_runtime *rt, const struct dt_frame *frame, con
     wait_for(rt, rt->frame_commands, WITHIN);
 }
 
-static void return_imports(struct vk_runtime *rt)
+static void return_imports(struct dt_vk_runtime *rt)
 {
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         const struct vk_choice *choice = &rt->choices[i];
@@ -534,7 +536,7 @@ static void return_imports(struct vk_runtime *rt)
  * and blocks, and for the host; the last one makes the host wait. */
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     wait_for(rt, rt->frame_commands, BEFORE);
     if (!core->first_pass)
         begin_frame(rt, frame, live);
@@ -546,14 +548,14 @@ static bool render(struct dt_core *core, const struct dt_frame *frame, const voi
     return good;
 }
 
-bool dt_vk_record(struct vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
+bool dt_vk_record(struct dt_vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live)
 {
     rt->frame_commands = commands;
     return dt_verb_render(&rt->core, frame, live, NULL);
 }
 
-bool dt_vk_record_passes(struct vk_runtime *rt, VkCommandBuffer commands,
+bool dt_vk_record_passes(struct dt_vk_runtime *rt, VkCommandBuffer commands,
                          const struct dt_frame *frame, const void *live, uint32_t first,
                          uint32_t end)
 {
@@ -586,7 +588,7 @@ static bool writes(const struct dt_pass *pass, uint32_t resource)
 }
 
 /* The last write of the commands recorded last; zero: only the host writes the resource. */
-static struct write last_write(const struct vk_runtime *rt, uint32_t resource)
+static struct write last_write(const struct dt_vk_runtime *rt, uint32_t resource)
 {
     const struct write clear = {DT_WRITE_CLEAR, DT_STAGE_CLEAR};
     const struct dt_core *core = &rt->core;
@@ -599,7 +601,7 @@ static struct write last_write(const struct vk_runtime *rt, uint32_t resource)
     return what->input && !core->imported[resource] ? clear : (struct write){0};
 }
 
-bool dt_vk_get_resource(struct vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
+bool dt_vk_get_resource(struct dt_vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
 {
     struct dt_bytes shape;
     *out = (struct dt_vk_resource){0};
@@ -665,7 +667,7 @@ bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, 
     return true;
 }
 
-bool dt_vk_timings(struct vk_runtime *rt, uint32_t age, double *pass_ms)
+bool dt_vk_timings(struct dt_vk_runtime *rt, uint32_t age, double *pass_ms)
 {
     return dt_front_timings(&rt->core, age, pass_ms);
 }

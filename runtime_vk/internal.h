@@ -120,7 +120,7 @@ struct vk_bound {
     VkRect2D scissor;
 };
 
-struct vk_runtime {
+struct dt_vk_runtime {
     struct dt_core core;       /* first member: the front casts dt_core pointers */
     struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
     bool debug;
@@ -173,18 +173,18 @@ struct vk_runtime {
     VkPipelineStageFlags2 stages; /* of all that a frame does */
 };
 
-static inline struct vk_runtime *vk_runtime_of(struct dt_core *core)
+static inline struct dt_vk_runtime *vk_runtime_of(struct dt_core *core)
 {
-    return (struct vk_runtime *)core;
+    return (struct dt_vk_runtime *)core;
 }
 
-static inline struct vk_resource *vk_resource_at(const struct vk_runtime *rt, uint32_t resource)
+static inline struct vk_resource *vk_resource_at(const struct dt_vk_runtime *rt, uint32_t resource)
 {
     return dt_resource(&rt->core, resource);
 }
 
 /* Whether vertex shaders can choose the layer; if not, each layer is drawn alone. */
-static inline bool vk_has_layers(const struct vk_runtime *rt)
+static inline bool vk_has_layers(const struct dt_vk_runtime *rt)
 {
     return rt->features.vulkan12.shaderOutputLayer;
 }
@@ -193,39 +193,40 @@ static inline bool vk_has_layers(const struct vk_runtime *rt)
 
 /* True for VK_SUCCESS; else logs "vkFunction(name): VK_ERROR_...: what to do". `call` is the
  * text of the call. */
-bool vk_check(struct vk_runtime *rt, VkResult result, const char *call, const char *name);
+bool vk_check(struct dt_vk_runtime *rt, VkResult result, const char *call, const char *name);
 #define VK(rt, call, name) vk_check(rt, call, #call, name)
 
 /* Names a handle in messages of the validation layers; does nothing without debug. */
-void vk_set_name(const struct vk_runtime *rt, VkObjectType type, uint64_t handle, const char *name);
+void vk_set_name(const struct dt_vk_runtime *rt, VkObjectType type, uint64_t handle,
+                 const char *name);
 
 /* ---- Device (device.c) ----------------------------------------------------------------------- */
 
 /* All known features that the device supports, chained for vkCreateDevice. */
-void vk_features_supported(const struct vk_runtime *rt, struct vk_features *features);
+void vk_features_supported(const struct dt_vk_runtime *rt, struct vk_features *features);
 /* Sets rt->features to those that a host enabled; logs a missing one that every pipeline needs. */
-bool vk_features_enabled(struct vk_runtime *rt, const VkDeviceCreateInfo *info);
+bool vk_features_enabled(struct dt_vk_runtime *rt, const VkDeviceCreateInfo *info);
 /* Whether the features that the passes need are enabled; logs a missing one. */
-bool vk_device_suits_panel(struct vk_runtime *rt, const struct dt_panel *panel);
+bool vk_device_suits_panel(struct dt_vk_runtime *rt, const struct dt_panel *panel);
 
 /* Writes the features that the device lacks to `text`, separated by ", "; true if there are
  * none. `panel`: also one that its passes lack; NULL: any pipeline. */
-bool vk_device_suits(const struct vk_runtime *rt, VkPhysicalDevice physical,
+bool vk_device_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                      const struct dt_panel *panel, char *text, size_t size);
 /* Whether its limits are enough for the panel's passes (NULL: none); if not, `text` gets a sentence. */
-bool vk_device_is_enough(const struct vk_runtime *rt, VkPhysicalDevice physical,
+bool vk_device_is_enough(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                          const struct dt_panel *panel, char *text, size_t size);
 /* The first queue family with graphics and compute; UINT32_MAX: there is none. */
-uint32_t vk_device_queue_family(const struct vk_runtime *rt, VkPhysicalDevice physical,
+uint32_t vk_device_queue_family(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
 /* Stores the device, its name and its limits in the runtime. */
-void vk_device_describe(struct vk_runtime *rt, VkPhysicalDevice physical);
+void vk_device_describe(struct dt_vk_runtime *rt, VkPhysicalDevice physical);
 
 /* ---- Context (context.c) --------------------------------------------------------------------- */
 
 /* With rt->core.window also opens a window. */
-bool vk_context_open(struct vk_runtime *rt, const struct dt_runtime_options *options);
-void vk_context_close(struct vk_runtime *rt); /* also after a failed open */
+bool vk_context_open(struct dt_vk_runtime *rt, const struct dt_runtime_options *options);
+void vk_context_close(struct dt_vk_runtime *rt); /* also after a failed open */
 
 /* ---- Resources (resources.c) ----------------------------------------------------------------- */
 
@@ -245,17 +246,17 @@ struct vk_buffer_info {
     VkDeviceSize block;       /* bytes of the uniform block that shaders declare; 0: size */
     VkBufferUsageFlags usage; /* TRANSFER_SRC and _DST are added */
 };
-bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
+bool vk_buffer_create(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
                       const struct vk_buffer_info *info); /* without memory */
 /* The same with its own memory: device memory, or mapped, host-visible memory. */
-bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
+bool vk_buffer_create_own(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, bool mapped);
 /* Uses `least` bytes or all of a host's range; an error names `name`. */
-bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
+bool vk_buffer_import(const struct dt_vk_runtime *rt, struct vk_buffer *buffer, const char *name,
                       const struct dt_vk_range *range, VkDeviceSize least);
 /* Creates `texels`, unless it is there. resource: DT_SCENE_VERTICES or DT_SCENE_INDICES. */
-bool vk_buffer_texels(struct vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource);
-void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer);
+bool vk_buffer_texels(struct dt_vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource);
+void vk_buffer_destroy(struct dt_vk_runtime *rt, struct vk_buffer *buffer);
 
 struct vk_image_info {
     const char *name;
@@ -270,7 +271,7 @@ struct vk_image_info {
 };
 VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info);
 /* Without memory and views. Adds usage SAMPLED, TRANSFER_SRC and TRANSFER_DST. */
-bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
+bool vk_image_create(struct dt_vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info);
 bool vk_is_cube(enum dt_shape shape); /* also an array of cubes */
 /* The view of a mip and of one or all of its layers; a cube is an array. */
@@ -278,30 +279,30 @@ VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_l
                           uint32_t layer);
 /* All layers of a mip, tightly packed from the first byte of a buffer. */
 VkBufferImageCopy vk_mip_region(const struct vk_image *image, uint32_t mip);
-bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
+bool vk_image_create_own(struct dt_vk_runtime *rt, struct vk_image *image,
                          const struct vk_image_info *info); /* with both */
-void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image);
+void vk_image_destroy(struct dt_vk_runtime *rt, struct vk_image *image);
 
 /* Allocates memory, device-local if possible; errors name `name`. */
-bool vk_memory_create(struct vk_runtime *rt, struct dt_vk_memory *memory,
+bool vk_memory_create(struct dt_vk_runtime *rt, struct dt_vk_memory *memory,
                       const VkMemoryRequirements *needs, const char *name);
-void vk_memory_destroy(struct vk_runtime *rt, struct dt_vk_memory *memory);
+void vk_memory_destroy(struct dt_vk_runtime *rt, struct dt_vk_memory *memory);
 /* Bind memory; vk_image_bind creates views, and binds no memory to an imported image. */
-bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer,
+bool vk_buffer_bind(struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
                     const struct dt_vk_memory *memory);
-bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image,
+bool vk_image_bind(struct dt_vk_runtime *rt, struct vk_image *image,
                    const struct dt_vk_memory *memory);
 
-bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info);
-void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler);
+bool vk_sampler_create(struct dt_vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info);
+void vk_sampler_destroy(struct dt_vk_runtime *rt, VkSampler *sampler);
 
 /* At least `size` bytes of staging memory; NULL after an error that names `name`. Invalidates
  * earlier pointers. */
-void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name);
+void *vk_staging(struct dt_vk_runtime *rt, VkDeviceSize size, const char *name);
 
 /* Set every byte, and wait. */
-bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int byte);
-bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte);
+bool vk_buffer_fill(struct dt_vk_runtime *rt, const struct vk_buffer *buffer, int byte);
+bool vk_image_fill(struct dt_vk_runtime *rt, struct vk_image *image, int byte);
 
 /* ---- Programs (program.c) -------------------------------------------------------------------- */
 
@@ -312,22 +313,23 @@ struct vk_program_info {
     VkFormat color_formats[DT_MAX_COLOR_TARGETS];
     VkFormat depth_format; /* VK_FORMAT_UNDEFINED: no depth attachment */
 };
-bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
+bool vk_program_create(struct dt_vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info);
 /* The same in two steps: all but the VkPipeline; the VkPipeline, which takes long. Several threads may
  * compile different programs of one runtime. */
-bool vk_program_begin(struct vk_runtime *rt, struct vk_program *program,
+bool vk_program_begin(struct dt_vk_runtime *rt, struct vk_program *program,
                       const struct vk_program_info *info);
 struct vk_outcome {
     VkResult result;
     const char *call; /* that did not succeed */
 };
-struct vk_outcome vk_program_compile(const struct vk_runtime *rt, const struct vk_program *program,
+struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt,
+                                     const struct vk_program *program,
                                      const struct vk_program_info *info);
 /* Uses the pipeline of another runtime's program. */
-bool vk_program_share(struct vk_runtime *rt, struct vk_program *program,
+bool vk_program_share(struct dt_vk_runtime *rt, struct vk_program *program,
                       const struct vk_program *other, const struct vk_program_info *info);
-void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program);
+void vk_program_destroy(struct dt_vk_runtime *rt, struct vk_program *program);
 
 /* Content of one binding: a buffer, or an image with or without sampler. */
 struct vk_descriptor {
@@ -336,7 +338,7 @@ struct vk_descriptor {
     VkDescriptorImageInfo image;
 };
 /* Writes all bindings of the program in one call. Not allowed while recording. */
-void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *program,
+void vk_program_bind(const struct dt_vk_runtime *rt, const struct vk_program *program,
                      const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
                      uint32_t count);
 
@@ -344,18 +346,18 @@ void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *progr
 
 /* Immediate commands: record into the command buffer that begin returns (NULL after an error); end
  * submits and waits. Full barriers order them against work before and after. */
-VkCommandBuffer vk_immediate_begin(struct vk_runtime *rt, const char *name);
-bool vk_immediate_end(struct vk_runtime *rt, const char *name);
+VkCommandBuffer vk_immediate_begin(struct dt_vk_runtime *rt, const char *name);
+bool vk_immediate_end(struct dt_vk_runtime *rt, const char *name);
 /* The same, and signals the semaphore. */
-bool vk_immediate_end_signal(struct vk_runtime *rt, const char *name, VkSemaphore done);
+bool vk_immediate_end_signal(struct dt_vk_runtime *rt, const char *name, VkSemaphore done);
 
 /* Orders all earlier commands before all later ones; makes writes visible, also to the host. */
-void vk_full_barrier(const struct vk_runtime *rt, VkCommandBuffer commands);
+void vk_full_barrier(const struct dt_vk_runtime *rt, VkCommandBuffer commands);
 /* The same for one image, with a change to `layout`, among all commands or, if narrow, the runtime's
  * own. An old layout of UNDEFINED loses the content. */
-VkImageMemoryBarrier2 vk_image_barrier(const struct vk_runtime *rt, const struct vk_image *image,
+VkImageMemoryBarrier2 vk_image_barrier(const struct dt_vk_runtime *rt, const struct vk_image *image,
                                        VkImageLayout layout);
-void vk_transition(const struct vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
+void vk_transition(const struct dt_vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
                    VkImageLayout layout);
 
 /* Functions of struct dt_backend. */
@@ -364,7 +366,7 @@ bool vk_frame_pause(struct dt_core *core);
 bool vk_frame_resume(struct dt_core *core);
 bool vk_frame_timings(struct dt_core *core, uint32_t slot, double *pass_ms);
 /* Of the frame's slot, before its timestamps. */
-void vk_reset_queries(const struct vk_runtime *rt);
+void vk_reset_queries(const struct dt_vk_runtime *rt);
 
 /* ---- The pipeline (panel.c, verbs.c) --------------------------------------------------------- */
 
@@ -372,8 +374,8 @@ extern const struct dt_backend vk_backend; /* functions for the app and other pr
 extern const struct dt_verbs vk_verbs;
 extern const struct dt_runtime runtime_vk; /* runtime.c */
 
-bool vk_builtin_create(struct vk_runtime *rt); /* all except the live block and the scene */
-void vk_builtin_destroy(struct vk_runtime *rt);
+bool vk_builtin_create(struct dt_vk_runtime *rt); /* all except the live block and the scene */
+void vk_builtin_destroy(struct dt_vk_runtime *rt);
 
 /* ---- For the app: read-back (readback.c), scene (scene.c), the window (present.c) ------------ */
 
@@ -381,21 +383,24 @@ void vk_builtin_destroy(struct vk_runtime *rt);
 bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
 /* Where the scene's attributes stand: as given, else in the vertices. False after an error. */
-bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute given[DT_ATTRIBUTES]);
+bool vk_scene_attributes(struct dt_vk_runtime *rt,
+                         const struct dt_vk_attribute given[DT_ATTRIBUTES]);
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene);
 bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
 bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels);
 bool vk_present(struct dt_core *core, const struct dt_window_frame *frame);
 
-void vk_scene_destroy(struct vk_runtime *rt);
+void vk_scene_destroy(struct dt_vk_runtime *rt);
 
-bool vk_window_open(struct vk_runtime *rt); /* before the instance */
+bool vk_window_open(struct dt_vk_runtime *rt); /* before the instance */
 /* The instance extensions that surfaces need. */
 const char *const *vk_window_extensions(uint32_t *count);
-bool vk_window_surface(struct vk_runtime *rt); /* after the instance; also after a lost surface */
-bool vk_window_can_present(const struct vk_runtime *rt, VkPhysicalDevice physical, uint32_t family);
-void vk_present_destroy(struct vk_runtime *rt); /* before the device */
-void vk_window_close(struct vk_runtime *rt);    /* after the device, before the instance */
+bool vk_window_surface(
+    struct dt_vk_runtime *rt); /* after the instance; also after a lost surface */
+bool vk_window_can_present(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                           uint32_t family);
+void vk_present_destroy(struct dt_vk_runtime *rt); /* before the device */
+void vk_window_close(struct dt_vk_runtime *rt);    /* after the device, before the instance */
 
 #endif

@@ -8,7 +8,7 @@
 /* ---- Built-in objects ------------------------------------------------------------------------ */
 
 /* Mapped memory; for a host device memory, which commands write. */
-static bool create_uniform(struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
+static bool create_uniform(struct dt_vk_runtime *rt, struct vk_buffer *buffer, const char *name,
                            VkDeviceSize size)
 {
     const struct vk_buffer_info info = {
@@ -16,7 +16,7 @@ static bool create_uniform(struct vk_runtime *rt, struct vk_buffer *buffer, cons
     return vk_buffer_create_own(rt, buffer, &info, !rt->core.hosted);
 }
 
-bool vk_builtin_create(struct vk_runtime *rt)
+bool vk_builtin_create(struct dt_vk_runtime *rt)
 {
     static const struct dt_sampler texel = {.name = "texel", .anisotropy = 1};
     static const struct dt_sampler textures = {.name = "scene_textures",
@@ -30,7 +30,7 @@ bool vk_builtin_create(struct vk_runtime *rt)
            vk_sampler_create(rt, &builtin->texture_sampler, &textures);
 }
 
-void vk_builtin_destroy(struct vk_runtime *rt)
+void vk_builtin_destroy(struct dt_vk_runtime *rt)
 {
     vk_buffer_destroy(rt, &rt->builtin.frame);
     vk_sampler_destroy(rt, &rt->builtin.texel_sampler);
@@ -42,7 +42,7 @@ void vk_builtin_destroy(struct vk_runtime *rt)
 /* Makes sure that no frame is in flight: a host guarantees this, the app's runtime waits. */
 static bool rest(struct dt_core *core, const char *verb)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     return core->hosted || VK(rt, rt->vk.DeviceWaitIdle(rt->device), verb);
 }
 
@@ -59,7 +59,7 @@ static VkPipelineStageFlags2 stages_of(const struct dt_panel *panel)
 
 static bool begin_panel(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct dt_pipeline *pipeline = core->pipeline;
     VkQueryPoolCreateInfo queries = {
         .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
@@ -79,7 +79,7 @@ static bool begin_panel(struct dt_core *core)
 
 static void end_panel(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     vk_buffer_destroy(rt, &rt->builtin.live);
     rt->vk.DestroyQueryPool(rt->device, rt->queries, rt->callbacks);
     free(rt->slots);
@@ -107,7 +107,7 @@ static VkFormat format_of(const struct dt_panel *panel, const struct dt_target *
 }
 
 /* Images are checked when they are made, but not for blending, which belongs to the program. */
-static bool blends(const struct vk_runtime *rt, const struct dt_panel *panel, uint32_t pass,
+static bool blends(const struct dt_vk_runtime *rt, const struct dt_panel *panel, uint32_t pass,
                    const struct dt_target *target)
 {
     VkFormatProperties can;
@@ -124,7 +124,7 @@ static bool blends(const struct vk_runtime *rt, const struct dt_panel *panel, ui
 
 static bool suits(struct dt_core *core, const struct dt_panel *panel)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     if (!vk_device_suits_panel(rt, panel))
         return false;
     for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
@@ -186,12 +186,12 @@ static void compile_pass(void *data, uint32_t pass)
         return;
     struct vk_program_info info = program_info(compiling->core, pass);
     compiling->outcomes[pass] =
-        vk_program_compile((const struct vk_runtime *)compiling->core, program, &info);
+        vk_program_compile((const struct dt_vk_runtime *)compiling->core, program, &info);
 }
 
 static bool compile_programs(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     uint32_t count = core->pipeline->pass_count;
     struct compiling compiling = {core, calloc(count + 1, sizeof *compiling.outcomes)};
     struct vk_outcome *outcomes = compiling.outcomes;
@@ -236,7 +236,7 @@ VkImageUsageFlags vk_image_usage(unsigned usage)
 }
 
 /* Of a host's range only the resource's bytes are bound, and draws are counted by them. */
-static bool create_buffer(struct vk_runtime *rt, uint32_t index, VkDeviceSize size)
+static bool create_buffer(struct dt_vk_runtime *rt, uint32_t index, VkDeviceSize size)
 {
     const struct dt_storage *storage = &rt->core.panel->storage[index];
     const struct vk_choice *choice = &rt->choices[index];
@@ -259,7 +259,7 @@ static bool create_buffer(struct vk_runtime *rt, uint32_t index, VkDeviceSize si
 
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct dt_resource *resource = &core->pipeline->resources[index];
     const struct dt_storage *storage = &core->panel->storage[index];
     const struct vk_choice *choice = &rt->choices[index];
@@ -284,19 +284,19 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
 
 static void destroy_resource(struct dt_core *core, uint32_t index)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     vk_buffer_destroy(rt, &vk_resource_at(rt, index)->buffer);
     vk_image_destroy(rt, &vk_resource_at(rt, index)->image);
 }
 
 static void release_memory(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     for (uint32_t i = 0; rt->slots && i < core->panel->slot_count; i++)
         vk_memory_destroy(rt, &rt->slots[i]);
 }
 
-static VkMemoryRequirements requirements(const struct vk_runtime *rt,
+static VkMemoryRequirements requirements(const struct dt_vk_runtime *rt,
                                          const struct vk_resource *resource)
 {
     VkMemoryRequirements needs;
@@ -308,7 +308,7 @@ static VkMemoryRequirements requirements(const struct vk_runtime *rt,
 }
 
 /* Allocates the slot for its largest resource, from a memory type that suits all its resources. */
-static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
+static bool allocate_slot(struct dt_vk_runtime *rt, uint32_t slot)
 {
     VkMemoryRequirements needs = {.memoryTypeBits = UINT32_MAX};
     const char *name = NULL; /* the largest resource; errors name it */
@@ -331,7 +331,7 @@ static bool allocate_slot(struct vk_runtime *rt, uint32_t slot)
 /* Binds all resources of a slot at its start. */
 static bool place_resources(struct dt_core *core)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     bool good = true;
     for (uint32_t slot = 0; good && slot < core->panel->slot_count; slot++)
         good = allocate_slot(rt, slot);
@@ -346,7 +346,7 @@ static bool place_resources(struct dt_core *core)
 
 static bool fill_resource(struct dt_core *core, uint32_t index)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_resource *resource = vk_resource_at(rt, index);
     bool history = core->pipeline->resources[index].history;
     int byte = history ? 0 : core->poison;
@@ -361,7 +361,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
-static struct vk_buffer *find_buffer(struct vk_runtime *rt, uint16_t resource)
+static struct vk_buffer *find_buffer(struct dt_vk_runtime *rt, uint16_t resource)
 {
     switch (resource) {
     case DT_FRAME:
@@ -381,7 +381,7 @@ static struct vk_buffer *find_buffer(struct vk_runtime *rt, uint16_t resource)
     }
 }
 
-static VkDescriptorBufferInfo buffer_descriptor(struct vk_runtime *rt,
+static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
                                                 const struct dt_binding *binding)
 {
     const struct vk_buffer *buffer = find_buffer(rt, binding->resource);
@@ -390,7 +390,7 @@ static VkDescriptorBufferInfo buffer_descriptor(struct vk_runtime *rt,
                                     block ? buffer->block : buffer->size};
 }
 
-static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
+static VkDescriptorImageInfo image_descriptor(const struct dt_vk_runtime *rt,
                                               const struct dt_binding *binding)
 {
     bool scene = binding->resource == DT_SCENE_TEXTURES;
@@ -416,7 +416,7 @@ static VkDescriptorImageInfo image_descriptor(const struct vk_runtime *rt,
 
 static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_descriptor descriptors[DT_MAX_BINDINGS];
     for (uint32_t i = 0; i < state->binding_count; i++) {

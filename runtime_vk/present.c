@@ -11,7 +11,7 @@
 
 /* ---- Window and surface ---------------------------------------------------------------------- */
 
-static bool no_window(const struct vk_runtime *rt, const char *what)
+static bool no_window(const struct dt_vk_runtime *rt, const char *what)
 {
     const char *text = NULL;
     glfwGetError(&text);
@@ -20,7 +20,7 @@ static bool no_window(const struct vk_runtime *rt, const char *what)
 
 /* GLFW is global to the process. The runtime that initialises GLFW also terminates it, and must be
  * closed last. */
-bool vk_window_open(struct vk_runtime *rt)
+bool vk_window_open(struct dt_vk_runtime *rt)
 {
     glfwGetError(NULL);
     glfwGetTime();
@@ -41,7 +41,7 @@ const char *const *vk_window_extensions(uint32_t *count)
     return glfwGetRequiredInstanceExtensions(count);
 }
 
-bool vk_window_surface(struct vk_runtime *rt)
+bool vk_window_surface(struct dt_vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
     if (present->surface)
@@ -51,7 +51,8 @@ bool vk_window_surface(struct vk_runtime *rt)
               "window");
 }
 
-bool vk_window_can_present(const struct vk_runtime *rt, VkPhysicalDevice physical, uint32_t family)
+bool vk_window_can_present(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                           uint32_t family)
 {
     VkBool32 can = VK_FALSE;
     VkExtensionProperties extensions[512];
@@ -67,7 +68,7 @@ bool vk_window_can_present(const struct vk_runtime *rt, VkPhysicalDevice physica
     return false;
 }
 
-void vk_window_close(struct vk_runtime *rt)
+void vk_window_close(struct dt_vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
     if (present->surface)
@@ -81,7 +82,7 @@ void vk_window_close(struct vk_runtime *rt)
 
 /* ---- Swapchain ------------------------------------------------------------------------------- */
 
-static void destroy_images(struct vk_runtime *rt)
+static void destroy_images(struct dt_vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
     for (uint32_t i = 0; i < VK_MAX_WINDOW_IMAGES; i++) {
@@ -93,7 +94,7 @@ static void destroy_images(struct vk_runtime *rt)
     present->image_count = 0;
 }
 
-static void destroy_swapchain(struct vk_runtime *rt)
+static void destroy_swapchain(struct dt_vk_runtime *rt)
 {
     vkDeviceWaitIdle(rt->device);
     destroy_images(rt);
@@ -103,7 +104,7 @@ static void destroy_swapchain(struct vk_runtime *rt)
 }
 
 /* Chooses a UNORM format, which shows sRGB codes unchanged. */
-static bool choose_format(struct vk_runtime *rt, VkSurfaceFormatKHR *chosen)
+static bool choose_format(struct dt_vk_runtime *rt, VkSurfaceFormatKHR *chosen)
 {
     VkSurfaceFormatKHR formats[64];
     uint32_t count = DT_ARRAY_COUNT(formats);
@@ -124,7 +125,7 @@ static bool choose_format(struct vk_runtime *rt, VkSurfaceFormatKHR *chosen)
                     "device");
 }
 
-static bool make_image(struct vk_runtime *rt, uint32_t index)
+static bool make_image(struct dt_vk_runtime *rt, uint32_t index)
 {
     struct vk_present *present = &rt->present;
     VkImageViewCreateInfo view = {
@@ -140,7 +141,7 @@ static bool make_image(struct vk_runtime *rt, uint32_t index)
               "window");
 }
 
-static bool take_images(struct vk_runtime *rt)
+static bool take_images(struct dt_vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
     uint32_t count = 0;
@@ -173,7 +174,7 @@ static bool is_outdated(VkResult result)
            result == VK_ERROR_SURFACE_LOST_KHR;
 }
 
-static bool renew(struct vk_runtime *rt, VkResult result)
+static bool renew(struct dt_vk_runtime *rt, VkResult result)
 {
     destroy_swapchain(rt);
     if (result != VK_ERROR_SURFACE_LOST_KHR)
@@ -188,7 +189,7 @@ static bool renew(struct vk_runtime *rt, VkResult result)
 }
 
 /* Creates no swapchain if the window has no pixels. */
-static bool make_swapchain(struct vk_runtime *rt)
+static bool make_swapchain(struct dt_vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
     VkSurfaceCapabilitiesKHR can;
@@ -234,7 +235,7 @@ static bool make_swapchain(struct vk_runtime *rt)
 /* ---- Textures -------------------------------------------------------------------------------- */
 
 /* The texture, resized if needed; a resize loses the content. */
-static struct vk_image *sized_texture(struct vk_runtime *rt, uint32_t texture, uint32_t width,
+static struct vk_image *sized_texture(struct dt_vk_runtime *rt, uint32_t texture, uint32_t width,
                                       uint32_t height)
 {
     static const char *const names[DT_WINDOW_TEXTURES] = {"overlay", "picture 1", "picture 2",
@@ -256,7 +257,7 @@ static struct vk_image *sized_texture(struct vk_runtime *rt, uint32_t texture, u
 
 bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_image *image = &vk_resource_at(rt, resource)->image;
     struct vk_image *to = sized_texture(rt, texture, image->width, image->height);
     VkCommandBuffer commands = to ? vk_immediate_begin(rt, to->name) : NULL;
@@ -280,7 +281,7 @@ bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource)
 bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
                       const uint8_t *pixels)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_image *to = sized_texture(rt, texture, width, height);
     void *staging = to ? vk_staging(rt, (VkDeviceSize)width * height * 4, to->name) : NULL;
     if (!staging)
@@ -298,7 +299,7 @@ bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, ui
 
 /* ---- Programs and vertices ------------------------------------------------------------------- */
 
-static bool make_samplers(struct vk_runtime *rt)
+static bool make_samplers(struct dt_vk_runtime *rt)
 {
     static const struct dt_sampler infos[2] = {
         {.name = "window overlay", .linear = true, .anisotropy = 1},
@@ -311,7 +312,7 @@ static bool make_samplers(struct vk_runtime *rt)
     return true;
 }
 
-static bool make_program(struct vk_runtime *rt, uint32_t texture)
+static bool make_program(struct dt_vk_runtime *rt, uint32_t texture)
 {
     static const struct dt_stages stages = {.vertex = {window_vert, sizeof window_vert},
                                             .fragment = {window_frag, sizeof window_frag}};
@@ -343,7 +344,7 @@ static bool make_program(struct vk_runtime *rt, uint32_t texture)
 }
 
 /* For all textures with content. */
-static bool make_programs(struct vk_runtime *rt)
+static bool make_programs(struct dt_vk_runtime *rt)
 {
     for (uint32_t i = 0; i < DT_WINDOW_TEXTURES; i++)
         if (rt->present.textures[i].handle && !make_program(rt, i))
@@ -351,7 +352,7 @@ static bool make_programs(struct vk_runtime *rt)
     return true;
 }
 
-static bool make_vertices(struct vk_runtime *rt, size_t size)
+static bool make_vertices(struct dt_vk_runtime *rt, size_t size)
 {
     struct vk_present *present = &rt->present;
     const struct vk_buffer_info info = {.name = "window vertices",
@@ -366,7 +367,7 @@ static bool make_vertices(struct vk_runtime *rt, size_t size)
 }
 
 /* Converts pixels, y from the top, to clip space, where y = -1 is the window's top row. */
-static bool upload_vertices(struct vk_runtime *rt, const struct dt_window_frame *frame)
+static bool upload_vertices(struct dt_vk_runtime *rt, const struct dt_window_frame *frame)
 {
     if (!make_vertices(rt, frame->vertex_count * sizeof *frame->vertices))
         return false;
@@ -460,7 +461,7 @@ static void record(VkCommandBuffer commands, const struct vk_present *present, u
 }
 
 /* Waits on the CPU until the image may be drawn to. */
-static VkResult acquire(struct vk_runtime *rt, uint32_t *index)
+static VkResult acquire(struct dt_vk_runtime *rt, uint32_t *index)
 {
     struct vk_present *present = &rt->present;
     VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
@@ -476,7 +477,7 @@ static VkResult acquire(struct vk_runtime *rt, uint32_t *index)
     return waited == VK_SUCCESS ? vkResetFences(rt->device, 1, &present->acquired) : waited;
 }
 
-static VkResult show(struct vk_runtime *rt, uint32_t index)
+static VkResult show(struct dt_vk_runtime *rt, uint32_t index)
 {
     struct vk_present *present = &rt->present;
     VkPresentInfoKHR info = {
@@ -499,7 +500,7 @@ static bool shape_changed(const struct vk_present *present)
 
 bool vk_present(struct dt_core *core, const struct dt_window_frame *frame)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_present *present = &rt->present;
     uint32_t index = 0;
     if (present->swapchain && shape_changed(present))
@@ -527,7 +528,7 @@ bool vk_present(struct dt_core *core, const struct dt_window_frame *frame)
     return vk_check(rt, result, "vkQueuePresentKHR", "window");
 }
 
-void vk_present_destroy(struct vk_runtime *rt)
+void vk_present_destroy(struct dt_vk_runtime *rt)
 {
     struct vk_present *present = &rt->present;
     if (present->swapchain)

@@ -28,7 +28,7 @@ static const VkDescriptorType descriptor_types[] = {
 };
 enum { KINDS = DT_ARRAY_COUNT(descriptor_types) };
 
-static bool create_layouts(struct vk_runtime *rt, struct vk_pipeline *pipeline,
+static bool create_layouts(struct dt_vk_runtime *rt, struct vk_pipeline *pipeline,
                            const struct vk_program_info *info)
 {
     const struct dt_program *state = info->state;
@@ -64,7 +64,7 @@ static bool create_layouts(struct vk_runtime *rt, struct vk_pipeline *pipeline,
 }
 
 /* The set has its own pool; without bindings there is no set. */
-static bool create_set(struct vk_runtime *rt, struct vk_program *program,
+static bool create_set(struct dt_vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info)
 {
     uint32_t counts[KINDS] = {0}, size_count = 0;
@@ -94,7 +94,7 @@ static bool create_set(struct vk_runtime *rt, struct vk_program *program,
     return VK(rt, rt->vk.AllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
 }
 
-void vk_program_bind(const struct vk_runtime *rt, const struct vk_program *program,
+void vk_program_bind(const struct dt_vk_runtime *rt, const struct vk_program *program,
                      const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
                      uint32_t count)
 {
@@ -169,7 +169,7 @@ static uint32_t *without_layer(const uint32_t *words, size_t *size)
     return out;
 }
 
-static struct vk_outcome create_module(const struct vk_runtime *rt, const struct dt_code *code,
+static struct vk_outcome create_module(const struct dt_vk_runtime *rt, const struct dt_code *code,
                                        VkShaderModule *module)
 {
     struct vk_outcome outcome = {VK_SUCCESS, "vkCreateShaderModule"};
@@ -202,7 +202,8 @@ static VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage,
     };
 }
 
-static struct vk_outcome compile_compute(const struct vk_runtime *rt, struct vk_pipeline *pipeline,
+static struct vk_outcome compile_compute(const struct dt_vk_runtime *rt,
+                                         struct vk_pipeline *pipeline,
                                          const struct vk_program_info *info)
 {
     VkShaderModule module = VK_NULL_HANDLE;
@@ -307,7 +308,7 @@ static VkPipelineColorBlendAttachmentState blend_state(const struct dt_target *t
     };
 }
 
-static VkResult create_graphics(const struct vk_runtime *rt, struct vk_pipeline *pipeline,
+static VkResult create_graphics(const struct dt_vk_runtime *rt, struct vk_pipeline *pipeline,
                                 const struct vk_program_info *info,
                                 const VkPipelineShaderStageCreateInfo stages[2])
 {
@@ -380,7 +381,8 @@ static VkResult create_graphics(const struct vk_runtime *rt, struct vk_pipeline 
                                           &pipeline->handle);
 }
 
-static struct vk_outcome compile_graphics(const struct vk_runtime *rt, struct vk_pipeline *pipeline,
+static struct vk_outcome compile_graphics(const struct dt_vk_runtime *rt,
+                                          struct vk_pipeline *pipeline,
                                           const struct vk_program_info *info)
 {
     VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
@@ -402,7 +404,7 @@ static struct vk_outcome compile_graphics(const struct vk_runtime *rt, struct vk
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
-bool vk_program_begin(struct vk_runtime *rt, struct vk_program *program,
+bool vk_program_begin(struct dt_vk_runtime *rt, struct vk_program *program,
                       const struct vk_program_info *info)
 {
     *program = (struct vk_program){.pipeline = calloc(1, sizeof *program->pipeline)};
@@ -412,14 +414,15 @@ bool vk_program_begin(struct vk_runtime *rt, struct vk_program *program,
     return create_layouts(rt, program->pipeline, info) && create_set(rt, program, info);
 }
 
-struct vk_outcome vk_program_compile(const struct vk_runtime *rt, const struct vk_program *program,
+struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt,
+                                     const struct vk_program *program,
                                      const struct vk_program_info *info)
 {
     return info->stages->compute.size ? compile_compute(rt, program->pipeline, info)
                                       : compile_graphics(rt, program->pipeline, info);
 }
 
-bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
+bool vk_program_create(struct dt_vk_runtime *rt, struct vk_program *program,
                        const struct vk_program_info *info)
 {
     if (vk_program_begin(rt, program, info)) {
@@ -431,7 +434,7 @@ bool vk_program_create(struct vk_runtime *rt, struct vk_program *program,
     return false;
 }
 
-bool vk_program_share(struct vk_runtime *rt, struct vk_program *program,
+bool vk_program_share(struct dt_vk_runtime *rt, struct vk_program *program,
                       const struct vk_program *other, const struct vk_program_info *info)
 {
     *program = (struct vk_program){.pipeline = other->pipeline};
@@ -439,7 +442,7 @@ bool vk_program_share(struct vk_runtime *rt, struct vk_program *program,
     return create_set(rt, program, info);
 }
 
-void vk_program_destroy(struct vk_runtime *rt, struct vk_program *program)
+void vk_program_destroy(struct dt_vk_runtime *rt, struct vk_program *program)
 {
     struct vk_pipeline *pipeline = program->pipeline;
     rt->vk.DestroyDescriptorPool(rt->device, program->pool, rt->callbacks); /* frees the set */

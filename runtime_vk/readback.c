@@ -6,7 +6,7 @@
 #include <string.h>
 
 /* No transition to UNDEFINED exists. */
-static void restore_layout(const struct vk_runtime *rt, VkCommandBuffer commands,
+static void restore_layout(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
                            struct vk_image *image, VkImageLayout layout)
 {
     if (layout != VK_IMAGE_LAYOUT_UNDEFINED)
@@ -14,7 +14,7 @@ static void restore_layout(const struct vk_runtime *rt, VkCommandBuffer commands
 }
 
 /* Copies the staging buffer to `out`. */
-static bool take_staging(struct vk_runtime *rt, const char *name, struct dt_bytes *out)
+static bool take_staging(struct dt_vk_runtime *rt, const char *name, struct dt_bytes *out)
 {
     out->data = malloc(out->size ? out->size : 1);
     if (!out->data)
@@ -25,7 +25,8 @@ static bool take_staging(struct vk_runtime *rt, const char *name, struct dt_byte
     return true;
 }
 
-static bool read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, struct dt_bytes *out)
+static bool read_buffer(struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
+                        struct dt_bytes *out)
 {
     VkCommandBuffer commands;
     if (!vk_staging(rt, out->size, buffer->name) ||
@@ -36,7 +37,7 @@ static bool read_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer, s
     return vk_immediate_end(rt, buffer->name) && take_staging(rt, buffer->name, out);
 }
 
-static bool read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+static bool read_image(struct dt_vk_runtime *rt, struct vk_image *image, uint32_t mip,
                        struct dt_bytes *out)
 {
     VkImageLayout layout = image->layout;
@@ -54,14 +55,14 @@ static bool read_image(struct vk_runtime *rt, struct vk_image *image, uint32_t m
 
 bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_resource *from = vk_resource_at(rt, resource);
     return from->image.handle ? read_image(rt, &from->image, mip, out)
                               : read_buffer(rt, &from->buffer, out);
 }
 
 /* Copies the bytes to the staging buffer, begins a command buffer; NULL after an error. */
-static VkCommandBuffer begin_write(struct vk_runtime *rt, const char *name,
+static VkCommandBuffer begin_write(struct dt_vk_runtime *rt, const char *name,
                                    const struct dt_bytes *bytes)
 {
     void *staging = vk_staging(rt, bytes->size, name);
@@ -71,7 +72,7 @@ static VkCommandBuffer begin_write(struct vk_runtime *rt, const char *name,
     return vk_immediate_begin(rt, name);
 }
 
-static bool write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
+static bool write_buffer(struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
                          const struct dt_bytes *bytes)
 {
     VkCommandBuffer commands = begin_write(rt, buffer->name, bytes);
@@ -82,7 +83,7 @@ static bool write_buffer(struct vk_runtime *rt, const struct vk_buffer *buffer,
     return vk_immediate_end(rt, buffer->name);
 }
 
-static bool write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t mip,
+static bool write_image(struct dt_vk_runtime *rt, struct vk_image *image, uint32_t mip,
                         const struct dt_bytes *bytes)
 {
     VkImageLayout layout = image->layout;
@@ -99,7 +100,7 @@ static bool write_image(struct vk_runtime *rt, struct vk_image *image, uint32_t 
 
 bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_resource *to = vk_resource_at(rt, resource);
     return to->image.handle ? write_image(rt, &to->image, mip, bytes)
                             : write_buffer(rt, &to->buffer, bytes);

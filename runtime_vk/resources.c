@@ -9,7 +9,7 @@
 
 /* A memory type among `bits` with all `required` properties and if possible the `wanted` ones;
  * -1: none. */
-static int find_memory_type(const struct vk_runtime *rt, uint32_t bits,
+static int find_memory_type(const struct dt_vk_runtime *rt, uint32_t bits,
                             VkMemoryPropertyFlags required, VkMemoryPropertyFlags wanted)
 {
     int found = -1;
@@ -25,7 +25,7 @@ static int find_memory_type(const struct vk_runtime *rt, uint32_t bits,
     return found;
 }
 
-static bool allocate(struct vk_runtime *rt, struct dt_vk_memory *memory, const char *name,
+static bool allocate(struct dt_vk_runtime *rt, struct dt_vk_memory *memory, const char *name,
                      const VkMemoryRequirements *needs, VkMemoryPropertyFlags required,
                      VkMemoryPropertyFlags wanted)
 {
@@ -51,7 +51,7 @@ static bool allocate(struct vk_runtime *rt, struct dt_vk_memory *memory, const c
     return VK(rt, rt->vk.AllocateMemory(rt->device, &info, rt->callbacks, &memory->memory), name);
 }
 
-bool vk_memory_create(struct vk_runtime *rt, struct dt_vk_memory *memory,
+bool vk_memory_create(struct dt_vk_runtime *rt, struct dt_vk_memory *memory,
                       const VkMemoryRequirements *needs, const char *name)
 {
     const struct dt_vk_allocator *host = &rt->allocator;
@@ -68,7 +68,7 @@ bool vk_memory_create(struct vk_runtime *rt, struct dt_vk_memory *memory,
     return true;
 }
 
-void vk_memory_destroy(struct vk_runtime *rt, struct dt_vk_memory *memory)
+void vk_memory_destroy(struct dt_vk_runtime *rt, struct dt_vk_memory *memory)
 {
     const struct dt_vk_allocator *host = &rt->allocator;
     if (host->free && memory->memory)
@@ -84,7 +84,7 @@ void vk_memory_destroy(struct vk_runtime *rt, struct dt_vk_memory *memory)
  * buffer's own size, from which shaders compute length(). */
 enum { LEAST_BYTES = 16 };
 
-bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
+bool vk_buffer_create(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
                       const struct vk_buffer_info *info)
 {
     VkDeviceSize block = info->block > info->size ? info->block : 0;
@@ -106,7 +106,7 @@ bool vk_buffer_create(struct vk_runtime *rt, struct vk_buffer *buffer,
     return true;
 }
 
-bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, const char *name,
+bool vk_buffer_import(const struct dt_vk_runtime *rt, struct vk_buffer *buffer, const char *name,
                       const struct dt_vk_range *range, VkDeviceSize least)
 {
     VkDeviceSize alignment = rt->properties.limits.minStorageBufferOffsetAlignment;
@@ -125,7 +125,7 @@ bool vk_buffer_import(const struct vk_runtime *rt, struct vk_buffer *buffer, con
     return true;
 }
 
-bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer,
+bool vk_buffer_bind(struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
                     const struct dt_vk_memory *memory)
 {
     return buffer->imported ||
@@ -134,7 +134,8 @@ bool vk_buffer_bind(struct vk_runtime *rt, const struct vk_buffer *buffer,
               buffer->name);
 }
 
-static bool map(struct vk_runtime *rt, struct vk_buffer *buffer, const VkMemoryRequirements *needs)
+static bool map(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
+                const VkMemoryRequirements *needs)
 {
     return allocate(rt, &buffer->memory, buffer->name, needs,
                     VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
@@ -145,7 +146,7 @@ static bool map(struct vk_runtime *rt, struct vk_buffer *buffer, const VkMemoryR
               buffer->name);
 }
 
-bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
+bool vk_buffer_create_own(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, bool mapped)
 {
     VkMemoryRequirements needs;
@@ -157,7 +158,7 @@ bool vk_buffer_create_own(struct vk_runtime *rt, struct vk_buffer *buffer,
            vk_buffer_bind(rt, buffer, &buffer->memory);
 }
 
-bool vk_buffer_texels(struct vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource)
+bool vk_buffer_texels(struct dt_vk_runtime *rt, struct vk_buffer *buffer, uint16_t resource)
 {
     bool vertices = resource == DT_SCENE_VERTICES;
     VkDeviceSize texel = vertices ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL;
@@ -175,7 +176,7 @@ bool vk_buffer_texels(struct vk_runtime *rt, struct vk_buffer *buffer, uint16_t 
                buffer->name));
 }
 
-void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
+void vk_buffer_destroy(struct dt_vk_runtime *rt, struct vk_buffer *buffer)
 {
     rt->vk.DestroyBufferView(rt->device, buffer->texels, rt->callbacks);
     if (!buffer->imported)
@@ -184,7 +185,7 @@ void vk_buffer_destroy(struct vk_runtime *rt, struct vk_buffer *buffer)
     *buffer = (struct vk_buffer){0};
 }
 
-void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name)
+void *vk_staging(struct dt_vk_runtime *rt, VkDeviceSize size, const char *name)
 {
     const struct vk_buffer_info info = {.name = name, .size = size};
     if (rt->staging.bytes && rt->staging.size >= size)
@@ -203,44 +204,9 @@ void *vk_staging(struct vk_runtime *rt, VkDeviceSize size, const char *name)
 
 VkFormat vk_format(enum dt_format format)
 {
-    static const VkFormat formats[DT_FORMAT_COUNT] = {
-        [DT_FORMAT_R8] = VK_FORMAT_R8_UNORM,
-        [DT_FORMAT_RG8] = VK_FORMAT_R8G8_UNORM,
-        [DT_FORMAT_RGBA8] = VK_FORMAT_R8G8B8A8_UNORM,
-        [DT_FORMAT_RGBA8_SRGB] = VK_FORMAT_R8G8B8A8_SRGB,
-        [DT_FORMAT_R16F] = VK_FORMAT_R16_SFLOAT,
-        [DT_FORMAT_RG16F] = VK_FORMAT_R16G16_SFLOAT,
-        [DT_FORMAT_RGBA16F] = VK_FORMAT_R16G16B16A16_SFLOAT,
-        [DT_FORMAT_R32F] = VK_FORMAT_R32_SFLOAT,
-        [DT_FORMAT_RG32F] = VK_FORMAT_R32G32_SFLOAT,
-        [DT_FORMAT_RGBA32F] = VK_FORMAT_R32G32B32A32_SFLOAT,
-        [DT_FORMAT_R32UI] = VK_FORMAT_R32_UINT,
-        [DT_FORMAT_RG32UI] = VK_FORMAT_R32G32_UINT,
-        [DT_FORMAT_RGBA32UI] = VK_FORMAT_R32G32B32A32_UINT,
-        [DT_FORMAT_R32I] = VK_FORMAT_R32_SINT,
-        [DT_FORMAT_D32F] = VK_FORMAT_D32_SFLOAT,
-        [DT_FORMAT_R16] = VK_FORMAT_R16_UNORM,
-        [DT_FORMAT_RG16] = VK_FORMAT_R16G16_UNORM,
-        [DT_FORMAT_RGBA16] = VK_FORMAT_R16G16B16A16_UNORM,
-        [DT_FORMAT_R16_SNORM] = VK_FORMAT_R16_SNORM,
-        [DT_FORMAT_RG16_SNORM] = VK_FORMAT_R16G16_SNORM,
-        [DT_FORMAT_RGBA16_SNORM] = VK_FORMAT_R16G16B16A16_SNORM,
-        [DT_FORMAT_R8UI] = VK_FORMAT_R8_UINT,
-        [DT_FORMAT_RG8UI] = VK_FORMAT_R8G8_UINT,
-        [DT_FORMAT_RGBA8UI] = VK_FORMAT_R8G8B8A8_UINT,
-        [DT_FORMAT_R16UI] = VK_FORMAT_R16_UINT,
-        [DT_FORMAT_RG16UI] = VK_FORMAT_R16G16_UINT,
-        [DT_FORMAT_RGBA16UI] = VK_FORMAT_R16G16B16A16_UINT,
-        [DT_FORMAT_R8I] = VK_FORMAT_R8_SINT,
-        [DT_FORMAT_RG8I] = VK_FORMAT_R8G8_SINT,
-        [DT_FORMAT_RGBA8I] = VK_FORMAT_R8G8B8A8_SINT,
-        [DT_FORMAT_R16I] = VK_FORMAT_R16_SINT,
-        [DT_FORMAT_RG16I] = VK_FORMAT_R16G16_SINT,
-        [DT_FORMAT_RGBA16I] = VK_FORMAT_R16G16B16A16_SINT,
-        [DT_FORMAT_RG32I] = VK_FORMAT_R32G32_SINT,
-        [DT_FORMAT_RGBA32I] = VK_FORMAT_R32G32B32A32_SINT,
-        [DT_FORMAT_R11G11B10F] = VK_FORMAT_B10G11R11_UFLOAT_PACK32,
-        [DT_FORMAT_RGB10A2] = VK_FORMAT_A2B10G10R10_UNORM_PACK32,
+    static const VkFormat formats[] = {
+#define DT_FORMAT(ENUMERATOR, name, channels, bytes, kind, qualifier, vulkan, ...) vulkan,
+#include "formats.def"
     };
     return formats[format];
 }
@@ -258,7 +224,7 @@ VkImageLayout vk_layout(unsigned layout)
 }
 
 /* The front checks sizes of resources, but neither formats nor the scene's textures. */
-static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, const char *name)
+static bool image_fits(struct dt_vk_runtime *rt, const VkImageCreateInfo *create, const char *name)
 {
     VkImageFormatProperties can;
     VkResult result = rt->vk.GetPhysicalDeviceImageFormatProperties(
@@ -286,7 +252,7 @@ static bool image_fits(struct vk_runtime *rt, const VkImageCreateInfo *create, c
 }
 
 /* Uses a host's image instead of creating one; checks that it matches. */
-static bool adopt_image(struct vk_runtime *rt, const struct dt_vk_image *given,
+static bool adopt_image(struct dt_vk_runtime *rt, const struct dt_vk_image *given,
                         struct vk_image *image, const VkImageCreateInfo *wanted)
 {
     uint32_t layers = wanted->arrayLayers * wanted->extent.depth;
@@ -333,7 +299,7 @@ VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info)
     };
 }
 
-bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
+bool vk_image_create(struct dt_vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info)
 {
     VkImageCreateInfo create = vk_image_create_info(info);
@@ -367,8 +333,8 @@ bool vk_image_create(struct vk_runtime *rt, struct vk_image *image,
     return true;
 }
 
-static bool create_view(struct vk_runtime *rt, const struct vk_image *image, VkImageViewType type,
-                        VkImageSubresourceRange range, VkImageView *view)
+static bool create_view(struct dt_vk_runtime *rt, const struct vk_image *image,
+                        VkImageViewType type, VkImageSubresourceRange range, VkImageView *view)
 {
     VkImageViewCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
@@ -383,7 +349,7 @@ static bool create_view(struct vk_runtime *rt, const struct vk_image *image, VkI
     return true;
 }
 
-static bool create_layer_views(struct vk_runtime *rt, struct vk_image *image)
+static bool create_layer_views(struct dt_vk_runtime *rt, struct vk_image *image)
 {
     uint32_t count = image->mips * image->layers;
     image->layer_views = calloc(count + 1, sizeof *image->layer_views);
@@ -414,7 +380,8 @@ VkBufferImageCopy vk_mip_region(const struct vk_image *image, uint32_t mip)
     };
 }
 
-bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, const struct dt_vk_memory *memory)
+bool vk_image_bind(struct dt_vk_runtime *rt, struct vk_image *image,
+                   const struct dt_vk_memory *memory)
 {
     const VkImageViewType types[] = {
         [DT_SHAPE_2D] = image->layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D,
@@ -441,7 +408,7 @@ bool vk_image_bind(struct vk_runtime *rt, struct vk_image *image, const struct d
     return !image->by_layer || create_layer_views(rt, image);
 }
 
-bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
+bool vk_image_create_own(struct dt_vk_runtime *rt, struct vk_image *image,
                          const struct vk_image_info *info)
 {
     VkMemoryRequirements needs;
@@ -452,7 +419,7 @@ bool vk_image_create_own(struct vk_runtime *rt, struct vk_image *image,
            vk_image_bind(rt, image, &image->memory);
 }
 
-void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
+void vk_image_destroy(struct dt_vk_runtime *rt, struct vk_image *image)
 {
     for (uint32_t mip = 0; mip < image->mips; mip++) {
         rt->vk.DestroyImageView(rt->device, image->mip_views[mip], rt->callbacks);
@@ -470,7 +437,7 @@ void vk_image_destroy(struct vk_runtime *rt, struct vk_image *image)
 
 /* ---- Content --------------------------------------------------------------------------------- */
 
-bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int byte)
+bool vk_buffer_fill(struct dt_vk_runtime *rt, const struct vk_buffer *buffer, int byte)
 {
     VkCommandBuffer commands = vk_immediate_begin(rt, buffer->name);
     if (!commands)
@@ -481,7 +448,7 @@ bool vk_buffer_fill(struct vk_runtime *rt, const struct vk_buffer *buffer, int b
 
 /* Copies one layer of bytes to every layer and mip: no clear value gives an exact byte pattern
  * in every format. */
-bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte)
+bool vk_image_fill(struct dt_vk_runtime *rt, struct vk_image *image, int byte)
 {
     enum { TEXEL = 16 }; /* bytes of the largest format */
     VkDeviceSize size = (VkDeviceSize)image->width * image->height * image->depth * TEXEL;
@@ -506,7 +473,7 @@ bool vk_image_fill(struct vk_runtime *rt, struct vk_image *image, int byte)
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info)
+bool vk_sampler_create(struct dt_vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info)
 {
     static const VkSamplerAddressMode wraps[] = {
         [DT_WRAP_CLAMP] = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
@@ -542,7 +509,7 @@ bool vk_sampler_create(struct vk_runtime *rt, VkSampler *sampler, const struct d
     return true;
 }
 
-void vk_sampler_destroy(struct vk_runtime *rt, VkSampler *sampler)
+void vk_sampler_destroy(struct dt_vk_runtime *rt, VkSampler *sampler)
 {
     rt->vk.DestroySampler(rt->device, *sampler, rt->callbacks);
     *sampler = VK_NULL_HANDLE;

@@ -8,7 +8,7 @@
 
 static void runtime_close(void *runtime)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     if (!rt)
         return;
     dt_front_destroy(&rt->core);
@@ -23,7 +23,7 @@ static void runtime_close(void *runtime)
 }
 
 /* vk_backend plus the functions that only the app uses. */
-static void set_backend(struct vk_runtime *rt)
+static void set_backend(struct dt_vk_runtime *rt)
 {
     struct dt_backend *backend = &rt->backend;
     *backend = vk_backend;
@@ -42,7 +42,7 @@ static void set_backend(struct vk_runtime *rt)
 
 static void *runtime_open(const struct dt_runtime_options *options)
 {
-    struct vk_runtime *rt = calloc(1, sizeof *rt);
+    struct dt_vk_runtime *rt = calloc(1, sizeof *rt);
     if (!rt) {
         dt_error(&(struct dt_core){.log = options->log}, "Vulkan: out of memory; free some");
         return NULL;
@@ -64,19 +64,19 @@ static void *runtime_open(const struct dt_runtime_options *options)
 
 static bool runtime_is_software(void *runtime)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     return rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
 }
 
 static double runtime_record_ms(void *runtime)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     return rt->core.rendered ? rt->record_ms : NAN;
 }
 
 static void *runtime_window(void *runtime)
 {
-    return ((struct vk_runtime *)runtime)->present.window;
+    return ((struct dt_vk_runtime *)runtime)->present.window;
 }
 
 const struct dt_runtime runtime_vk = {

@@ -5,7 +5,7 @@
 #include <string.h>
 
 /* Uploads `bytes` of data; the rest of the buffer is zero. */
-static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer,
+static bool upload_buffer(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
                           const struct vk_buffer_info *info, const void *data, size_t bytes)
 {
     VkCommandBuffer commands;
@@ -25,7 +25,7 @@ static bool upload_buffer(struct vk_runtime *rt, struct vk_buffer *buffer,
 }
 
 /* Uploads mip by mip, so that the staging buffer needs only the size of mip 0 of all layers. */
-static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const uint8_t *texels)
+static bool upload_texels(struct dt_vk_runtime *rt, struct vk_image *image, const uint8_t *texels)
 {
     for (uint32_t mip = 0; mip < image->mips; mip++) {
         const VkBufferImageCopy region = vk_mip_region(image, mip);
@@ -51,7 +51,7 @@ static bool upload_texels(struct vk_runtime *rt, struct vk_image *image, const u
     return true;
 }
 
-static bool upload_textures(struct vk_runtime *rt, const struct dt_scene *scene)
+static bool upload_textures(struct dt_vk_runtime *rt, const struct dt_scene *scene)
 {
     struct vk_image *image = &rt->builtin.textures;
     struct vk_image_info info = {
@@ -69,7 +69,7 @@ static bool upload_textures(struct vk_runtime *rt, const struct dt_scene *scene)
 
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
 {
-    struct vk_runtime *rt = vk_runtime_of(core);
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_builtin *builtin = &rt->builtin;
     struct vk_buffer_info vertices = {
         .name = "scene_vertices",
@@ -110,7 +110,7 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene)
     return core->has_scene;
 }
 
-void vk_scene_destroy(struct vk_runtime *rt)
+void vk_scene_destroy(struct dt_vk_runtime *rt)
 {
     vk_buffer_destroy(rt, &rt->builtin.vertices);
     vk_buffer_destroy(rt, &rt->builtin.indices);

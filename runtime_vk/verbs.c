@@ -8,13 +8,13 @@ enum { BARRIER_BATCH = 64 };
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-static const char *pass_name(const struct vk_runtime *rt, uint32_t pass)
+static const char *pass_name(const struct dt_vk_runtime *rt, uint32_t pass)
 {
     return rt->core.pipeline->passes[pass].name;
 }
 
 /* `end`: 0 or 1. */
-static void write_timestamp(const struct vk_runtime *rt, uint32_t pass, uint32_t end)
+static void write_timestamp(const struct dt_vk_runtime *rt, uint32_t pass, uint32_t end)
 {
     rt->vk.CmdWriteTimestamp2(rt->frame_commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT, rt->queries,
                               2 * dt_run(&rt->core, rt->core.slot, pass) + end);
@@ -22,7 +22,7 @@ static void write_timestamp(const struct vk_runtime *rt, uint32_t pass, uint32_t
 
 static bool begin(void *runtime, uint32_t pass, bool runs)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     VkDebugUtilsLabelEXT label = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
         .pLabelName = pass_name(rt, pass),
@@ -43,7 +43,7 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
 
 static bool end(void *runtime, uint32_t pass)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     if (rt->core.timing && rt->core.ran[dt_run(&rt->core, rt->core.slot, pass)])
         write_timestamp(rt, pass, 1);
     if (rt->end_label)
@@ -140,7 +140,7 @@ static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, str
 }
 
 /* For options.drop_dependency: logs the barrier, which then waits for nothing. */
-static void weaken(const struct vk_runtime *rt, uint32_t pass, struct dt_barrier *barrier)
+static void weaken(const struct dt_vk_runtime *rt, uint32_t pass, struct dt_barrier *barrier)
 {
     dt_log(&rt->core, DT_INFO, "barrier %u waits for nothing: pass %s, resource %s", rt->barriers,
            pass_name(rt, pass), rt->core.pipeline->resources[barrier->resource].name);
@@ -149,7 +149,7 @@ static void weaken(const struct vk_runtime *rt, uint32_t pass, struct dt_barrier
 
 /* For options.drop_barrier: logs the barrier. The rest of the frame assumes its layout, as
  * hand-written code with a forgotten barrier would. */
-static void drop(const struct vk_runtime *rt, uint32_t pass, const struct dt_barrier *barrier)
+static void drop(const struct dt_vk_runtime *rt, uint32_t pass, const struct dt_barrier *barrier)
 {
     struct vk_image *image = &vk_resource_at(rt, barrier->resource)->image;
     VkImageLayout layout = image->handle ? vk_layout(barrier->layout) : image->layout;
@@ -162,7 +162,7 @@ static void drop(const struct vk_runtime *rt, uint32_t pass, const struct dt_bar
 /* One vkCmdPipelineBarrier2 for up to BARRIER_BATCH of them. */
 static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
     VkImageMemoryBarrier2 images[BARRIER_BATCH];
     for (uint32_t at = 0; at < count; at += BARRIER_BATCH) {
@@ -197,7 +197,7 @@ static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list
 /* Pipelines without attributes also lack their dynamic strides: afterwards they must be bound again. */
 static bool bind(void *runtime, uint32_t pass)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     const struct vk_program *program = dt_program(&rt->core, pass);
     VkPipelineBindPoint point = rt->core.pipeline->passes[pass].kind == DT_PASS_DISPATCH
                                     ? VK_PIPELINE_BIND_POINT_COMPUTE
@@ -213,7 +213,7 @@ static bool bind(void *runtime, uint32_t pass)
 
 static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     (void)pass;
     rt->vk.CmdDispatch(rt->frame_commands, x, y, z);
     return true;
@@ -221,7 +221,7 @@ static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint3
 
 static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     const struct vk_buffer *buffer = &vk_resource_at(rt, arguments)->buffer;
     (void)pass;
     rt->vk.CmdDispatchIndirect(rt->frame_commands, buffer->handle, buffer->offset);
@@ -249,7 +249,7 @@ static VkClearColorValue clear_color(const struct vk_image *image, const float c
 }
 
 /* `layer`: one of a layered target; -1: all. */
-static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
+static VkRenderingAttachmentInfo attachment(const struct dt_vk_runtime *rt,
                                             const struct dt_target *target, int32_t layer)
 {
     const struct vk_image *image = &vk_resource_at(rt, target->resource)->image;
@@ -269,7 +269,7 @@ static VkRenderingAttachmentInfo attachment(const struct vk_runtime *rt,
     return info;
 }
 
-static void set_area(struct vk_runtime *rt, VkViewport viewport, VkRect2D scissor)
+static void set_area(struct dt_vk_runtime *rt, VkViewport viewport, VkRect2D scissor)
 {
     struct vk_bound *bound = &rt->bound;
     if (memcmp(&bound->viewport, &viewport, sizeof viewport) == 0 &&
@@ -281,7 +281,7 @@ static void set_area(struct vk_runtime *rt, VkViewport viewport, VkRect2D scisso
     rt->vk.CmdSetScissor(rt->frame_commands, 0, 1, &scissor);
 }
 
-static void begin_rendering(struct vk_runtime *rt, uint32_t pass, uint32_t layers, int32_t layer)
+static void begin_rendering(struct dt_vk_runtime *rt, uint32_t pass, uint32_t layers, int32_t layer)
 {
     const struct dt_program *program = &rt->core.panel->programs[pass];
     VkRenderingAttachmentInfo colors[DT_MAX_COLOR_TARGETS], depth;
@@ -312,7 +312,7 @@ static void begin_rendering(struct vk_runtime *rt, uint32_t pass, uint32_t layer
 
 /* Begins to render into all layers, or, on a device without shaderOutputLayer, into one after the
  * other; ends what it began before. False after the last. */
-static bool next_layers(struct vk_runtime *rt, uint32_t pass, uint32_t layers, uint32_t *done)
+static bool next_layers(struct dt_vk_runtime *rt, uint32_t pass, uint32_t layers, uint32_t *done)
 {
     bool layered = rt->core.panel->programs[pass].layered, alone = layered && !vk_has_layers(rt);
     int32_t layer = alone ? (int32_t)*done : -1;
@@ -329,7 +329,8 @@ static bool next_layers(struct vk_runtime *rt, uint32_t pass, uint32_t layers, u
     return true;
 }
 
-bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute given[DT_ATTRIBUTES])
+bool vk_scene_attributes(struct dt_vk_runtime *rt,
+                         const struct dt_vk_attribute given[DT_ATTRIBUTES])
 {
     const struct vk_buffer *vertices = &rt->builtin.vertices;
     struct dt_vk_attribute *attributes = rt->builtin.attributes, any = {0};
@@ -354,7 +355,7 @@ bool vk_scene_attributes(struct vk_runtime *rt, const struct dt_vk_attribute giv
 }
 
 /* One binding for each attribute. */
-static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
+static void bind_scene(struct dt_vk_runtime *rt, const struct vk_buffer *indices)
 {
     VkBuffer buffers[DT_ATTRIBUTES];
     VkDeviceSize offsets[DT_ATTRIBUTES], strides[DT_ATTRIBUTES];
@@ -375,7 +376,7 @@ static void bind_scene(struct vk_runtime *rt, const struct vk_buffer *indices)
 
 static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     bind_scene(rt, &rt->builtin.indices);
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, layers, 0, 0, 0);
@@ -384,7 +385,7 @@ static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 
 /* lavapipe 22.3.6 binds an index buffer at an offset for direct draws only: indirect ones count from the
  * start of the buffer, and draw something else without a word. */
-static bool counts_from_start(const struct vk_runtime *rt, uint32_t pass,
+static bool counts_from_start(const struct dt_vk_runtime *rt, uint32_t pass,
                               const struct vk_buffer *indices)
 {
     return !indices->offset || strncmp(rt->core.device_name, "llvmpipe", 8) != 0 ||
@@ -397,7 +398,7 @@ static bool counts_from_start(const struct vk_runtime *rt, uint32_t pass,
 static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                           uint32_t arguments)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
     const struct vk_buffer *from =
         indices == DT_SCENE_INDICES ? &rt->builtin.indices : &vk_resource_at(rt, indices)->buffer;
@@ -412,7 +413,7 @@ static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_
 
 static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDraw(rt->frame_commands, 3, layers, 0, 0); /* one triangle that covers all */
     return true;
@@ -421,7 +422,7 @@ static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
                           uint32_t instances)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDraw(rt->frame_commands, vertices, instances, 0, 0);
     return true;
@@ -430,7 +431,7 @@ static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_
 static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
                                    uint32_t arguments)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, draws->offset,
@@ -443,7 +444,7 @@ static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers
 
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = runtime;
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         continue;
     return true;
@@ -452,7 +453,7 @@ static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 /* The plan's barriers order the clears of a pass that may be skipped, too. */
 static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     const struct vk_image *image = &vk_resource_at(rt, resource)->image;
     VkClearColorValue value = clear_color(image, rt->core.panel->storage[resource].clear);
     VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
@@ -463,7 +464,7 @@ static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_
 
 static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
 {
-    const struct vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = runtime;
     const struct vk_buffer *buffer = &vk_resource_at(rt, resource)->buffer;
     (void)pass;
     rt->vk.CmdFillBuffer(rt->frame_commands, buffer->handle, buffer->offset, buffer->size, 0);

@@ -4,7 +4,7 @@
 # itself is always tested, with libraries of changed sources. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
-public=(templates/c/{diptych,panel,device_limits,limit}.h runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h scenes/diptych_scene.h
+public=(templates/c/{diptych,panel,device_limits,limit}.h templates/c/{formats,types}.def runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h scenes/diptych_scene.h
     app/play/diptych_play.h)
 
 if ! command -v abidiff >/dev/null; then
@@ -40,7 +40,7 @@ library() { # tree
 }
 library "$root" "$work" || exit
 check "abidiff accepts the same sources" same_after
-check "... another member of a private struct" same_after runtime_vk/internal.h 's/^struct vk_runtime {/& int added;/'
+check "... another member of a private struct" same_after runtime_vk/internal.h 's/^struct dt_vk_runtime {/& int added;/'
 check "... another function" same_after app/play/diptych_play.h \
     's/^#pragma GCC visibility push.*/&\nvoid dt_play_added(void);\nvoid dt_play_added(void) {}/'
 while read -r name file; do

@@ -318,6 +318,30 @@ static void templates_are_filled(void **state)
     }
 }
 
+/* Letters before the bits are channels; packed formats have bits behind each letter. */
+static void formats_are_what_their_names_say(void **state)
+{
+    (void)state;
+    for (int i = 0; i < DT_FORMAT_COUNT; i++) {
+        const struct format_info *info = format_info((enum dt_format)i);
+        size_t letters = strspn(info->name, "rgbad");
+        uint32_t bits = (uint32_t)strtoul(info->name + letters, NULL, 10);
+        const char *end = info->name + strcspn(info->name, "_ui");
+        if (number_is_packed(info->kind)) {
+            assert_int_equal(info->bytes, 4);
+            continue;
+        }
+        assert_int_equal(info->channels, letters);
+        assert_int_equal(8 * info->bytes, bits * letters);
+        assert_int_equal(number_width(info->kind), bits);
+        assert_int_equal(number_is_integer(info->kind), !strcmp(end, "i") || !strcmp(end, "ui"));
+        assert_int_equal(number_is_signed_integer(info->kind), !strcmp(end, "i"));
+        assert_int_equal(info->kind == NUMBER_SNORM16, !strcmp(end, "_snorm"));
+        assert_int_equal(number_is_float(info->kind), strchr(info->name, 'f') != NULL);
+        assert_true(!info->qualifier || !strcmp(info->qualifier, info->name));
+    }
+}
+
 static void halves_are_ieee(void **state)
 {
     (void)state;
@@ -723,6 +747,7 @@ int main(void)
         cmocka_unit_test(files_keep_their_place),
         cmocka_unit_test(drafts_become_files_whole),
         cmocka_unit_test(templates_are_filled),
+        cmocka_unit_test(formats_are_what_their_names_say),
         cmocka_unit_test(halves_are_ieee),
         cmocka_unit_test(numbers_are_stored_to_the_nearest),
         cmocka_unit_test(components_are_named),

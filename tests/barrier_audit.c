@@ -57,7 +57,7 @@ struct audit {
     uint32_t live_count;
     bool verbose, messages;
     struct pipeline pipeline;
-    struct vk_runtime *rt;
+    struct dt_vk_runtime *rt;
     PFN_vkCmdBeginDebugUtilsLabelEXT begin_label;
     uint32_t core, sync; /* messages since the last reset */
     char last[512];      /* message that is not a validation message */

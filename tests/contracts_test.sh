@@ -18,11 +18,11 @@ while read -r resource contract; do
 done <<'END'
 places ULP, .tolerance = 2
 labels FLIPS, .tolerance = 1, .margin_resource = CONTRACTS_RESOURCE_MARGINS, .margin_field = 1
-sides FLIPS, .tolerance = 2, .margin_resource = CONTRACTS_RESOURCE_SIDE_MARGINS, .margin_field = 0
+sides FLIPS, .tolerance = 2, .margin_resource = CONTRACTS_RESOURCE_SIDE_MARGINS
 sums REL, .tolerance = 0.01
 margins ABS, .tolerance = 0.001
 side_margins EXACT
-picture IMAGE, .tolerance = 0.019607843137254902, .outliers = 0.001
+picture IMAGE, .tolerance = 0.0196078431372549, .outliers = 0.001
 levels FLIPS, .tolerance = 3, .margin_field = -1
 stripes ULP, .tolerance = 2
 END

@@ -233,7 +233,7 @@ static void nan_is_found_anywhere(void **state)
     for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
         const struct dt_resource resource = {
             .name = "i", .kind = DT_IMAGE, .format = cases[i].format};
-        uint32_t size = format_size(cases[i].format);
+        uint32_t size = format_info(cases[i].format)->bytes;
         for (uint32_t at = 0; at < TEXELS; at++) {
             uint8_t texels[TEXELS * 4] = {0};
             memcpy(texels + at * size, &cases[i].finite, size);

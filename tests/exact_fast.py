@@ -75,7 +75,7 @@ class Dump:
         with open(f"{self.folder}/{entry['file']}", "rb") as file:
             data = file.read()
         if entry["kind"] == "image":
-            dtype, channels = diptych._format_dtype(entry["format"])  # pylint: disable=protected-access
+            dtype, channels = diptych._texel_dtype(entry)  # pylint: disable=protected-access
             return {"": np.frombuffer(data, dtype).reshape(-1, channels)}
         dtype = diptych._fields_dtype(entry["fields"], entry["stride"])  # pylint: disable=protected-access
         array = np.frombuffer(data, dtype)

@@ -91,7 +91,6 @@ static struct access access_to(struct resource *resource, enum access_mode mode,
     return (struct access){.name = resource->name,
                            .mode = mode,
                            .resource = resource,
-                           .builtin = -1,
                            .kind = kind,
                            .binding = binding,
                            .attachment = -1};
@@ -155,12 +154,12 @@ static void fill_passes(struct fixture *f)
     f->shade_uses[0] = "points";
     f->shade_uses[1] = "apart";
     f->shade_uses[2] = "tile";
-    f->shade_accesses[0] = access_to(&f->resources[NORMALS], MODE_READ, ACCESS_STORAGE_READ, 0);
-    f->shade_accesses[1] = access_to(&f->resources[RESULT], MODE_WRITE, ACCESS_STORAGE_WRITE, 1);
-    f->shade_accesses[2] = access_to(&f->resources[LIGHTS], MODE_READ, ACCESS_STORAGE_READ, 2);
+    f->shade_accesses[0] = access_to(&f->resources[NORMALS], MODE_READ, DT_READ_STORAGE, 0);
+    f->shade_accesses[1] = access_to(&f->resources[RESULT], MODE_WRITE, DT_WRITE_STORAGE, 1);
+    f->shade_accesses[2] = access_to(&f->resources[LIGHTS], MODE_READ, DT_READ_STORAGE, 2);
     f->shade_accesses[3] =
-        access_to(&f->resources[CELLS], MODE_UPDATE, ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE, 3);
-    f->shade_accesses[4] = access_to(&f->resources[SHADOWS], MODE_READ, ACCESS_SAMPLED, 6);
+        access_to(&f->resources[CELLS], MODE_UPDATE, DT_READ_STORAGE | DT_WRITE_STORAGE, 3);
+    f->shade_accesses[4] = access_to(&f->resources[SHADOWS], MODE_READ, DT_READ_TEXTURE, 6);
     f->shade_accesses[4].filter = &f->samplers[1];
     f->ranges[0] = (struct range){.name = "subset",
                                   .of = "lights",
@@ -171,7 +170,7 @@ static void fill_passes(struct fixture *f)
                                   .loop = LOOP_UNROLL,
                                   .chunk = 2};
     f->passes[SHADE] = (struct pass){.name = "shade",
-                                     .kind = PASS_DISPATCH,
+                                     .kind = DT_PASS_DISPATCH,
                                      .accesses = f->shade_accesses,
                                      .access_count = 5,
                                      .uses = f->shade_uses,
@@ -185,10 +184,10 @@ static void fill_passes(struct fixture *f)
                                      .live_binding = 5,
                                      .textures_binding = -1,
                                      .materials_binding = -1};
-    f->scene_accesses[0] = access_to(&f->resources[COLOR], MODE_WRITE, ACCESS_COLOR, -1);
+    f->scene_accesses[0] = access_to(&f->resources[COLOR], MODE_WRITE, DT_WRITE_COLOR, -1);
     f->scene_accesses[0].attachment = 0;
     f->passes[SCENE] = (struct pass){.name = "scene",
-                                     .kind = PASS_SCENE,
+                                     .kind = DT_PASS_DRAW_SCENE,
                                      .view = "light",
                                      .accesses = f->scene_accesses,
                                      .access_count = 1,
@@ -197,13 +196,13 @@ static void fill_passes(struct fixture *f)
                                      .frame_binding = 1,
                                      .live_binding = 2,
                                      .textures_binding = 3};
-    f->tone_accesses[0] = access_to(&f->resources[RESULT], MODE_READ, ACCESS_FETCH, 2);
-    f->tone_accesses[1] = access_to(&f->resources[DEPTH], MODE_READ, ACCESS_SAMPLED, 3);
+    f->tone_accesses[0] = access_to(&f->resources[RESULT], MODE_READ, DT_READ_TEXTURE, 2);
+    f->tone_accesses[1] = access_to(&f->resources[DEPTH], MODE_READ, DT_READ_TEXTURE, 3);
     f->tone_accesses[1].filter = &nearest;
-    f->tone_accesses[2] = access_to(&f->resources[DISPLAY], MODE_WRITE, ACCESS_COLOR, -1);
+    f->tone_accesses[2] = access_to(&f->resources[DISPLAY], MODE_WRITE, DT_WRITE_COLOR, -1);
     f->tone_accesses[2].attachment = 0;
     f->passes[TONE] = (struct pass){.name = "tone",
-                                    .kind = PASS_FULLSCREEN,
+                                    .kind = DT_PASS_DRAW_FULLSCREEN,
                                     .accesses = f->tone_accesses,
                                     .access_count = 3,
                                     .frame_binding = 0,
@@ -626,7 +625,7 @@ static void test_range_by_words(void **state)
 {
     struct fixture *f = *state;
     f->ranges[0].chunk = 5;
-    f->shade_accesses[2].kind = ACCESS_UNIFORM;
+    f->shade_accesses[2].kind = DT_READ_UNIFORM;
     f->fields[1].offset = 12;
     f->fields[2].offset = 16;
     f->fields[3].offset = 32;

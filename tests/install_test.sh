@@ -186,6 +186,11 @@ versions_agree() {
         cc -E -P "-I$installed/include/diptych" - | tail -n 1 | tr -d ' ' | grep -Fx "$version"
 }
 check "all say the same version" versions_agree
+# shellcheck disable=SC2317
+has_prefix() { # every tag of the headers begins with dt_
+    ! cat "$installed"/include/diptych/*.h | cc -fpreprocessed -dD -E -P -x c - | grep -oE '\b(struct|enum) [a-z_]+' | grep -v ' dt_'
+}
+check "names of structs and enums have the prefix of the project" has_prefix
 
 # ---- Hosts ----
 
@@ -267,7 +272,7 @@ takes_version() { # MAJOR|MINOR|PATCH number: compiles a host against a diptych.
     mkdir -p "$work/version"
     sed "s/^#define DT_VERSION_$1 .*/#define DT_VERSION_$1 $2/" "$installed/include/diptych/diptych.h" >"$work/version/diptych.h"
     grep -qx "#define DT_VERSION_$1 $2" "$work/version/diptych.h" || return 2
-    cc -std=c11 -fsyntax-only "-I$work/version" -x c "$work/host/ssvp.h"
+    cc -std=c11 -fsyntax-only "-I$work/version" "-I$installed/include/diptych" -x c "$work/host/ssvp.h"
 }
 # shellcheck disable=SC2317
 other_version() {

@@ -274,7 +274,7 @@ static struct dt_frame frame_of(uint32_t index)
 }
 
 /* Validation reports a view whose usage the image lacks. */
-static void assert_can_sample_images(struct vk_runtime *rt)
+static void assert_can_sample_images(struct dt_vk_runtime *rt)
 {
     const VkImageViewUsageCreateInfo usage = {.sType =
                                                   VK_STRUCTURE_TYPE_IMAGE_VIEW_USAGE_CREATE_INFO,
@@ -308,7 +308,7 @@ static void assert_can_sample_images(struct vk_runtime *rt)
 }
 
 /* Records two frames in flight, in parts of `passes` passes each. `trail`: the trail after both. */
-static void run_parts(struct vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
+static void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
 {
     struct dt_vk_resource resource;
     for (uint32_t i = 0; i < 2; i++) {
@@ -337,15 +337,15 @@ static void run_parts(struct vk_runtime *rt, uint32_t passes, uint8_t trail[TRAI
     memcpy(trail, (const char *)vk.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
 }
 
-static void run_frames(struct vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
+static void run_frames(struct dt_vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
 {
     run_parts(rt, FEATURES_PASSES, trail);
 }
 
-static struct vk_runtime *open_features(void)
+static struct dt_vk_runtime *open_features(void)
 {
     struct dt_vk_host host = vk_host();
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_non_null(rt);
     assert_true(dt_vk_import_scene(rt, &vk.scene));
     assert_true(dt_vk_create(rt, &features_vk));
@@ -511,7 +511,7 @@ static void vulkan_checks_enabled_features(void **state)
     REFUSED(dt_vk_open(&host), "created without dynamicRendering; enable all");
     rendering.dynamicRendering = VK_TRUE;
     features.features.samplerAnisotropy = VK_FALSE;
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_non_null(rt);
     REFUSED(dt_vk_create(rt, &needy), "pass slice: needs samplerAnisotropy, which ");
     assert_non_null(strstr(heard.text, " has, but was created without; enable all"));
@@ -531,7 +531,7 @@ static void vulkan_tells_wrong_calls(void **state)
 {
     (void)state;
     struct dt_vk_host host = vk_host();
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     struct dt_frame frame = frame_of(0);
     struct dt_vk_scene scene = vk.scene;
     struct dt_vk_image image = {.image = (VkImage)&heard /* no image, and never used as one */,
@@ -601,7 +601,7 @@ static void vulkan_forgets_what_was_not_submitted(void **state)
 {
     (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES], zero[TRAIL_BYTES];
-    struct vk_runtime *rt = open_features();
+    struct dt_vk_runtime *rt = open_features();
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, wanted);
     assert_can_sample_images(rt);
@@ -641,7 +641,7 @@ static void lay_out(float normal_x)
 static void vulkan_draw(const struct dt_vk_scene *scene, uint8_t trail[TRAIL_BYTES])
 {
     struct dt_vk_host host = vk_host();
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_true(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, &features_vk) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, trail);
@@ -667,7 +667,7 @@ static void vulkan_draws_vertices_of_another_layout(void **state)
     assert_memory_not_equal(wanted, found, TRAIL_BYTES);
     assert_int_equal(heard.validation, 0);
 
-    struct vk_runtime *rt = open_features();
+    struct dt_vk_runtime *rt = open_features();
     scene.attributes[DT_NORMAL].buffer = VK_NULL_HANDLE;
     assert_true(dt_vk_import_scene(rt, &scene));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "the pass scene reads vertex_normal");
@@ -698,7 +698,7 @@ static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
     const struct dt_shaders indirect = {"vk", &panel, features_vk.stages};
     panel.record = record_scene_indirect;
     struct dt_vk_host host = vk_host();
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     struct dt_frame frame = frame_of(0);
     assert_true(dt_vk_import_scene(rt, &vk.scene));
     assert_true(dt_vk_create(rt, &indirect));
@@ -717,7 +717,7 @@ static void vulkan_takes_times(void **state)
     struct dt_vk_host host = vk_host();
     double ms[FEATURES_PASSES], sum = 0;
     host.timing = true;
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, trail);
@@ -733,7 +733,7 @@ static void vulkan_needs_no_scene_that_nobody_sees(void **state)
     (void)state;
     struct dt_vk_host host = vk_host();
     struct dt_frame frame = frame_of(0);
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_true(rt && dt_vk_create(rt, &layouts_vk) && dt_vk_resize(rt, WIDTH, HEIGHT));
     VkCommandBuffer commands = begin();
     assert_true(dt_vk_record(rt, commands, &frame, NULL));
@@ -830,7 +830,7 @@ static struct own_image make_textures(const uint8_t texels[2][4])
 
 /* Renders a frame. Every texel in the host's `color` must have these codes, within 2 for
  * rounding. */
-static void draws(struct vk_runtime *rt, const struct own_image *color, const double codes[3])
+static void draws(struct dt_vk_runtime *rt, const struct own_image *color, const double codes[3])
 {
     const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
@@ -873,7 +873,7 @@ static void vulkan_draws_the_hosts_textures(void **state)
                                        .mips = 1,
                                        .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
     struct dt_material *material = (struct dt_material *)((char *)vk.bytes + 8192);
-    struct vk_runtime *rt = open_features();
+    struct dt_vk_runtime *rt = open_features();
     struct dt_vk_scene scene = vk.scene;
     *material = (struct dt_material){.albedo = {1, 0.5f, 1}, .texture = 1};
     scene.textures = textures.view;
@@ -933,7 +933,7 @@ static void vulkan_takes_3d_images_and_cubes(void **state)
                                 .mips = 3,
                                 .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
     struct dt_vk_host host = vk_host();
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_true(rt && dt_vk_create(rt, &shapes_vk));
     assert_true(dt_vk_import_image(rt, SHAPES_RESOURCE_FOG, &given));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "8x6 texels, 1 layers, 3 mips, but the pipeline");
@@ -960,7 +960,7 @@ static void vulkan_takes_3d_images_and_cubes(void **state)
 }
 
 static struct {
-    struct vk_runtime *rt;
+    struct dt_vk_runtime *rt;
     VkCommandBuffer commands;
 } outside;
 
@@ -1034,7 +1034,7 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
     struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, 16};
     struct dt_vk_host host = vk_host();
     struct dt_vk_resource found;
-    struct vk_runtime *rt = outside.rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = outside.rt = dt_vk_open(&host);
     REFUSED(dt_vk_add_buffer_usage(rt, OUTSIDE_RESOURCE_KERNEL, 0), "create comes first");
     assert_true(dt_vk_create(rt, &outside_vk));
     REFUSED(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_PHOTO, &weights), "has no buffer");
@@ -1267,7 +1267,7 @@ static void vulkan_uses_memory_cache_and_threads_of_the_host(void **state)
     assert_int_equal(vkCreatePipelineCache(vk.device, &cache, NULL, &own.cache), VK_SUCCESS);
     vulkan_draw(&vk.scene, wanted);
     struct dt_vk_host host = own_host();
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_true(rt && dt_vk_import_scene(rt, &vk.scene));
     own.fail_pipelines = true;
     REFUSED(dt_vk_create(rt, &features_vk), "Pipelines(");
@@ -1282,7 +1282,8 @@ static void vulkan_uses_memory_cache_and_threads_of_the_host(void **state)
     assert_memory_equal(wanted, found, TRAIL_BYTES);
     assert_true(own.blocks > FEATURES_PASSES && own.memory > 1);
 
-    struct vk_runtime *other = dt_vk_open(&host); /* shares all programs, and outlives the first */
+    struct dt_vk_runtime *other =
+        dt_vk_open(&host); /* shares all programs, and outlives the first */
     assert_true(other && dt_vk_import_scene(other, &vk.scene) && dt_vk_create_from(other, rt) &&
                 dt_vk_resize(other, WIDTH, HEIGHT));
     assert_int_equal(own.pipelines, FEATURES_PASSES);
@@ -1302,11 +1303,11 @@ static void vulkan_tells_what_cannot_be_shared(void **state)
 {
     (void)state;
     struct dt_vk_host host = vk_host(), other = vk_host();
-    struct vk_runtime *rt = open_features(), *bare = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = open_features(), *bare = dt_vk_open(&host);
     REFUSED(dt_vk_create_from(rt, bare), "create_from: the other runtime has no pipeline");
     REFUSED(dt_vk_create_from(rt, rt), "create_from: the other runtime has no pipeline");
     other.callbacks = &own_callbacks;
-    struct vk_runtime *careful = dt_vk_open(&other);
+    struct dt_vk_runtime *careful = dt_vk_open(&other);
     REFUSED(dt_vk_create_from(careful, rt), "create_from: the runtimes have different devices");
     other.allocator.allocate = own_allocate;
     REFUSED(dt_vk_open(&other), "only one of allocate and free");
@@ -1401,7 +1402,7 @@ static void write_image(VkCommandBuffer commands, VkImage image, VkImageLayout l
 }
 
 /* Records a frame whose trail starts from the host's image. */
-static void record_own_trail(struct vk_runtime *rt, const struct flight *flight, VkImage image,
+static void record_own_trail(struct dt_vk_runtime *rt, const struct flight *flight, VkImage image,
                              uint32_t frame)
 {
     const VkBufferImageCopy region = {.bufferOffset = copy_of(frame),
@@ -1432,7 +1433,7 @@ static void check_trail(const struct flight *flight, uint32_t frame, float first
             fail_msg("frame %u, float %d is %g", frame, i, (double)found[i]);
 }
 
-static void import_trail(struct vk_runtime *rt, const struct own_image *image)
+static void import_trail(struct dt_vk_runtime *rt, const struct own_image *image)
 {
     const struct dt_vk_image import = {.image = image->image,
                                        .format = VK_FORMAT_R32G32B32A32_SFLOAT,
@@ -1449,7 +1450,7 @@ static void import_trail(struct vk_runtime *rt, const struct own_image *image)
 /* Imports the output, and leaves it ready for a copy, as hosts do. Across command buffers, the
  * validation layers of 1.3.239 do not see that a change of layout waits for a write through another
  * barrier (their issue 6508). The layers would complain about an output that no command reads. */
-static struct own_image import_output(struct vk_runtime *rt, uint32_t width)
+static struct own_image import_output(struct dt_vk_runtime *rt, uint32_t width)
 {
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     const struct own_image output =
@@ -1525,7 +1526,7 @@ static void vulkan_describes_imports(void **state)
     struct dt_vk_resource found;
     VkImageCreateInfo info;
     VkBufferCreateInfo buffer;
-    struct vk_runtime *rt = open_features();
+    struct dt_vk_runtime *rt = open_features();
     for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
         assert_true(dt_vk_describe(&features_vk, cases[i].resource, WIDTH, HEIGHT, &info));
         images[i] = create_image(&info);
@@ -1570,7 +1571,7 @@ static void vulkan_records_two_frames_at_once(void **state)
     struct dt_frame frame = frame_of(0);
     for (size_t i = 0; i < DT_ARRAY_COUNT(pipelines); i++) {
         struct dt_vk_host host = vk_host();
-        struct vk_runtime *rt = dt_vk_open(&host);
+        struct dt_vk_runtime *rt = dt_vk_open(&host);
         assert_true(rt && dt_vk_create(rt, pipelines[i]) && dt_vk_resize(rt, WIDTH, HEIGHT));
         VkCommandBuffer commands = begin();
         for (int k = 0; k < 2; k++)
@@ -1587,7 +1588,7 @@ static void vulkan_draws_the_same_in_parts(void **state)
 {
     (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
-    struct vk_runtime *rt = open_features();
+    struct dt_vk_runtime *rt = open_features();
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, wanted);
     for (uint32_t passes = 1; passes < 4; passes++) {
@@ -1639,10 +1640,10 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
     struct dt_vk_host host = vk_host();
     double ms[LAYOUTS_PASSES];
     const struct dt_vk_range seen = {vk.geometry, SEEN, sizeof(struct layouts_Seen)};
-    struct layouts_live live = *(const struct layouts_live *)layouts_pipeline.live_defaults;
+    struct layouts_live live = layouts_live_defaults;
     host.timing = true;
     host.frames = 17;
-    struct vk_runtime *rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
     REFUSED(dt_vk_create(rt, &layouts_vk), "opened for 17 frames in flight; use at most 16");
     dt_vk_close(rt);
     host.frames = IN_FLIGHT;
@@ -1809,7 +1810,7 @@ static void vulkan_exchanges_imports(void **state)
                                  .mips = 1,
                                  .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
     struct dt_vk_host host = own_host();
-    struct vk_runtime *rt = outside.rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = outside.rt = dt_vk_open(&host);
     assert_true(dt_vk_create(rt, &outside_vk));
     REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external), "is not imported");
     REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCES, external), "is not imported");
@@ -1862,7 +1863,7 @@ static void run_in_flight(const struct dt_shaders *shaders)
         make_image(VK_FORMAT_R32G32B32A32_SFLOAT, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
                    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                        VK_IMAGE_USAGE_TRANSFER_DST_BIT);
-    struct vk_runtime *rt = open_features(), *other = open_features();
+    struct dt_vk_runtime *rt = open_features(), *other = open_features();
     struct flight flight = make_flight(), other_flight = make_flight();
     assert_true(dt_vk_create(rt, shaders));
     import_trail(rt, &trail);
@@ -2004,7 +2005,7 @@ static void opengl_tells_wrong_calls(void **state)
     double ms[FEATURES_PASSES];
     REFUSED(dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = no_function}),
             "get_proc_address");
-    struct gl_runtime *rt =
+    struct dt_gl_runtime *rt =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_non_null(rt);
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "import_scene");
@@ -2036,7 +2037,7 @@ static void opengl_tells_wrong_calls(void **state)
     scene.objects.buffer = 0;
     assert_true(dt_gl_import_scene(rt, &scene));
     assert_true(dt_gl_create(rt, &features_gl));
-    struct gl_runtime *text = dt_gl_open(
+    struct dt_gl_runtime *text = dt_gl_open(
         &(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true});
     assert_non_null(text);
     REFUSED(dt_gl_create(text, &features_gl), "generate with diptych-gen --glsl");
@@ -2070,7 +2071,7 @@ static void opengl_tells_errors_that_were_there(void **state)
     (void)state;
     enable(GL_RGBA8); /* no capability: GL_INVALID_ENUM */
     heard.warnings = heard.errors = 0;
-    struct gl_runtime *rt =
+    struct dt_gl_runtime *rt =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_non_null(rt);
     assert_int_equal(heard.warnings, 1);
@@ -2083,7 +2084,7 @@ static void opengl_needs_no_scene_that_nobody_sees(void **state)
 {
     (void)state;
     struct dt_frame frame = frame_of(0);
-    struct gl_runtime *rt =
+    struct dt_gl_runtime *rt =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
     assert_true(dt_gl_record(rt, &frame, NULL));
@@ -2096,7 +2097,7 @@ static void opengl_draw(const struct dt_gl_scene *scene, uint8_t trail[TRAIL_BYT
     PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
     struct dt_frame frame = frame_of(0);
     struct dt_gl_resource resource = {0};
-    struct gl_runtime *rt =
+    struct dt_gl_runtime *rt =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_import_scene(rt, scene) && dt_gl_create(rt, &features_gl) &&
                 dt_gl_resize(rt, WIDTH, HEIGHT) && dt_gl_record(rt, &frame, NULL) &&
@@ -2133,7 +2134,7 @@ static void opengl_shares_programs(void **state)
         .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true};
     const struct dt_gl_scene scene = gl_scene();
     struct dt_frame frame = frame_of(0);
-    struct gl_runtime *rt = dt_gl_open(&host), *other = dt_gl_open(&host);
+    struct dt_gl_runtime *rt = dt_gl_open(&host), *other = dt_gl_open(&host);
     REFUSED(dt_gl_create_from(other, rt), "create_from: the other runtime has no pipeline");
     assert_true(dt_gl_create(rt, &features_gl) && dt_gl_import_scene(other, &scene) &&
                 dt_gl_create_from(other, rt) && dt_gl_resize(other, WIDTH, HEIGHT));
@@ -2146,7 +2147,7 @@ static void opengl_shares_programs(void **state)
     assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
-static struct gl_runtime *outside_gl_runtime;
+static struct dt_gl_runtime *outside_gl_runtime;
 
 static bool opengl_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
 {
@@ -2188,7 +2189,7 @@ static void opengl_records_parts(void **state)
     PFNGLCLEARTEXIMAGEPROC clear = (PFNGLCLEARTEXIMAGEPROC)eglGetProcAddress("glClearTexImage");
     const float one[4] = {1, 1, 1, 1};
     struct dt_gl_resource blurred = {0}, picture;
-    struct gl_runtime *rt = outside_gl_runtime =
+    struct dt_gl_runtime *rt = outside_gl_runtime =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_create(rt, &outside_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
     write_for_blurred(opengl_writes);
@@ -2210,7 +2211,7 @@ static void opengl_records_parts(void **state)
 /* `glsl`: uses the GLSL text in the generated C, not the SPIR-V. */
 static void take_inputs(bool glsl)
 {
-    struct gl_runtime *rt = dt_gl_open(
+    struct dt_gl_runtime *rt = dt_gl_open(
         &(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress, .glsl = glsl});
     outside_gl_runtime = rt;
     assert_true(rt && dt_gl_create(rt, &outside_gl));
@@ -2281,7 +2282,7 @@ static void opengl_takes_and_gives_a_cache(void **state)
     (void)state;
     struct dt_bytes cache;
     for (int text = 0; text < 2; text++) {
-        struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+        struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
             .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = text});
         REFUSED(dt_gl_get_cache(rt, &cache), "get_cache: no pipeline yet");
         assert_true(dt_gl_create(rt, &outside_gl) && dt_gl_get_cache(rt, &cache));
@@ -2314,7 +2315,7 @@ static void opengl_takes_buffers_and_describes_all(void **state)
     create_buffers(1, &weights.buffer);
     buffer_storage(weights.buffer, 4096, NULL, GL_DYNAMIC_STORAGE_BIT);
     update(weights.buffer, 1024, sizeof graded_alone, graded_alone);
-    struct gl_runtime *rt = outside_gl_runtime =
+    struct dt_gl_runtime *rt = outside_gl_runtime =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_create(rt, &outside_gl));
     REFUSED(dt_gl_import_buffer(rt, OUTSIDE_RESOURCE_PHOTO, &weights), "has no buffer");
@@ -2354,7 +2355,7 @@ static void opengl_takes_3d_images_and_cubes(void **state)
     texture_storage(sky, 2, GL_RGBA16F, 8, 8);
     create_textures(GL_TEXTURE_CUBE_MAP_ARRAY, 1, &probes);
     storage(probes, 1, GL_RGBA8, 4, 4, 12);
-    struct gl_runtime *rt =
+    struct dt_gl_runtime *rt =
         dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
     assert_true(rt && dt_gl_create(rt, &shapes_gl));
     assert_true(dt_gl_import_image(rt, SHAPES_RESOURCE_FOG, flat));
@@ -2381,7 +2382,7 @@ static void opengl_takes_times_beside_a_query_buffer(void **state)
     GLuint buffer = 0;
     GLint bound = 0;
     PFNGLFINISHPROC finish = (PFNGLFINISHPROC)eglGetProcAddress("glFinish");
-    struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+    struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true, .frames = 2});
     assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
     assert_true(dt_gl_record(rt, &frame, NULL));

@@ -81,7 +81,7 @@ static struct resource *image(struct fixture *f, const char *name, enum dt_forma
     return r;
 }
 
-static struct pass *pass(struct fixture *f, const char *name, enum pass_kind kind)
+static struct pass *pass(struct fixture *f, const char *name, enum dt_pass_kind kind)
 {
     uint32_t index = f->model.pipeline.pass_count++;
     struct pass *p = &f->passes[index];
@@ -95,7 +95,7 @@ static struct access *touch(struct pass *p, struct resource *r, enum access_mode
 {
     struct access *a = &p->accesses[p->access_count++];
 
-    *a = (struct access){.name = r->name, .resource = r, .mode = mode, .builtin = -1};
+    *a = (struct access){.name = r->name, .resource = r, .mode = mode};
     return a;
 }
 
@@ -181,8 +181,8 @@ static void test_reader_runs_after_its_writer(void **state)
 {
     struct fixture *f = *state;
     struct resource *b = buffer(f, "b", "8"), *c = buffer(f, "c", "8");
-    struct pass *reader = pass(f, "reader", PASS_DISPATCH),
-                *writer = pass(f, "writer", PASS_DISPATCH);
+    struct pass *reader = pass(f, "reader", DT_PASS_DISPATCH),
+                *writer = pass(f, "writer", DT_PASS_DISPATCH);
 
     touch(reader, b, MODE_READ);
     touch(reader, c, MODE_WRITE);
@@ -196,8 +196,8 @@ static void test_history_is_read_before_it_is_written(void **state)
 {
     struct fixture *f = *state;
     struct resource *b = buffer(f, "b", "8");
-    struct pass *reader = pass(f, "reader", PASS_DISPATCH),
-                *writer = pass(f, "writer", PASS_DISPATCH);
+    struct pass *reader = pass(f, "reader", DT_PASS_DISPATCH),
+                *writer = pass(f, "writer", DT_PASS_DISPATCH);
 
     b->history = true;
     touch(reader, b, MODE_READ);
@@ -205,7 +205,7 @@ static void test_history_is_read_before_it_is_written(void **state)
     assert_true(plan(f));
     assert_ptr_equal(f->model.pipeline.order[0], reader);
     /* The writer waits until the reader is done; no write has to become available. */
-    assert_int_equal(barrier_on(writer, b)->from_stages, STAGE_COMPUTE);
+    assert_int_equal(barrier_on(writer, b)->from_stages, DT_STAGE_COMPUTE);
     assert_false(barrier_on(writer, b)->from_writes);
 }
 
@@ -213,9 +213,10 @@ static void test_readers_between_modifiers(void **state)
 {
     struct fixture *f = *state;
     struct resource *b = buffer(f, "b", "8");
-    struct pass *write = pass(f, "write", PASS_DISPATCH), *first = pass(f, "first", PASS_DISPATCH);
-    struct pass *update = pass(f, "update", PASS_DISPATCH),
-                *second = pass(f, "second", PASS_DISPATCH);
+    struct pass *write = pass(f, "write", DT_PASS_DISPATCH),
+                *first = pass(f, "first", DT_PASS_DISPATCH);
+    struct pass *update = pass(f, "update", DT_PASS_DISPATCH),
+                *second = pass(f, "second", DT_PASS_DISPATCH);
 
     touch(write, b, MODE_WRITE);
     touch(first, b, MODE_READ);
@@ -235,7 +236,7 @@ static void test_cycle_is_an_error(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "8"), *b = buffer(f, "b", "8");
-    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    struct pass *p = pass(f, "p", DT_PASS_DISPATCH), *q = pass(f, "q", DT_PASS_DISPATCH);
 
     touch(p, a, MODE_READ);
     touch(p, b, MODE_WRITE);
@@ -249,7 +250,7 @@ static void test_two_writers_need_an_order(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "8");
-    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    struct pass *p = pass(f, "p", DT_PASS_DISPATCH), *q = pass(f, "q", DT_PASS_DISPATCH);
     const char *after[] = {"q"};
 
     touch(p, a, MODE_WRITE);
@@ -266,7 +267,7 @@ static void test_read_before_write(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "8"), *b = buffer(f, "b", "8");
-    struct pass *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *p = pass(f, "p", DT_PASS_DISPATCH);
 
     touch(p, a, MODE_READ);
     touch(p, b, MODE_UPDATE);
@@ -282,7 +283,8 @@ static void test_kinds_and_bindings(void **state)
     struct resource *color = image(f, "color", DT_FORMAT_RGBA16F),
                     *depth = image(f, "depth", DT_FORMAT_D32F);
     struct resource *out = image(f, "out", DT_FORMAT_RGBA16F), *list = buffer(f, "list", "8");
-    struct pass *draw = pass(f, "draw", PASS_SCENE), *shade = pass(f, "shade", PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_SCENE),
+                *shade = pass(f, "shade", DT_PASS_DISPATCH);
     struct access *c, *d, *o, *l;
 
     touch(draw, color, MODE_WRITE);
@@ -293,8 +295,8 @@ static void test_kinds_and_bindings(void **state)
     c = touch(shade, color, MODE_READ);
     o = touch(shade, out, MODE_WRITE);
     assert_true(plan(f));
-    assert_int_equal(d->kind, ACCESS_FETCH); /* depth has no imageLoad */
-    assert_int_equal(c->kind, ACCESS_STORAGE_READ);
+    assert_int_equal(d->kind, DT_READ_TEXTURE); /* depth has no imageLoad */
+    assert_int_equal(c->kind, DT_READ_STORAGE);
     assert_int_equal(c->binding, 0);
     assert_int_equal(o->binding, 1);
     assert_int_equal(l->binding, 2);
@@ -316,7 +318,8 @@ static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
     struct fixture *f = *state;
     struct resource *fits = buffer(f, "fits", "4096"), *large = buffer(f, "large", "4097"),
                     *uints = buffer(f, "uints", "8"), *out = image(f, "out", DT_FORMAT_RGBA16F);
-    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *draw = pass(f, "draw", PASS_SCENE);
+    struct pass *fill = pass(f, "fill", DT_PASS_DISPATCH),
+                *draw = pass(f, "draw", DT_PASS_DRAW_SCENE);
 
     fits->type = large->type = DT_TYPE_VEC4;
     touch(fill, fits, MODE_WRITE);
@@ -327,13 +330,13 @@ static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
     touch(draw, uints, MODE_READ);
     touch(draw, out, MODE_WRITE);
     assert_true(plan(f));
-    assert_int_equal(draw->accesses[0].kind, ACCESS_UNIFORM);
-    assert_int_equal(draw->accesses[1].kind, ACCESS_STORAGE_READ);
-    assert_int_equal(draw->accesses[2].kind, ACCESS_STORAGE_READ);
+    assert_int_equal(draw->accesses[0].kind, DT_READ_UNIFORM);
+    assert_int_equal(draw->accesses[1].kind, DT_READ_STORAGE);
+    assert_int_equal(draw->accesses[2].kind, DT_READ_STORAGE);
     assert_true(draw->uniform_materials);
     f->model.pipeline.gpu = true;
     assert_true(plan(f));
-    assert_int_equal(draw->accesses[0].kind, ACCESS_STORAGE_READ);
+    assert_int_equal(draw->accesses[0].kind, DT_READ_STORAGE);
     assert_false(draw->uniform_materials);
     assert_int_equal(draw->materials_binding, 0);
 }
@@ -343,7 +346,7 @@ static uint32_t uniform_blocks(const struct pass *p)
     uint32_t blocks = 0;
 
     for (uint32_t i = 0; i < p->access_count; i++)
-        blocks += p->accesses[i].kind == ACCESS_UNIFORM;
+        blocks += p->accesses[i].kind == DT_READ_UNIFORM;
     return blocks;
 }
 
@@ -354,7 +357,7 @@ static void test_uniform_blocks_are_few(void **state)
     static const char *const names[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i", "j", "k"};
     enum { COUNT = sizeof names / sizeof *names };
     struct fixture *f = *state;
-    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *fill = pass(f, "fill", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
     struct range ranges[COUNT] = {{0}};
 
     for (size_t i = 0; i < COUNT; i++) {
@@ -379,7 +382,7 @@ static void test_ranges_make_workgroups_large(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "512");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
     struct range range = {.name = "r", .count_value = 16};
 
     a->type = DT_TYPE_VEC4;
@@ -394,17 +397,17 @@ static void test_ranges_make_workgroups_large(void **state)
     p->local_size[0] = NULL;
     assert_true(plan(f));
     assert_int_equal(p->local[0] * p->local[1], 256);
-    assert_int_equal(range.access->kind, ACCESS_UNIFORM);
+    assert_int_equal(range.access->kind, DT_READ_UNIFORM);
     range.storage = STORAGE_BUFFER;
     assert_true(plan(f));
-    assert_int_equal(range.access->kind, ACCESS_STORAGE_READ);
+    assert_int_equal(range.access->kind, DT_READ_STORAGE);
 }
 
 static void test_short_range_is_copied_and_unrolled(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "512");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
     struct range range = {.name = "r", .count_value = 32};
 
     touch(w, a, MODE_WRITE);
@@ -425,13 +428,13 @@ static void test_long_range_is_rolled_in_place(void **state)
         const char *count;
         unsigned kind;
     } cases[] = {
-        {DT_TYPE_VEC4, "512", ACCESS_UNIFORM},
-        {DT_TYPE_VEC4, "5000", ACCESS_STORAGE_READ}, /* 80,000 bytes */
-        {DT_TYPE_UINT, "512", ACCESS_STORAGE_READ},  /* std140 would pad each element */
+        {DT_TYPE_VEC4, "512", DT_READ_UNIFORM},
+        {DT_TYPE_VEC4, "5000", DT_READ_STORAGE}, /* 80,000 bytes */
+        {DT_TYPE_UINT, "512", DT_READ_STORAGE},  /* std140 would pad each element */
     };
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "512");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
     struct range range;
 
     touch(w, a, MODE_WRITE);
@@ -465,7 +468,7 @@ static void test_shortest_ranges_are_unrolled(void **state)
                  {156, false, LOOP_UNROLL}};
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "512");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
     struct range ranges[sizeof cases / sizeof *cases];
     struct access *access;
 
@@ -490,7 +493,7 @@ static void test_a_range_follows_the_spec(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = buffer(f, "a", "512");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
     struct range range = {
         .name = "r", .count_value = 75, .storage = STORAGE_SHARED, .loop = LOOP_UNROLL};
 
@@ -527,8 +530,9 @@ static void test_draw_then_load_then_load(void **state)
     struct fixture *f = *state;
     struct resource *color = image(f, "color", DT_FORMAT_RGBA16F);
     struct resource *x = buffer(f, "x", "8"), *y = buffer(f, "y", "8");
-    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN), *first = pass(f, "first", PASS_DISPATCH);
-    struct pass *second = pass(f, "second", PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_FULLSCREEN),
+                *first = pass(f, "first", DT_PASS_DISPATCH);
+    struct pass *second = pass(f, "second", DT_PASS_DISPATCH);
 
     touch(draw, color, MODE_WRITE);
     touch(first, color, MODE_READ);
@@ -539,13 +543,13 @@ static void test_draw_then_load_then_load(void **state)
     assert_true(plan(f));
     assert_true(barrier_on(draw, color)->discard);
     assert_int_equal(barrier_on(draw, color)->from_stages, 0);
-    assert_int_equal(layout_of(barrier_on(draw, color)->to), LAYOUT_COLOR);
-    assert_int_equal(barrier_on(first, color)->from, ACCESS_COLOR);
-    assert_int_equal(barrier_on(first, color)->from_stages, STAGE_COLOR);
+    assert_int_equal(layout_of(barrier_on(draw, color)->to), DT_LAYOUT_COLOR);
+    assert_int_equal(barrier_on(first, color)->from, DT_WRITE_COLOR);
+    assert_int_equal(barrier_on(first, color)->from_stages, DT_STAGE_COLOR);
     assert_true(barrier_on(first, color)->from_writes);
-    assert_int_equal(layout_of(barrier_on(first, color)->to), LAYOUT_GENERAL);
+    assert_int_equal(layout_of(barrier_on(first, color)->to), DT_LAYOUT_GENERAL);
     assert_null(barrier_on(second, color)); /* same layout, already visible to compute */
-    assert_int_equal(barrier_on(second, x)->from, ACCESS_STORAGE_WRITE);
+    assert_int_equal(barrier_on(second, x)->from, DT_WRITE_STORAGE);
 }
 
 static void test_conditional_dispatch_may_clear(void **state)
@@ -553,7 +557,7 @@ static void test_conditional_dispatch_may_clear(void **state)
     struct fixture *f = *state;
     struct resource *out = image(f, "out", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
     struct resource *c = buffer(f, "c", "8");
-    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    struct pass *p = pass(f, "p", DT_PASS_DISPATCH), *q = pass(f, "q", DT_PASS_DISPATCH);
 
     p->conditional = true;
     touch(p, out, MODE_WRITE);
@@ -562,11 +566,11 @@ static void test_conditional_dispatch_may_clear(void **state)
     touch(q, b, MODE_READ);
     touch(q, c, MODE_WRITE);
     assert_true(plan(f));
-    assert_int_equal(barrier_on(p, out)->to, ACCESS_STORAGE_WRITE | ACCESS_CLEAR);
-    assert_int_equal(barrier_on(p, out)->to_stages, STAGE_COMPUTE | STAGE_CLEAR);
-    assert_int_equal(layout_of(barrier_on(p, out)->to), LAYOUT_GENERAL);
-    assert_int_equal(barrier_on(q, b)->from, ACCESS_STORAGE_WRITE | ACCESS_CLEAR);
-    assert_int_equal(barrier_on(q, b)->from_stages, STAGE_COMPUTE | STAGE_CLEAR);
+    assert_int_equal(barrier_on(p, out)->to, DT_WRITE_STORAGE | DT_WRITE_CLEAR);
+    assert_int_equal(barrier_on(p, out)->to_stages, DT_STAGE_COMPUTE | DT_STAGE_CLEAR);
+    assert_int_equal(layout_of(barrier_on(p, out)->to), DT_LAYOUT_GENERAL);
+    assert_int_equal(barrier_on(q, b)->from, DT_WRITE_STORAGE | DT_WRITE_CLEAR);
+    assert_int_equal(barrier_on(q, b)->from_stages, DT_STAGE_COMPUTE | DT_STAGE_CLEAR);
 }
 
 /* imageLoad in compute, then texelFetch in a draw: the layout changes, and waits for the readers
@@ -576,8 +580,8 @@ static void test_layout_changes_between_readers(void **state)
     struct fixture *f = *state;
     struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *out = image(f, "out", DT_FORMAT_RGBA8);
     struct resource *b = buffer(f, "b", "8");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *load = pass(f, "load", PASS_DISPATCH);
-    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *load = pass(f, "load", DT_PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_FULLSCREEN);
 
     touch(w, a, MODE_WRITE);
     touch(load, a, MODE_READ);
@@ -586,25 +590,25 @@ static void test_layout_changes_between_readers(void **state)
     touch(draw, b, MODE_READ);
     touch(draw, out, MODE_WRITE);
     assert_true(plan(f));
-    assert_int_equal(barrier_on(draw, a)->from, ACCESS_STORAGE_READ);
+    assert_int_equal(barrier_on(draw, a)->from, DT_READ_STORAGE);
     assert_false(barrier_on(draw, a)->from_writes);
-    assert_int_equal(layout_of(barrier_on(draw, a)->to), LAYOUT_READ);
-    assert_int_equal(barrier_on(draw, a)->to_stages, STAGE_FRAGMENT);
+    assert_int_equal(layout_of(barrier_on(draw, a)->to), DT_LAYOUT_READ);
+    assert_int_equal(barrier_on(draw, a)->to_stages, DT_STAGE_FRAGMENT);
 }
 
 static void test_indirect(void **state)
 {
     struct fixture *f = *state;
     struct resource *args = buffer(f, "args", "3"), *out = buffer(f, "out", "8");
-    struct pass *w = pass(f, "w", PASS_DISPATCH), *p = pass(f, "p", PASS_DISPATCH);
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
 
     touch(w, args, MODE_WRITE);
     touch(p, out, MODE_WRITE);
     p->size = SIZE_INDIRECT;
     p->indirect_resource = args;
     assert_true(plan(f));
-    assert_int_equal(barrier_on(p, args)->to, ACCESS_INDIRECT);
-    assert_int_equal(barrier_on(p, args)->to_stages, STAGE_INDIRECT);
+    assert_int_equal(barrier_on(p, args)->to, DT_READ_INDIRECT);
+    assert_int_equal(barrier_on(p, args)->to_stages, DT_STAGE_INDIRECT);
 }
 
 /* Synchronization validation does not report a store that follows a store without a barrier: this
@@ -613,8 +617,8 @@ static void test_store_after_store(void **state)
 {
     struct fixture *f = *state;
     struct resource *b = buffer(f, "b", "8"), *a = image(f, "a", DT_FORMAT_RGBA16F);
-    struct pass *first = pass(f, "first", PASS_DISPATCH),
-                *second = pass(f, "second", PASS_DISPATCH);
+    struct pass *first = pass(f, "first", DT_PASS_DISPATCH),
+                *second = pass(f, "second", DT_PASS_DISPATCH);
     const char *after[] = {"first"};
 
     touch(first, b, MODE_WRITE);
@@ -625,9 +629,9 @@ static void test_store_after_store(void **state)
     second->after_count = 1;
     assert_true(plan(f));
     assert_true(barrier_on(second, b)->from_writes);
-    assert_int_equal(barrier_on(second, b)->from, ACCESS_STORAGE_WRITE);
+    assert_int_equal(barrier_on(second, b)->from, DT_WRITE_STORAGE);
     assert_true(barrier_on(second, a)->from_writes);
-    assert_int_equal(barrier_on(second, a)->to, ACCESS_STORAGE_READ | ACCESS_STORAGE_WRITE);
+    assert_int_equal(barrier_on(second, a)->to, DT_READ_STORAGE | DT_WRITE_STORAGE);
 }
 
 /* A depth target that is read and then drawn over: written late, read as a texture, written again
@@ -636,23 +640,24 @@ static void test_depth_is_read_between_draws(void **state)
 {
     struct fixture *f = *state;
     struct resource *depth = image(f, "depth", DT_FORMAT_D32F), *b = buffer(f, "b", "8");
-    struct pass *draw = pass(f, "draw", PASS_SCENE), *look = pass(f, "look", PASS_DISPATCH);
-    struct pass *more = pass(f, "more", PASS_SCENE);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_SCENE),
+                *look = pass(f, "look", DT_PASS_DISPATCH);
+    struct pass *more = pass(f, "more", DT_PASS_DRAW_SCENE);
 
     touch(draw, depth, MODE_WRITE);
     touch(look, depth, MODE_READ);
     touch(look, b, MODE_WRITE);
     touch(more, depth, MODE_UPDATE);
     assert_true(plan(f));
-    assert_int_equal(barrier_on(look, depth)->from, ACCESS_DEPTH);
-    assert_int_equal(barrier_on(look, depth)->from_stages, STAGE_DEPTH);
+    assert_int_equal(barrier_on(look, depth)->from, DT_WRITE_DEPTH);
+    assert_int_equal(barrier_on(look, depth)->from_stages, DT_STAGE_DEPTH);
     assert_true(barrier_on(look, depth)->from_writes);
-    assert_int_equal(layout_of(barrier_on(look, depth)->to), LAYOUT_READ);
-    assert_int_equal(barrier_on(more, depth)->from, ACCESS_FETCH);
-    assert_int_equal(barrier_on(more, depth)->from_stages, STAGE_COMPUTE);
+    assert_int_equal(layout_of(barrier_on(look, depth)->to), DT_LAYOUT_READ);
+    assert_int_equal(barrier_on(more, depth)->from, DT_READ_TEXTURE);
+    assert_int_equal(barrier_on(more, depth)->from_stages, DT_STAGE_COMPUTE);
     assert_false(barrier_on(more, depth)->from_writes);
     assert_false(barrier_on(more, depth)->discard);
-    assert_int_equal(layout_of(barrier_on(more, depth)->to), LAYOUT_DEPTH);
+    assert_int_equal(layout_of(barrier_on(more, depth)->to), DT_LAYOUT_DEPTH);
 }
 
 /* The first reader's barrier changed the layout; a reader in another stage is ordered after that
@@ -662,8 +667,9 @@ static void test_second_reader_waits_for_the_layout(void **state)
     struct fixture *f = *state;
     struct resource *depth = image(f, "depth", DT_FORMAT_D32F), *b = buffer(f, "b", "8");
     struct resource *color = image(f, "color", DT_FORMAT_RGBA8);
-    struct pass *draw = pass(f, "draw", PASS_SCENE), *look = pass(f, "look", PASS_DISPATCH);
-    struct pass *show = pass(f, "show", PASS_FULLSCREEN);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_SCENE),
+                *look = pass(f, "look", DT_PASS_DISPATCH);
+    struct pass *show = pass(f, "show", DT_PASS_DRAW_FULLSCREEN);
 
     touch(draw, depth, MODE_WRITE);
     touch(look, depth, MODE_READ);
@@ -673,9 +679,29 @@ static void test_second_reader_waits_for_the_layout(void **state)
     touch(show, color, MODE_WRITE);
     assert_true(plan(f));
     assert_non_null(barrier_on(show, depth));
-    assert_int_equal(barrier_on(show, depth)->from_stages, STAGE_COMPUTE);
-    assert_int_equal(barrier_on(show, depth)->to_stages, STAGE_FRAGMENT);
-    assert_int_equal(layout_of(barrier_on(show, depth)->to), LAYOUT_READ);
+    assert_int_equal(barrier_on(show, depth)->from_stages, DT_STAGE_COMPUTE);
+    assert_int_equal(barrier_on(show, depth)->to_stages, DT_STAGE_FRAGMENT);
+    assert_int_equal(layout_of(barrier_on(show, depth)->to), DT_LAYOUT_READ);
+}
+
+/* Samplers and texelFetch read in the same way: what one sees, the other sees. */
+static void test_texels_after_samples_wait_for_nothing(void **state)
+{
+    struct fixture *f = *state;
+    struct resource *depth = image(f, "depth", DT_FORMAT_D32F), *b = buffer(f, "b", "8");
+    struct resource *c = buffer(f, "c", "8");
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_SCENE);
+    struct pass *look = pass(f, "look", DT_PASS_DISPATCH),
+                *more = pass(f, "more", DT_PASS_DISPATCH);
+
+    touch(draw, depth, MODE_WRITE);
+    touch(look, depth, MODE_READ)->sampler = "soft";
+    touch(look, b, MODE_WRITE);
+    touch(more, depth, MODE_READ);
+    touch(more, c, MODE_WRITE);
+    assert_true(plan(f));
+    assert_non_null(barrier_on(look, depth));
+    assert_null(barrier_on(more, depth));
 }
 
 /* Drawing into one mip keeps the stores in another. */
@@ -683,8 +709,9 @@ static void test_stores_in_another_mip_stay_stored(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
-    struct pass *store = pass(f, "store", PASS_DISPATCH), *draw = pass(f, "draw", PASS_FULLSCREEN);
-    struct pass *look = pass(f, "look", PASS_DISPATCH);
+    struct pass *store = pass(f, "store", DT_PASS_DISPATCH),
+                *draw = pass(f, "draw", DT_PASS_DRAW_FULLSCREEN);
+    struct pass *look = pass(f, "look", DT_PASS_DISPATCH);
 
     a->mips = number(f, "2");
     touch(store, a, MODE_WRITE);
@@ -699,9 +726,9 @@ static void test_mips_wait_for_themselves(void **state)
 {
     struct fixture *f = *state;
     struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
-    struct pass *first = pass(f, "first", PASS_DISPATCH),
-                *second = pass(f, "second", PASS_DISPATCH);
-    struct pass *again = pass(f, "again", PASS_DISPATCH);
+    struct pass *first = pass(f, "first", DT_PASS_DISPATCH),
+                *second = pass(f, "second", DT_PASS_DISPATCH);
+    struct pass *again = pass(f, "again", DT_PASS_DISPATCH);
     const char *after_first[] = {"first"}, *after_second[] = {"second"};
 
     a->mips = number(f, "2");
@@ -716,7 +743,7 @@ static void test_mips_wait_for_themselves(void **state)
     assert_true(plan(f));
     assert_true(barrier_on(first, a)->discard);
     assert_null(barrier_on(second, a));
-    assert_int_equal(barrier_on(again, a)->from, ACCESS_STORAGE_WRITE);
+    assert_int_equal(barrier_on(again, a)->from, DT_WRITE_STORAGE);
 }
 
 /* If a reader may be skipped, the write before it may stay unread. The next user of the memory then
@@ -726,8 +753,9 @@ static void test_skipped_readers_leave_the_write(void **state)
     struct fixture *f = *state;
     struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
     struct resource *next = image(f, "next", DT_FORMAT_RGBA16F);
-    struct pass *store = pass(f, "store", PASS_DISPATCH), *look = pass(f, "look", PASS_DISPATCH);
-    struct pass *last = pass(f, "last", PASS_DISPATCH);
+    struct pass *store = pass(f, "store", DT_PASS_DISPATCH),
+                *look = pass(f, "look", DT_PASS_DISPATCH);
+    struct pass *last = pass(f, "last", DT_PASS_DISPATCH);
 
     touch(store, a, MODE_WRITE);
     touch(look, a, MODE_READ);
@@ -740,7 +768,7 @@ static void test_skipped_readers_leave_the_write(void **state)
     look->conditional = true;
     assert_true(plan(f));
     assert_true(barrier_on(last, next)->from_writes);
-    assert_true(barrier_on(last, next)->from & ACCESS_STORAGE_WRITE);
+    assert_true(barrier_on(last, next)->from & DT_WRITE_STORAGE);
 }
 
 /* History crosses frames: the first pass reads the last frame's stores without a barrier of its
@@ -749,7 +777,8 @@ static void test_history_crosses_frames(void **state)
 {
     struct fixture *f = *state;
     struct resource *h = image(f, "h", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
-    struct pass *look = pass(f, "look", PASS_DISPATCH), *store = pass(f, "store", PASS_DISPATCH);
+    struct pass *look = pass(f, "look", DT_PASS_DISPATCH),
+                *store = pass(f, "store", DT_PASS_DISPATCH);
 
     h->history = true;
     touch(look, h, MODE_READ);
@@ -772,7 +801,7 @@ static void test_chain_takes_two_slots(void **state)
     struct resource *last = NULL;
 
     for (int i = 0; i < 5; i++) {
-        struct pass *p = pass(f, passes[i], PASS_DISPATCH);
+        struct pass *p = pass(f, passes[i], DT_PASS_DISPATCH);
         struct resource *next = image(f, names[i], DT_FORMAT_RGBA16F);
 
         touch(p, next, MODE_WRITE);
@@ -796,7 +825,7 @@ static void test_chain_takes_two_slots(void **state)
     }
     assert_int_equal(f->resources[2].share, 0);
     assert_ptr_equal(barrier_on(&f->passes[2], &f->resources[2])->alias, &f->resources[0]);
-    assert_int_equal(barrier_on(&f->passes[2], &f->resources[2])->from_stages, STAGE_COMPUTE);
+    assert_int_equal(barrier_on(&f->passes[2], &f->resources[2])->from_stages, DT_STAGE_COMPUTE);
 }
 
 /* Three users of one place; the second is small. No pass reads the first one's write beyond the
@@ -807,8 +836,10 @@ static void test_third_user_waits_for_unread_writes(void **state)
     struct resource *big = image(f, "big", DT_FORMAT_RGBA32F),
                     *small = image(f, "small", DT_FORMAT_R32F);
     struct resource *next = image(f, "next", DT_FORMAT_RGBA16F), *b = buffer(f, "b", "8");
-    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN), *store = pass(f, "store", PASS_DISPATCH);
-    struct pass *look = pass(f, "look", PASS_DISPATCH), *last = pass(f, "last", PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_FULLSCREEN),
+                *store = pass(f, "store", DT_PASS_DISPATCH);
+    struct pass *look = pass(f, "look", DT_PASS_DISPATCH),
+                *last = pass(f, "last", DT_PASS_DISPATCH);
 
     touch(draw, big, MODE_WRITE);
     touch(store, small, MODE_WRITE);
@@ -819,8 +850,8 @@ static void test_third_user_waits_for_unread_writes(void **state)
     assert_int_equal(small->slot, big->slot);
     assert_int_equal(next->slot, big->slot);
     assert_ptr_equal(barrier_on(last, next)->alias, small);
-    assert_int_equal(barrier_on(last, next)->from, ACCESS_STORAGE_READ | ACCESS_COLOR);
-    assert_int_equal(barrier_on(last, next)->from_stages, STAGE_COMPUTE | STAGE_COLOR);
+    assert_int_equal(barrier_on(last, next)->from, DT_READ_STORAGE | DT_WRITE_COLOR);
+    assert_int_equal(barrier_on(last, next)->from_stages, DT_STAGE_COMPUTE | DT_STAGE_COLOR);
     assert_true(barrier_on(last, next)->from_writes);
 }
 
@@ -832,8 +863,10 @@ static void test_buffer_waits_for_the_buffer_before_a_target(void **state)
     struct fixture *f = *state;
     struct resource *early = buffer(f, "early", "4096"), *late = buffer(f, "late", "4096");
     struct resource *target = image(f, "target", DT_FORMAT_D32F), *sum = buffer(f, "sum", "8");
-    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *look = pass(f, "look", PASS_DISPATCH);
-    struct pass *draw = pass(f, "draw", PASS_FULLSCREEN), *again = pass(f, "again", PASS_DISPATCH);
+    struct pass *fill = pass(f, "fill", DT_PASS_DISPATCH),
+                *look = pass(f, "look", DT_PASS_DISPATCH);
+    struct pass *draw = pass(f, "draw", DT_PASS_DRAW_FULLSCREEN),
+                *again = pass(f, "again", DT_PASS_DISPATCH);
 
     target->width = target->height = number(f, "16");
     touch(fill, early, MODE_WRITE);
@@ -846,8 +879,8 @@ static void test_buffer_waits_for_the_buffer_before_a_target(void **state)
     assert_int_equal(early->slot, late->slot);
     assert_int_equal(target->slot, late->slot);
     assert_ptr_equal(barrier_on(again, late)->alias, target);
-    assert_int_equal(barrier_on(again, late)->from_stages, STAGE_COMPUTE | STAGE_DEPTH);
-    assert_int_equal(barrier_on(again, late)->from & ~ACCESS_STORAGE_READ, ACCESS_DEPTH);
+    assert_int_equal(barrier_on(again, late)->from_stages, DT_STAGE_COMPUTE | DT_STAGE_DEPTH);
+    assert_int_equal(barrier_on(again, late)->from & ~DT_READ_STORAGE, DT_WRITE_DEPTH);
 }
 
 static void test_buffer_waits_for_what_a_smaller_one_left(void **state)
@@ -855,8 +888,10 @@ static void test_buffer_waits_for_what_a_smaller_one_left(void **state)
     struct fixture *f = *state;
     struct resource *early = buffer(f, "early", "4096"), *late = buffer(f, "late", "4096");
     struct resource *between = buffer(f, "between", "2048"), *sum = buffer(f, "sum", "8");
-    struct pass *fill = pass(f, "fill", PASS_DISPATCH), *look = pass(f, "look", PASS_FULLSCREEN);
-    struct pass *store = pass(f, "store", PASS_DISPATCH), *again = pass(f, "again", PASS_DISPATCH);
+    struct pass *fill = pass(f, "fill", DT_PASS_DISPATCH),
+                *look = pass(f, "look", DT_PASS_DRAW_FULLSCREEN);
+    struct pass *store = pass(f, "store", DT_PASS_DISPATCH),
+                *again = pass(f, "again", DT_PASS_DISPATCH);
 
     touch(fill, early, MODE_WRITE);
     touch(look, early, MODE_READ);
@@ -870,11 +905,11 @@ static void test_buffer_waits_for_what_a_smaller_one_left(void **state)
     assert_int_equal(between->slot, late->slot);
     assert_ptr_equal(barrier_on(again, late)->alias, between);
     assert_int_equal(barrier_on(again, late)->from_stages,
-                     barrier_on(store, between)->from_stages | STAGE_COMPUTE);
+                     barrier_on(store, between)->from_stages | DT_STAGE_COMPUTE);
     between->count = number(f, "4096");
     assert_true(plan(f));
     assert_int_equal(between->slot, late->slot);
-    assert_int_equal(barrier_on(again, late)->from_stages, STAGE_COMPUTE);
+    assert_int_equal(barrier_on(again, late)->from_stages, DT_STAGE_COMPUTE);
 }
 
 static void test_history_and_output_keep_their_memory(void **state)
@@ -883,7 +918,7 @@ static void test_history_and_output_keep_their_memory(void **state)
     struct resource *h = image(f, "h", DT_FORMAT_RGBA16F),
                     *out = image(f, "out", DT_FORMAT_RGBA16F);
     struct resource *later = image(f, "later", DT_FORMAT_RGBA16F);
-    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
+    struct pass *p = pass(f, "p", DT_PASS_DISPATCH), *q = pass(f, "q", DT_PASS_DISPATCH);
 
     h->history = true;
     f->model.pipeline.linear_output = "out";
@@ -902,8 +937,8 @@ static void test_kept_resources_share_no_memory(void **state)
     struct fixture *f = *state;
     struct resource *a = image(f, "a", DT_FORMAT_RGBA16F), *b = image(f, "b", DT_FORMAT_RGBA16F);
     struct resource *c = image(f, "c", DT_FORMAT_RGBA16F);
-    struct pass *p = pass(f, "p", PASS_DISPATCH), *q = pass(f, "q", PASS_DISPATCH);
-    struct pass *r = pass(f, "r", PASS_DISPATCH);
+    struct pass *p = pass(f, "p", DT_PASS_DISPATCH), *q = pass(f, "q", DT_PASS_DISPATCH);
+    struct pass *r = pass(f, "r", DT_PASS_DISPATCH);
 
     touch(p, a, MODE_WRITE);
     touch(q, a, MODE_READ);
@@ -947,6 +982,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_store_after_store, setup, teardown),
         cmocka_unit_test_setup_teardown(test_depth_is_read_between_draws, setup, teardown),
         cmocka_unit_test_setup_teardown(test_second_reader_waits_for_the_layout, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_texels_after_samples_wait_for_nothing, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(test_stores_in_another_mip_stay_stored, setup, teardown),
         cmocka_unit_test_setup_teardown(test_mips_wait_for_themselves, setup, teardown),
         cmocka_unit_test_setup_teardown(test_skipped_readers_leave_the_write, setup, teardown),

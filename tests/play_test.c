@@ -14,6 +14,7 @@
 
 #include "spec/play.h"
 #include "gen/load.h"
+#include "gen/members.h"
 #include "gen/spirv/passes.h"
 #include "recorder.h"
 
@@ -74,175 +75,90 @@ static void open_pair(struct pair *pair, const struct subject *subject)
 
 /* ---- Tables ---------------------------------------------------------------------------------- */
 
-static void same_double(double a, double b)
+static void same_rows(const struct pair *pair, const struct members *members, const void *a,
+                      const void *b, uint32_t count)
 {
-    assert_memory_equal(&a, &b, sizeof a);
+    for (uint32_t i = 0; i < count; i++) {
+        size_t at = i * members->size;
+        const char *name = members_difference(members, (const char *)a + at, (const char *)b + at);
+        if (name)
+            fail_msg("%s: %s[%u].%s differs", pair->spec.tables->pipeline.name, members->tag, i,
+                     name);
+    }
 }
 
-static void same_params(const struct dt_pipeline *a, const struct dt_pipeline *b)
+static void same_pipelines(const struct pair *pair)
 {
+    const struct dt_pipeline *a = pair->played->pipeline, *b = pair->generated->pipeline;
+    assert_string_equal(a->name, b->name);
+    assert_string_equal(a->doc, b->doc);
     assert_int_equal(a->param_count, b->param_count);
-    for (uint32_t i = 0; i < a->param_count; i++) {
-        const struct dt_param *p = &a->params[i], *q = &b->params[i];
-        assert_string_equal(p->name, q->name);
-        assert_string_equal(p->doc, q->doc);
-        assert_int_equal(p->type, q->type);
-        assert_int_equal(p->live, q->live);
-        assert_int_equal(p->offset, q->offset);
-        for (int k = 0; k < 4; k++)
-            same_double(p->value[k], q->value[k]);
-        same_double(p->min, q->min);
-        same_double(p->max, q->max);
-        same_double(p->step, q->step);
-    }
+    same_rows(pair, &param_members, a->params, b->params, a->param_count);
     assert_int_equal(a->live_size, b->live_size);
     assert_int_equal(a->block_size, b->block_size);
     assert_memory_equal(a->live_defaults, b->live_defaults, a->block_size);
-}
-
-static void same_fields(const struct dt_resource *a, const struct dt_resource *b)
-{
-    assert_int_equal(a->field_count, b->field_count);
-    for (uint32_t i = 0; i < a->field_count; i++) {
-        const struct dt_field *f = &a->fields[i], *g = &b->fields[i];
-        assert_string_equal(f->name, g->name);
-        assert_int_equal(f->type, g->type);
-        assert_int_equal(f->offset, g->offset);
-        assert_int_equal(f->array_count, g->array_count);
-        assert_int_equal(f->array_stride, g->array_stride);
-    }
-    assert_int_equal(a->stride, b->stride);
-    assert_int_equal(a->controls_work, b->controls_work);
-}
-
-static void same_resources(const struct dt_pipeline *a, const struct dt_pipeline *b)
-{
     assert_int_equal(a->resource_count, b->resource_count);
-    for (uint32_t i = 0; i < a->resource_count; i++) {
-        const struct dt_resource *r = &a->resources[i], *s = &b->resources[i];
-        assert_string_equal(r->name, s->name);
-        assert_string_equal(r->doc, s->doc);
-        assert_int_equal(r->kind, s->kind);
-        assert_int_equal(r->history, s->history);
-        assert_int_equal(r->contract.kind, s->contract.kind);
-        same_double(r->contract.tolerance, s->contract.tolerance);
-        same_double(r->contract.outliers, s->contract.outliers);
-        if (r->contract.kind == DT_CONTRACT_FLIPS) {
-            assert_int_equal(r->contract.margin_resource, s->contract.margin_resource);
-            assert_int_equal(r->contract.margin_field, s->contract.margin_field);
-        }
-        assert_int_equal(r->format, s->format);
-        assert_int_equal(r->shape, s->shape);
-        assert_int_equal(r->layered, s->layered);
-        assert_int_equal(r->mips, s->mips);
-        same_fields(r, s);
-    }
+    same_rows(pair, &resource_members, a->resources, b->resources, a->resource_count);
+    assert_int_equal(a->pass_count, b->pass_count);
+    same_rows(pair, &pass_members, a->passes, b->passes, a->pass_count);
     assert_int_equal(a->linear_output, b->linear_output);
     assert_int_equal(a->display_output, b->display_output);
 }
 
-static void same_lists(const uint16_t *a, uint32_t a_count, const uint16_t *b, uint32_t b_count)
+static void same_panels(const struct pair *pair)
 {
-    assert_int_equal(a_count, b_count);
-    for (uint32_t i = 0; i < a_count; i++)
-        assert_int_equal(a[i], b[i]);
-}
-
-static void same_passes(const struct dt_pipeline *a, const struct dt_pipeline *b)
-{
-    assert_int_equal(a->pass_count, b->pass_count);
-    for (uint32_t i = 0; i < a->pass_count; i++) {
-        const struct dt_pass *p = &a->passes[i], *q = &b->passes[i];
-        assert_string_equal(p->name, q->name);
-        assert_string_equal(p->doc, q->doc);
-        assert_string_equal(p->shader, q->shader);
-        assert_int_equal(p->kind, q->kind);
-        assert_int_equal(p->uses_scene, q->uses_scene);
-        same_lists(p->reads, p->read_count, q->reads, q->read_count);
-        same_lists(p->writes, p->write_count, q->writes, q->write_count);
-        for (uint32_t k = 0; k < p->write_count; k++)
-            assert_int_equal(p->write_mips ? p->write_mips[k] : 1,
-                             q->write_mips ? q->write_mips[k] : 1);
-        assert_int_equal(!p->limit, !q->limit);
-        assert_int_equal(p->flops[0], q->flops[0]);
-        assert_int_equal(p->flops[1], q->flops[1]);
-    }
-}
-
-static void same_target(const struct dt_target *a, const struct dt_target *b)
-{
-    assert_int_equal(!a, !b);
-    if (!a || !b)
-        return;
-    assert_int_equal(a->resource, b->resource);
-    assert_int_equal(a->mip, b->mip);
-    assert_int_equal(a->load, b->load);
-    assert_int_equal(a->one_layer, b->one_layer);
-    assert_int_equal(a->layer, b->layer);
-    assert_int_equal(a->keep, b->keep);
-    assert_int_equal(!a->blend, !b->blend);
-    if (a->blend)
-        assert_memory_equal(a->blend, b->blend, sizeof *a->blend);
-}
-
-static void same_program(const struct dt_program *a, const struct dt_program *b)
-{
-    assert_int_equal(a->binding_count, b->binding_count);
-    for (uint32_t i = 0; i < a->binding_count; i++) {
-        const struct dt_binding *x = &a->bindings[i], *y = &b->bindings[i];
-        assert_int_equal(x->binding, y->binding);
-        assert_int_equal(x->resource, y->resource);
-        assert_int_equal(x->kind, y->kind);
-        assert_int_equal(x->mip, y->mip);
-        assert_int_equal(x->one_layer, y->one_layer);
-        assert_int_equal(x->layer, y->layer);
-        assert_int_equal(x->layout, y->layout);
-        assert_int_equal(x->access, y->access);
-        assert_int_equal(x->sampler, y->sampler);
-    }
-    assert_int_equal(a->color_count, b->color_count);
-    for (uint32_t i = 0; i < a->color_count; i++)
-        same_target(&a->colors[i], &b->colors[i]);
-    same_target(a->depth, b->depth);
-    assert_int_equal(a->compare, b->compare);
-    assert_int_equal(a->cull, b->cull);
-    assert_int_equal(a->depth_test, b->depth_test);
-    assert_int_equal(a->depth_write, b->depth_write);
-    assert_int_equal(a->layered, b->layered);
-    assert_int_equal(a->clip_distances, b->clip_distances);
-    assert_int_equal(a->attributes, b->attributes);
-    assert_int_equal(a->topology, b->topology);
-    assert_true(a->bias_constant == b->bias_constant && a->bias_slope == b->bias_slope);
-}
-
-static void same_panels(const struct dt_panel *a, const struct dt_panel *b)
-{
-    for (uint32_t i = 0; i < a->pipeline->resource_count; i++) {
-        const struct dt_storage *s = &a->storage[i], *t = &b->storage[i];
-        assert_int_equal(s->usage, t->usage);
-        assert_int_equal(s->slot, t->slot);
-        assert_int_equal(s->share, t->share);
-        assert_int_equal(s->block, t->block);
-        assert_int_equal(s->by_layer, t->by_layer);
-        assert_memory_equal(s->clear, t->clear, sizeof s->clear);
-    }
-    for (uint32_t i = 0; i < a->pipeline->pass_count; i++)
-        same_program(&a->programs[i], &b->programs[i]);
+    const struct dt_panel *a = pair->played, *b = pair->generated;
+    same_rows(pair, &storage_members, a->storage, b->storage, a->pipeline->resource_count);
+    same_rows(pair, &program_members, a->programs, b->programs, a->pipeline->pass_count);
     assert_int_equal(a->slot_count, b->slot_count);
     assert_int_equal(a->sampler_count, b->sampler_count);
-    for (uint32_t i = 0; i < a->sampler_count; i++) {
-        assert_string_equal(a->samplers[i].name, b->samplers[i].name);
-        assert_int_equal(a->samplers[i].linear, b->samplers[i].linear);
-        assert_int_equal(a->samplers[i].linear_mip, b->samplers[i].linear_mip);
-        assert_int_equal(a->samplers[i].wrap, b->samplers[i].wrap);
-        assert_int_equal(a->samplers[i].compare, b->samplers[i].compare);
-        assert_true(a->samplers[i].anisotropy == b->samplers[i].anisotropy);
-    }
+    same_rows(pair, &sampler_members, a->samplers, b->samplers, a->sampler_count);
     assert_int_equal(a->need_count, b->need_count);
-    for (uint32_t i = 0; i < a->need_count; i++) {
-        assert_int_equal(a->needs[i].pass, b->needs[i].pass);
-        assert_string_equal(a->needs[i].feature, b->needs[i].feature);
+    same_rows(pair, &need_members, a->needs, b->needs, a->need_count);
+    assert_int_equal(a->demand_count, b->demand_count);
+    same_rows(pair, &demand_members, a->demands, b->demands, a->demand_count);
+}
+
+/* The member that begins at `at` or next behind it. */
+static const struct member *member_from(const struct members *members, size_t at)
+{
+    const struct member *next = NULL;
+    for (size_t i = 0; i < members->count; i++)
+        if (members->list[i].offset >= at && (!next || members->list[i].offset < next->offset))
+            next = &members->list[i];
+    return next;
+}
+
+/* Between the members of a struct is only padding: less than the member behind it needs. */
+static void check_complete(const struct members *members)
+{
+    for (size_t at = 0; at < members->size;) {
+        const struct member *next = member_from(members, at);
+        size_t end = next ? next->offset : members->size;
+        size_t align = next && next->kind == MEMBER_FLOATS ? sizeof(float)
+                       : next && next->size < 8            ? next->size
+                                                           : 8;
+        if (end - at >= align)
+            fail_msg("members.c: %s has another member at byte %zu", members->tag, at);
+        at = next ? end + next->size : end;
     }
+    for (size_t i = 0; i < members->count; i++)
+        if (members->list[i].rows)
+            check_complete(members->list[i].rows);
+}
+
+static void members_are_complete(void **state)
+{
+    (void)state;
+    check_complete(&storage_members);
+    check_complete(&sampler_members);
+    check_complete(&program_members);
+    check_complete(&need_members);
+    check_complete(&demand_members);
+    check_complete(&barrier_members);
+    check_complete(&param_members);
+    check_complete(&resource_members);
+    check_complete(&pass_members);
 }
 
 /* Generated code is packed, without names, and with GLSL only where it was asked for. */
@@ -274,18 +190,13 @@ static void tables_are_the_same(void **state)
     (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
         const struct pair *pair = &pairs[i];
-        const struct dt_pipeline *a = pair->played->pipeline, *b = pair->generated->pipeline;
-        assert_string_equal(a->name, b->name);
-        assert_string_equal(a->doc, b->doc);
-        same_params(a, b);
-        same_resources(a, b);
-        same_passes(a, b);
-        same_panels(pair->played, pair->generated);
+        same_pipelines(pair);
+        same_panels(pair);
         for (int backend = 0; backend < 2; backend++) {
             const struct dt_shaders *s = &pair->spec.tables->shaders[backend];
             const struct dt_shaders *t = subjects[i].shaders[backend];
             assert_string_equal(s->backend, t->backend);
-            for (uint32_t pass = 0; pass < a->pass_count; pass++) {
+            for (uint32_t pass = 0; pass < pair->played->pipeline->pass_count; pass++) {
                 same_code(&s->stages[pass].compute, &t->stages[pass].compute);
                 same_code(&s->stages[pass].vertex, &t->stages[pass].vertex);
                 same_code(&s->stages[pass].fragment, &t->stages[pass].fragment);
@@ -390,6 +301,7 @@ static int free_pairs(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(members_are_complete),
         cmocka_unit_test(tables_are_the_same),
         cmocka_unit_test(frames_are_the_same),
         cmocka_unit_test(frames_are_the_same_with_other_live_parameters),

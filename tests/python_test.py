@@ -172,6 +172,11 @@ def test_formats_have_their_shapes():
     shapes = [array.shape for array in found.values()]
     assert shapes == [(5, 6, 8, 4), (2, 3, 4, 4), (6, 4, 4, 4), (12, 4, 4, 4)]
     assert [array.dtype for array in found.values()] == ["f2", "f2", "f2", "u1"]
+    kinds = {"rgba8ui": "u1", "rg8i": "i1", "r16": "u2", "r16_snorm": "i2", "rgba32i": "i4", "r11g11b10f": "u4", "rgb10a2": "u4"}
+    with diptych.open(ROOT + "/tests/specs/formats.yaml", scene=SCENE, size=SIZE) as pipeline:
+        found = pipeline.render(*("of_" + name for name in kinds))
+    assert {name[3:]: array.dtype.str[1:] for name, array in found.items()} == kinds
+    assert found["of_rgba8ui"].shape == (12, 20, 4) and found["of_rgb10a2"].shape == (12, 20)
 
 
 def test_compare(negative):

@@ -140,8 +140,8 @@ class Maker:
             return self.integer(kind, depth)
         roll = self.source.random()
         if roll < 0.5:
-            operator = self.pick("+", "+", "-", "-", "*", "*", "/")
-            return ("operator", kind, operator, self.expression(kind, depth - 1), self.right(kind, depth - 1))
+            symbol = self.pick("+", "+", "-", "-", "*", "*", "/")
+            return ("operator", kind, symbol, self.expression(kind, depth - 1), self.right(kind, depth - 1))
         if roll < 0.58 and kind != "float":
             return ("operator", kind, self.pick("*", "/"), self.expression(kind, depth - 1), self.expression("float", depth - 1))
         if roll < 0.66:
@@ -166,14 +166,14 @@ class Maker:
         return ("call", kind, name, [self.expression(kind, depth - 1) for _ in CALLS[name][0]])
 
     def integer(self, kind, depth):
-        operator = self.pick("+", "-", "*", "&", "|", "^", "<<", ">>", "/", "%")
+        symbol = self.pick("+", "-", "*", "&", "|", "^", "<<", ">>", "/", "%")
         left = self.expression(kind, depth - 1)
-        if operator in ("<<", ">>"):
-            return ("shift", kind, operator, left, self.right(kind, depth - 1))
-        if operator in ("/", "%"):
+        if symbol in ("<<", ">>"):
+            return ("shift", kind, symbol, left, self.right(kind, depth - 1))
+        if symbol in ("/", "%"):
             left = ("operator", kind, "&", left, ("literal", kind, 65535))
-            return ("operator", kind, operator, left, ("literal", kind, self.pick(3, 7, 10)))
-        return ("operator", kind, operator, left, self.right(kind, depth - 1))
+            return ("operator", kind, symbol, left, ("literal", kind, self.pick(3, 7, 10)))
+        return ("operator", kind, symbol, left, self.right(kind, depth - 1))
 
     def condition(self, depth):
         kind = self.pick("float", "int")
@@ -260,10 +260,10 @@ def value_of(node, known):
     return checked(result.astype(F32) if isinstance(result, np.ndarray) else F32(result))
 
 
-def integer_value(operator, kind, a, b):
-    result = {"+": a + b, "-": a - b, "*": a * b, "&": a & b, "|": a | b, "^": a ^ b}.get(operator)
+def integer_value(symbol, kind, a, b):
+    result = {"+": a + b, "-": a - b, "*": a * b, "&": a & b, "|": a | b, "^": a ^ b}.get(symbol)
     if result is None:
-        result = a // b if operator == "/" else a % b
+        result = a // b if symbol == "/" else a % b
     return wrap(result, kind)
 
 

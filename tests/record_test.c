@@ -1,6 +1,5 @@
 /* Frames of generated pipelines, seen by a table of verbs that takes notes: the order of calls, the
- * resources and layouts of barriers, and the clears of passes that are switched off. `record_test
- * NAME` prints the notes of one frame instead. */
+ * resources and layouts of barriers, and the clears of passes that are switched off. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stddef.h>
@@ -51,7 +50,7 @@ static const struct recorder_note *peek(const struct walk *walk)
     return walk->at < walk->recorder->count ? &walk->recorder->notes[walk->at] : &none;
 }
 
-static const struct recorder_note *take(struct walk *walk, enum recorder_verb verb, uint32_t pass)
+static const struct recorder_note *take(struct walk *walk, uint32_t verb, uint32_t pass)
 {
     const struct recorder_note *note = peek(walk);
     HOLDS(walk, note->verb == verb);
@@ -136,9 +135,9 @@ static void check_barrier(struct walk *walk, const struct recorder_note *note)
 static void check_barriers(struct walk *walk, uint32_t pass)
 {
     bool seen[MAX_RESOURCES] = {false};
-    if (peek(walk)->verb != RECORDER_BARRIERS)
+    if (peek(walk)->verb != DT_VERB_BARRIERS)
         return;
-    uint32_t count = take(walk, RECORDER_BARRIERS, pass)->arguments[0];
+    uint32_t count = take(walk, DT_VERB_BARRIERS, pass)->arguments[0];
     HOLDS(walk, count > 0);
     for (uint32_t i = 0; i < count; i++) {
         const struct recorder_note *note = peek(walk);
@@ -154,22 +153,22 @@ static void check_work(struct walk *walk, uint32_t pass)
 {
     enum dt_pass_kind kind = walk->pipeline->passes[pass].kind;
     check_program(walk, pass);
-    take(walk, RECORDER_BIND, pass);
+    take(walk, DT_VERB_BIND, pass);
     const struct recorder_note *work = peek(walk);
     if (kind == DT_PASS_DISPATCH) {
-        HOLDS(walk, work->verb == RECORDER_DISPATCH || work->verb == RECORDER_DISPATCH_INDIRECT);
-        if (work->verb == RECORDER_DISPATCH_INDIRECT)
+        HOLDS(walk, work->verb == DT_VERB_DISPATCH || work->verb == DT_VERB_DISPATCH_INDIRECT);
+        if (work->verb == DT_VERB_DISPATCH_INDIRECT)
             HOLDS(walk, touches(walk, pass, work->arguments[0]));
     } else {
         bool layered = walk->panel->programs[pass].layered;
-        HOLDS(walk, kind == DT_PASS_DRAW_FULLSCREEN ? work->verb == RECORDER_DRAW_FULLSCREEN
-                                                    : work->verb == RECORDER_DRAW_SCENE ||
-                                                          work->verb == RECORDER_DRAW_INDIRECT);
+        HOLDS(walk, kind == DT_PASS_DRAW_FULLSCREEN
+                        ? work->verb == DT_VERB_DRAW_FULLSCREEN
+                        : work->verb == DT_VERB_DRAW_SCENE || work->verb == DT_VERB_DRAW_INDIRECT);
         HOLDS(walk, layered ? work->arguments[0] >= 1 : work->arguments[0] == 1);
-        if (work->verb == RECORDER_DRAW_INDIRECT)
+        if (work->verb == DT_VERB_DRAW_INDIRECT)
             HOLDS(walk, work->arguments[1] == DT_SCENE_INDICES ||
                             touches(walk, pass, work->arguments[1]));
-        if (work->verb == RECORDER_DRAW_INDIRECT)
+        if (work->verb == DT_VERB_DRAW_INDIRECT)
             HOLDS(walk, touches(walk, pass, work->arguments[2]));
         check_targets(walk, pass);
     }
@@ -191,15 +190,15 @@ static void check_clears(struct walk *walk, uint32_t pass)
 {
     const struct dt_pass *p = &walk->pipeline->passes[pass];
     bool cleared[MAX_RESOURCES] = {false}, targets = false;
-    if (peek(walk)->verb == RECORDER_CLEAR_TARGETS) {
+    if (peek(walk)->verb == DT_VERB_CLEAR_TARGETS) {
         check_targets(walk, pass);
-        take(walk, RECORDER_CLEAR_TARGETS, pass);
+        take(walk, DT_VERB_CLEAR_TARGETS, pass);
         targets = true;
     }
-    while (peek(walk)->verb == RECORDER_CLEAR_BUFFER || peek(walk)->verb == RECORDER_CLEAR_IMAGE) {
+    while (peek(walk)->verb == DT_VERB_CLEAR_BUFFER || peek(walk)->verb == DT_VERB_CLEAR_IMAGE) {
         uint32_t resource = peek(walk)->arguments[0];
         HOLDS(walk, lists(p->writes, p->write_count, resource) && !is_target(walk, pass, resource));
-        HOLDS(walk, is_image(walk, resource) == (peek(walk)->verb == RECORDER_CLEAR_IMAGE));
+        HOLDS(walk, is_image(walk, resource) == (peek(walk)->verb == DT_VERB_CLEAR_IMAGE));
         HOLDS(walk, !is_image(walk, resource) || walk->layouts[resource] == DT_LAYOUT_GENERAL);
         cleared[resource] = true;
         take(walk, peek(walk)->verb, pass);
@@ -217,13 +216,13 @@ static uint64_t check_frame(struct walk *walk)
 {
     uint64_t ran = 0;
     for (uint32_t pass = 0; pass < walk->pipeline->pass_count; pass++) {
-        bool runs = take(walk, RECORDER_BEGIN, pass)->arguments[0];
+        bool runs = take(walk, DT_VERB_BEGIN, pass)->arguments[0];
         check_barriers(walk, pass);
         if (runs)
             check_work(walk, pass);
         else
             check_clears(walk, pass);
-        take(walk, RECORDER_END, pass);
+        take(walk, DT_VERB_END, pass);
         ran |= (uint64_t)runs << pass;
     }
     HOLDS(walk, walk->at == walk->recorder->count);
@@ -307,7 +306,7 @@ static void notes_differ_where_calls_do(void **state)
     assert_true(recorder_run(&b, &features_panel, 64, 49, NULL));
     uint32_t at = recorder_difference(&a, &b);
     assert_in_range(at, 1, a.count - 1);
-    assert_int_equal(a.notes[at].verb, RECORDER_DISPATCH);
+    assert_int_equal(a.notes[at].verb, DT_VERB_DISPATCH);
     recorder_line(&a, 0, line, sizeof line);
     assert_string_equal(line, "begin scene (0), runs 1");
     recorder_line(&a, 2, line, sizeof line);
@@ -322,26 +321,7 @@ static void notes_differ_where_calls_do(void **state)
     recorder_free(&b);
 }
 
-static int print(const char *name)
-{
-    for (size_t i = 0; i < DT_ARRAY_COUNT(panels); i++) {
-        struct recorder recorder = {0};
-        char line[256];
-        if (strcmp(panels[i]->pipeline->name, name) != 0)
-            continue;
-        recorder_run(&recorder, panels[i], sizes[0][0], sizes[0][1], NULL);
-        for (uint32_t note = 0; note < recorder.count; note++) {
-            recorder_line(&recorder, note, line, sizeof line);
-            puts(line);
-        }
-        recorder_free(&recorder);
-        return 0;
-    }
-    fprintf(stderr, "record_test: no pipeline %s\n", name);
-    return 1;
-}
-
-int main(int count, char **arguments)
+int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(passes_follow_the_order_of_calls),
@@ -349,7 +329,5 @@ int main(int count, char **arguments)
         cmocka_unit_test(nothing_is_called_after_a_failure),
         cmocka_unit_test(notes_differ_where_calls_do),
     };
-    if (count > 1)
-        return print(arguments[1]);
     return cmocka_run_group_tests_name("record", tests, NULL, NULL);
 }

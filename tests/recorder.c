@@ -18,128 +18,44 @@ static void add(struct recorder *r, struct recorder_note note)
     r->notes[r->count++] = note;
 }
 
-static bool note(void *runtime, enum recorder_verb verb, uint32_t pass, uint32_t a, uint32_t b,
-                 uint32_t c)
+static bool note(struct recorder *r, enum dt_verb verb, uint32_t pass, const uint32_t a[4],
+                 const struct dt_barrier *list)
 {
-    struct recorder *r = runtime;
-    add(r, (struct recorder_note){.verb = verb, .pass = pass, .arguments = {a, b, c}});
+    add(r,
+        (struct recorder_note){.verb = verb, .pass = pass, .arguments = {a[0], a[1], a[2], a[3]}});
+    for (uint32_t i = 0; list && i < a[0]; i++)
+        add(r, (struct recorder_note){.verb = RECORDER_BARRIER, .pass = pass, .barrier = list[i]});
     return ++r->calls != r->fail_at;
 }
 
-/* ---- Verbs ----------------------------------------------------------------------------------- */
+/* ---- Verbs: their parameters and the numbers in them, by form -------------------------------- */
 
-static bool begin(void *runtime, uint32_t pass, bool runs)
-{
-    return note(runtime, RECORDER_BEGIN, pass, runs, 0, 0);
-}
+#define PARAMETERS_0
+#define PARAMETERS_1        , uint32_t a
+#define PARAMETERS_2        PARAMETERS_1, uint32_t b
+#define PARAMETERS_3        PARAMETERS_2, uint32_t c
+#define PARAMETERS_FLAG     , bool a
+#define PARAMETERS_BARRIERS , const struct dt_barrier *list, uint32_t a
+#define PARAMETERS_RECT     , struct dt_rect a
+#define NUMBERS_0           {0}, NULL
+#define NUMBERS_1           {a}, NULL
+#define NUMBERS_2           {a, b}, NULL
+#define NUMBERS_3           {a, b, c}, NULL
+#define NUMBERS_FLAG        {a}, NULL
+#define NUMBERS_BARRIERS    {a}, list
+#define NUMBERS_RECT        {(uint32_t)a.x, (uint32_t)a.y, a.width, a.height}, NULL
 
-static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
-{
-    bool good = note(runtime, RECORDER_BARRIERS, pass, count, 0, 0);
-    for (uint32_t i = 0; i < count; i++)
-        add(runtime,
-            (struct recorder_note){.verb = RECORDER_BARRIER, .pass = pass, .barrier = list[i]});
-    return good;
-}
-
-static bool bind(void *runtime, uint32_t pass)
-{
-    return note(runtime, RECORDER_BIND, pass, 0, 0, 0);
-}
-
-static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
-{
-    return note(runtime, RECORDER_DISPATCH, pass, x, y, z);
-}
-
-static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
-{
-    return note(runtime, RECORDER_DISPATCH_INDIRECT, pass, arguments, 0, 0);
-}
-
-static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
-{
-    return note(runtime, RECORDER_DRAW_SCENE, pass, layers, 0, 0);
-}
-
-static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
-                          uint32_t arguments)
-{
-    return note(runtime, RECORDER_DRAW_INDIRECT, pass, layers, indices, arguments);
-}
-
-static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
-{
-    return note(runtime, RECORDER_DRAW_FULLSCREEN, pass, layers, 0, 0);
-}
-
-static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
-                          uint32_t instances)
-{
-    return note(runtime, RECORDER_DRAW_VERTICES, pass, layers, vertices, instances);
-}
-
-static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
-                                   uint32_t arguments)
-{
-    return note(runtime, RECORDER_DRAW_VERTICES_INDIRECT, pass, layers, arguments, 0);
-}
-
-static bool note_rect(void *runtime, enum recorder_verb verb, uint32_t pass, struct dt_rect rect)
-{
-    struct recorder *r = runtime;
-    bool good = note(runtime, verb, pass, (uint32_t)rect.x, (uint32_t)rect.y, rect.width);
-    r->notes[r->count - 1].arguments[3] = rect.height;
-    return good;
-}
-
-static bool viewport(void *runtime, uint32_t pass, struct dt_rect rect)
-{
-    return note_rect(runtime, RECORDER_VIEWPORT, pass, rect);
-}
-
-static bool scissor(void *runtime, uint32_t pass, struct dt_rect rect)
-{
-    return note_rect(runtime, RECORDER_SCISSOR, pass, rect);
-}
-
-static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
-{
-    return note(runtime, RECORDER_CLEAR_TARGETS, pass, layers, 0, 0);
-}
-
-static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
-{
-    return note(runtime, RECORDER_CLEAR_BUFFER, pass, resource, 0, 0);
-}
-
-static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
-{
-    return note(runtime, RECORDER_CLEAR_IMAGE, pass, resource, mip, 0);
-}
-
-static bool end(void *runtime, uint32_t pass)
-{
-    return note(runtime, RECORDER_END, pass, 0, 0, 0);
-}
+#define NOTE(ENUMERATOR, ...) note(r, DT_VERB_##ENUMERATOR, pass, (const uint32_t[4])__VA_ARGS__)
+#define DT_VERB(ENUMERATOR, member, form, ...)                                                     \
+    static bool member(void *r, uint32_t pass PARAMETERS_##form)                                   \
+    {                                                                                              \
+        return NOTE(ENUMERATOR, NUMBERS_##form);                                                   \
+    }
+#include "verbs.def"
 
 static const struct dt_verbs verbs = {
-    .begin = begin,
-    .barriers = barriers,
-    .bind = bind,
-    .dispatch = dispatch,
-    .dispatch_indirect = dispatch_indirect,
-    .draw_scene = draw_scene,
-    .draw_indirect = draw_indirect,
-    .draw_fullscreen = draw_fullscreen,
-    .draw_vertices = draw_vertices,
-    .draw_vertices_indirect = draw_vertices_indirect,
-    .viewport = viewport,
-    .scissor = scissor,
-    .clear_targets = clear_targets,
-    .clear_buffer = clear_buffer,
-    .clear_image = clear_image,
-    .end = end,
+#define DT_VERB(ENUMERATOR, member, ...) .member = member,
+#include "verbs.def"
 };
 
 bool recorder_run(struct recorder *recorder, const struct dt_panel *panel, uint32_t width,
@@ -190,36 +106,17 @@ static void barrier_line(const struct recorder *r, const struct recorder_note *n
 
 void recorder_line(const struct recorder *recorder, uint32_t note, char *line, size_t size)
 {
-    static const struct {
-        const char *verb, *arguments[4]; /* %: a resource */
-    } forms[] = {
-        [RECORDER_BEGIN] = {"begin", {"runs"}},
-        [RECORDER_BARRIERS] = {"barriers", {"count"}},
-        [RECORDER_BIND] = {"bind", {NULL}},
-        [RECORDER_DISPATCH] = {"dispatch", {"x", "y", "z"}},
-        [RECORDER_DISPATCH_INDIRECT] = {"dispatch_indirect", {"%arguments"}},
-        [RECORDER_DRAW_SCENE] = {"draw_scene", {"layers"}},
-        [RECORDER_DRAW_INDIRECT] = {"draw_indirect", {"layers", "%indices", "%arguments"}},
-        [RECORDER_DRAW_FULLSCREEN] = {"draw_fullscreen", {"layers"}},
-        [RECORDER_DRAW_VERTICES] = {"draw_vertices", {"layers", "vertices", "instances"}},
-        [RECORDER_DRAW_VERTICES_INDIRECT] = {"draw_vertices_indirect", {"layers", "%arguments"}},
-        [RECORDER_VIEWPORT] = {"viewport", {"x", "y", "width", "height"}},
-        [RECORDER_SCISSOR] = {"scissor", {"x", "y", "width", "height"}},
-        [RECORDER_CLEAR_TARGETS] = {"clear_targets", {"layers"}},
-        [RECORDER_CLEAR_BUFFER] = {"clear_buffer", {"%resource"}},
-        [RECORDER_CLEAR_IMAGE] = {"clear_image", {"%resource", "mip"}},
-        [RECORDER_END] = {"end", {NULL}},
-    };
     const struct recorder_note *n = &recorder->notes[note];
     size_t used = 0;
     if (n->verb == RECORDER_BARRIER) {
         barrier_line(recorder, n, line, size);
         return;
     }
-    used += (size_t)snprintf(line, size, "%s %s (%u)", forms[n->verb].verb,
-                             pass_name(recorder, n->pass), n->pass);
-    for (int i = 0; i < 4 && forms[n->verb].arguments[i] && used < size; i++) {
-        const char *form = forms[n->verb].arguments[i];
+    const struct dt_verb_info *verb = dt_verb_info((enum dt_verb)n->verb);
+    used += (size_t)snprintf(line, size, "%s %s (%u)", verb->name, pass_name(recorder, n->pass),
+                             n->pass);
+    for (int i = 0; i < 4 && verb->arguments[i] && used < size; i++) {
+        const char *form = verb->arguments[i];
         uint32_t value = n->arguments[i];
         used += (size_t)(*form == '%' ? snprintf(line + used, size - used, ", %s %s (%u)", form + 1,
                                                  resource_name(recorder, value), value)
@@ -229,25 +126,15 @@ void recorder_line(const struct recorder *recorder, uint32_t note, char *line, s
 
 /* ---- Comparison ------------------------------------------------------------------------------ */
 
-static bool same_barrier(const struct dt_barrier *a, const struct dt_barrier *b)
-{
-    return a->resource == b->resource && a->from_stages == b->from_stages && a->from == b->from &&
-           a->to_stages == b->to_stages && a->to == b->to && a->layout == b->layout &&
-           a->discard == b->discard;
-}
-
-static bool same_note(const struct recorder_note *a, const struct recorder_note *b)
-{
-    return a->verb == b->verb && a->pass == b->pass &&
-           memcmp(a->arguments, b->arguments, sizeof a->arguments) == 0 &&
-           same_barrier(&a->barrier, &b->barrier);
-}
+_Static_assert(sizeof(struct recorder_note) == 6 * sizeof(uint32_t) + sizeof(struct dt_barrier) &&
+                   sizeof(struct dt_barrier) == 12,
+               "no padding");
 
 uint32_t recorder_difference(const struct recorder *a, const struct recorder *b)
 {
     uint32_t least = a->count < b->count ? a->count : b->count;
     for (uint32_t i = 0; i < least; i++)
-        if (!same_note(&a->notes[i], &b->notes[i]))
+        if (memcmp(&a->notes[i], &b->notes[i], sizeof *a->notes))
             return i;
     return a->count == b->count ? UINT32_MAX : least;
 }

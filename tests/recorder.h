@@ -3,32 +3,14 @@
 #ifndef RECORDER_H
 #define RECORDER_H
 
-#include "panel.h"
+#include "verbs.h"
 
-enum recorder_verb {
-    RECORDER_BEGIN,
-    RECORDER_BARRIERS, /* followed by one RECORDER_BARRIER for each */
-    RECORDER_BARRIER,
-    RECORDER_BIND,
-    RECORDER_DISPATCH,
-    RECORDER_DISPATCH_INDIRECT,
-    RECORDER_DRAW_SCENE,
-    RECORDER_DRAW_INDIRECT,
-    RECORDER_DRAW_FULLSCREEN,
-    RECORDER_DRAW_VERTICES,
-    RECORDER_DRAW_VERTICES_INDIRECT,
-    RECORDER_VIEWPORT,
-    RECORDER_SCISSOR,
-    RECORDER_CLEAR_TARGETS,
-    RECORDER_CLEAR_BUFFER,
-    RECORDER_CLEAR_IMAGE,
-    RECORDER_END
-};
+enum { RECORDER_BARRIER = DT_VERBS }; /* a note behind that of `barriers`, for each of them */
 
 struct recorder_note {
-    enum recorder_verb verb;
+    uint32_t verb; /* enum dt_verb, or RECORDER_BARRIER */
     uint32_t pass;
-    uint32_t arguments[4]; /* in the order of struct dt_verbs; else 0 */
+    uint32_t arguments[4]; /* as verbs.def has them; else 0 */
     struct dt_barrier barrier;
 };
 

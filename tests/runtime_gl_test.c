@@ -402,7 +402,7 @@ static void contexts_tell_when_they_are_lost(void **state)
 static void of_a_range_only_the_indices_are_bound(void **state)
 {
     (void)state;
-    struct gl_runtime *rt = open_context("egl", true);
+    struct dt_gl_runtime *rt = open_context("egl", true);
     struct gl_buffer whole = {.name = "whole", .size = 1 << 20};
     assert_true(gl_buffer_create(rt, &whole, NULL));
     const struct dt_gl_scene scene = {

@@ -323,7 +323,7 @@ static void of_a_range_only_the_indices_are_bound(void **state)
 {
     (void)state;
     heard.errors = 0;
-    struct vk_runtime *rt = runtime_vk.open(
+    struct dt_vk_runtime *rt = runtime_vk.open(
         &(struct dt_runtime_options){.log = {.message = on_message}, .debug = true});
     const struct vk_buffer_info info = {.name = "whole",
                                         .size = 1 << 20,

@@ -71,20 +71,20 @@ static void write_scalar(uint8_t *place, enum dt_type scalar, double value)
 bool live_set(const struct dt_pipeline *info, void *live, const struct dt_param *param,
               const char *value, const struct dt_log *log)
 {
-    enum dt_type scalar = type_scalar(param->type);
+    enum dt_type scalar = type_info(param->type)->scalar;
     uint32_t count = type_components(param->type);
     double values[16];
     if (count > 4 || param->offset + count * 4 > info->live_size ||
         !read_values(value, count, values)) {
         report_error(log, "--set %s=%s: must be %s%s", param->name, value,
                      count > 1 ? "a list like [1, 2] of type " : "of type ",
-                     type_name(param->type));
+                     type_info(param->type)->name);
         return false;
     }
     for (uint32_t i = 0; i < count; i++) {
         if (!fits(param, scalar, values[i])) {
             report_error(log, "--set %s=%s: must be of type %s, from %g to %g", param->name, value,
-                         type_name(param->type), param->min, param->max);
+                         type_info(param->type)->name, param->min, param->max);
             return false;
         }
     }
@@ -101,5 +101,5 @@ void live_get(const void *live, const struct dt_param *param, double values[4])
                                              [DT_TYPE_BOOL] = NUMBER_UINT};
     const uint8_t *place = (const uint8_t *)live + param->offset;
     for (uint32_t i = 0; i < type_components(param->type) && i < 4; i++)
-        values[i] = number_value(kinds[type_scalar(param->type)], place + i * 4);
+        values[i] = number_value(kinds[type_info(param->type)->scalar], place + i * 4);
 }

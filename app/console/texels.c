@@ -9,110 +9,11 @@
 
 #include "base/files.h"
 
-static const struct {
-    const char *name;
-    uint32_t components;
-    enum dt_type scalar;
-} types[DT_TYPE_COUNT] = {
-    [DT_TYPE_FLOAT] = {"float", 1, DT_TYPE_FLOAT}, [DT_TYPE_VEC2] = {"vec2", 2, DT_TYPE_FLOAT},
-    [DT_TYPE_VEC3] = {"vec3", 3, DT_TYPE_FLOAT},   [DT_TYPE_VEC4] = {"vec4", 4, DT_TYPE_FLOAT},
-    [DT_TYPE_INT] = {"int", 1, DT_TYPE_INT},       [DT_TYPE_IVEC2] = {"ivec2", 2, DT_TYPE_INT},
-    [DT_TYPE_IVEC3] = {"ivec3", 3, DT_TYPE_INT},   [DT_TYPE_IVEC4] = {"ivec4", 4, DT_TYPE_INT},
-    [DT_TYPE_UINT] = {"uint", 1, DT_TYPE_UINT},    [DT_TYPE_UVEC2] = {"uvec2", 2, DT_TYPE_UINT},
-    [DT_TYPE_UVEC3] = {"uvec3", 3, DT_TYPE_UINT},  [DT_TYPE_UVEC4] = {"uvec4", 4, DT_TYPE_UINT},
-    [DT_TYPE_BOOL] = {"bool", 1, DT_TYPE_BOOL},    [DT_TYPE_MAT4] = {"mat4", 16, DT_TYPE_FLOAT},
-};
-
-static const struct {
-    const char *name;
-    uint32_t channels;
-    enum number_kind kind; /* of the first channel; those of a packed texel follow */
-} formats[DT_FORMAT_COUNT] = {
-    [DT_FORMAT_R8] = {"r8", 1, NUMBER_UNORM8},
-    [DT_FORMAT_RG8] = {"rg8", 2, NUMBER_UNORM8},
-    [DT_FORMAT_RGBA8] = {"rgba8", 4, NUMBER_UNORM8},
-    [DT_FORMAT_RGBA8_SRGB] = {"rgba8_srgb", 4, NUMBER_UNORM8},
-    [DT_FORMAT_R16F] = {"r16f", 1, NUMBER_HALF},
-    [DT_FORMAT_RG16F] = {"rg16f", 2, NUMBER_HALF},
-    [DT_FORMAT_RGBA16F] = {"rgba16f", 4, NUMBER_HALF},
-    [DT_FORMAT_R32F] = {"r32f", 1, NUMBER_FLOAT},
-    [DT_FORMAT_RG32F] = {"rg32f", 2, NUMBER_FLOAT},
-    [DT_FORMAT_RGBA32F] = {"rgba32f", 4, NUMBER_FLOAT},
-    [DT_FORMAT_R32UI] = {"r32ui", 1, NUMBER_UINT},
-    [DT_FORMAT_RG32UI] = {"rg32ui", 2, NUMBER_UINT},
-    [DT_FORMAT_RGBA32UI] = {"rgba32ui", 4, NUMBER_UINT},
-    [DT_FORMAT_R32I] = {"r32i", 1, NUMBER_INT},
-    [DT_FORMAT_D32F] = {"d32f", 1, NUMBER_FLOAT},
-    [DT_FORMAT_R16] = {"r16", 1, NUMBER_UNORM16},
-    [DT_FORMAT_RG16] = {"rg16", 2, NUMBER_UNORM16},
-    [DT_FORMAT_RGBA16] = {"rgba16", 4, NUMBER_UNORM16},
-    [DT_FORMAT_R16_SNORM] = {"r16_snorm", 1, NUMBER_SNORM16},
-    [DT_FORMAT_RG16_SNORM] = {"rg16_snorm", 2, NUMBER_SNORM16},
-    [DT_FORMAT_RGBA16_SNORM] = {"rgba16_snorm", 4, NUMBER_SNORM16},
-    [DT_FORMAT_R8UI] = {"r8ui", 1, NUMBER_UINT8},
-    [DT_FORMAT_RG8UI] = {"rg8ui", 2, NUMBER_UINT8},
-    [DT_FORMAT_RGBA8UI] = {"rgba8ui", 4, NUMBER_UINT8},
-    [DT_FORMAT_R16UI] = {"r16ui", 1, NUMBER_UINT16},
-    [DT_FORMAT_RG16UI] = {"rg16ui", 2, NUMBER_UINT16},
-    [DT_FORMAT_RGBA16UI] = {"rgba16ui", 4, NUMBER_UINT16},
-    [DT_FORMAT_R8I] = {"r8i", 1, NUMBER_INT8},
-    [DT_FORMAT_RG8I] = {"rg8i", 2, NUMBER_INT8},
-    [DT_FORMAT_RGBA8I] = {"rgba8i", 4, NUMBER_INT8},
-    [DT_FORMAT_R16I] = {"r16i", 1, NUMBER_INT16},
-    [DT_FORMAT_RG16I] = {"rg16i", 2, NUMBER_INT16},
-    [DT_FORMAT_RGBA16I] = {"rgba16i", 4, NUMBER_INT16},
-    [DT_FORMAT_RG32I] = {"rg32i", 2, NUMBER_INT},
-    [DT_FORMAT_RGBA32I] = {"rgba32i", 4, NUMBER_INT},
-    [DT_FORMAT_R11G11B10F] = {"r11g11b10f", 3, NUMBER_R11F},
-    [DT_FORMAT_RGB10A2] = {"rgb10a2", 4, NUMBER_R10},
-};
-
-const char *type_name(enum dt_type type)
-{
-    return types[type].name;
-}
-
-uint32_t type_components(enum dt_type type)
-{
-    return types[type].components;
-}
-
-enum dt_type type_scalar(enum dt_type type)
-{
-    return types[type].scalar;
-}
-
-const char *format_name(enum dt_format format)
-{
-    return formats[format].name;
-}
-
-uint32_t format_channels(enum dt_format format)
-{
-    return formats[format].channels;
-}
-
-enum number_kind format_number(enum dt_format format)
-{
-    return formats[format].kind;
-}
-
-static bool is_packed(enum number_kind kind)
-{
-    return kind >= NUMBER_R11F && kind <= NUMBER_A2;
-}
-
-uint32_t format_size(enum dt_format format)
-{
-    enum number_kind kind = formats[format].kind;
-    return is_packed(kind) ? number_size(kind) : formats[format].channels * number_size(kind);
-}
-
 struct component format_component(enum dt_format format, uint32_t channel)
 {
-    enum number_kind kind = formats[format].kind;
+    enum number_kind kind = format_info(format)->kind;
     struct component component = {.kind = kind, .offset = channel * number_size(kind)};
-    if (is_packed(kind))
+    if (number_is_packed(kind))
         component = (struct component){.kind = (enum number_kind)(kind + channel)};
     component.name[0] = format == DT_FORMAT_D32F ? 'd' : "rgba"[channel];
     return component;
@@ -152,11 +53,6 @@ uint32_t number_size(enum number_kind kind)
 uint32_t number_width(enum number_kind kind)
 {
     return numbers[kind].width;
-}
-
-bool number_is_integer(enum number_kind kind)
-{
-    return kind >= NUMBER_UINT;
 }
 
 bool number_is_float(enum number_kind kind)
@@ -302,7 +198,7 @@ bool number_store(enum number_kind kind, double value, uint8_t *place)
 
 uint32_t resource_stride(const struct dt_resource *resource)
 {
-    return resource->kind == DT_BUFFER ? resource->stride : format_size(resource->format);
+    return resource->kind == DT_BUFFER ? resource->stride : format_info(resource->format)->bytes;
 }
 
 void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, const uint32_t size[2],
@@ -322,7 +218,7 @@ uint64_t resource_elements(const struct dt_resource *resource, const uint32_t ex
 
 static enum number_kind type_number(enum dt_type type)
 {
-    enum dt_type scalar = type_scalar(type);
+    enum dt_type scalar = type_info(type)->scalar;
     return scalar == DT_TYPE_FLOAT ? NUMBER_FLOAT
            : scalar == DT_TYPE_INT ? NUMBER_INT
                                    : NUMBER_UINT;
@@ -367,7 +263,7 @@ static uint32_t buffer_components(const struct dt_resource *resource, struct com
 
 static uint32_t image_components(const struct dt_resource *resource, struct component *list)
 {
-    uint32_t channels = format_channels(resource->format);
+    uint32_t channels = format_info(resource->format)->channels;
     for (uint32_t i = 0; list && i < channels; i++)
         list[i] = format_component(resource->format, i);
     return channels;

@@ -3,37 +3,8 @@
 #ifndef DIPTYCH_TEXELS_H
 #define DIPTYCH_TEXELS_H
 
-#include "diptych.h"
+#include "formats.h"
 
-const char *type_name(enum dt_type type);        /* as in the spec: "vec3" */
-uint32_t type_components(enum dt_type type);     /* 1 to 4; 16 for mat4 */
-enum dt_type type_scalar(enum dt_type type);     /* DT_TYPE_FLOAT, _INT, _UINT or _BOOL */
-const char *format_name(enum dt_format format);  /* as in the spec: "rgba16f" */
-uint32_t format_channels(enum dt_format format); /* 1 to 4 */
-uint32_t format_size(enum dt_format format);     /* bytes per texel */
-
-enum number_kind {
-    NUMBER_UNORM8,
-    NUMBER_UNORM16,
-    NUMBER_SNORM16,
-    NUMBER_HALF, /* floats from here */
-    NUMBER_FLOAT,
-    NUMBER_R11F, /* packed into 32 bits from here: floats without a sign, */
-    NUMBER_G11F,
-    NUMBER_B10F, /* the last float */
-    NUMBER_R10,  /* and unorm */
-    NUMBER_G10,
-    NUMBER_B10,
-    NUMBER_A2,
-    NUMBER_UINT, /* integers from here on; of 32 bits without a number */
-    NUMBER_INT,
-    NUMBER_UINT8,
-    NUMBER_INT8,
-    NUMBER_UINT16,
-    NUMBER_INT16
-};
-enum number_kind format_number(enum dt_format format); /* of the first channel */
-bool number_is_integer(enum number_kind kind);
 bool number_is_float(enum number_kind kind);
 uint32_t number_one(enum number_kind kind); /* code of 1.0 of unorm and snorm; others: 0 */
 

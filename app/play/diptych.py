@@ -101,7 +101,6 @@ _free.restype, _free.argtypes = None, [ctypes.c_void_p]
 
 _SCALARS = {"float": "f4", "int": "i4", "uint": "u4", "bool": "u4"}
 _VECTORS = {"vec": "f4", "ivec": "i4", "uvec": "u4"}
-_PACKED = ("r11g11b10f", "rgb10a2")
 
 
 def _type_dtype(name):
@@ -134,15 +133,10 @@ def _fields_dtype(fields, stride):
     )
 
 
-def _format_dtype(name):
-    """The dtype of a channel, and how many there are."""
-    if name in _PACKED:
-        return numpy.dtype("<u4"), 1
-    if name == "d32f":
-        return numpy.dtype("<f4"), 1
-    channels, bits, kind = re.match(r"(r|rg|rgb|rgba)(8|16|32)(f|ui|i|_snorm|_srgb|)$", name).groups()
-    code = {"f": "f", "i": "i", "_snorm": "i"}.get(kind, "u")
-    return numpy.dtype(f"<{code}{int(bits) // 8}"), len(channels)
+def _texel_dtype(image):
+    """The dtype of the numbers of a texel, and how many there are."""
+    dtype = numpy.dtype(image["number"]).newbyteorder("<")
+    return dtype, image["stride"] // dtype.itemsize
 
 
 def _extent(resource, mip):
@@ -157,7 +151,7 @@ def _layout(resource, extent):
     """dtype and shape of the bytes of a buffer or of a mip."""
     if resource["kind"] == "buffer":
         return _fields_dtype(resource["fields"], resource["stride"]), (extent[0],)
-    dtype, channels = _format_dtype(resource["format"])
+    dtype, channels = _texel_dtype(resource)
     shape = (extent[1], extent[0])
     if resource["layered"]:
         shape = (extent[2],) + shape

@@ -29,7 +29,7 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
         const struct dt_field *field = &resource->fields[i];
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "name", field->name);
-        cJSON_AddStringToObject(item, "type", type_name(field->type));
+        cJSON_AddStringToObject(item, "type", type_info(field->type)->name);
         cJSON_AddNumberToObject(item, "offset", field->offset);
         if (field->array_count) {
             cJSON_AddNumberToObject(item, "array_count", field->array_count);
@@ -37,6 +37,21 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
         }
         cJSON_AddItemToArray(fields, item);
     }
+}
+
+/* How each number of a texel is stored, a packed texel as one: "float16", "uint32". */
+static void add_number(cJSON *entry, enum dt_format format)
+{
+    enum number_kind kind = format_info(format)->kind;
+    bool is_signed = kind == NUMBER_SNORM16 || number_is_signed_integer(kind);
+    char name[16];
+    snprintf(name, sizeof name, "%s%u",
+             number_is_packed(kind)  ? "uint"
+             : number_is_float(kind) ? "float"
+             : is_signed             ? "int"
+                                     : "uint",
+             8 * number_size(kind));
+    cJSON_AddStringToObject(entry, "number", name);
 }
 
 void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mip,
@@ -50,8 +65,10 @@ void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mi
     cJSON_AddStringToObject(entry, "kind", buffer ? "buffer" : "image");
     if (buffer)
         add_fields(entry, resource);
-    else
-        cJSON_AddStringToObject(entry, "format", format_name(resource->format));
+    else {
+        cJSON_AddStringToObject(entry, "format", format_info(resource->format)->name);
+        add_number(entry, resource->format);
+    }
     cJSON_AddNumberToObject(entry, "stride", resource_stride(resource));
     for (int i = 0; i < (buffer ? 1 : 3); i++)
         cJSON_AddNumberToObject(entry, buffer ? "count" : names[i], extent[i]);

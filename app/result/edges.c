@@ -17,7 +17,7 @@ uint16_t edges_resource(const struct dt_pipeline *pipeline, const struct dt_pass
     uint16_t found = UINT16_MAX;
     for (uint32_t i = 0; i < pass->write_count; i++) {
         const struct dt_resource *resource = &pipeline->resources[pass->writes[i]];
-        if (resource->kind == DT_IMAGE && number_is_integer(format_number(resource->format)))
+        if (resource->kind == DT_IMAGE && format_is_integer(resource->format))
             return pass->writes[i];
         if (is_depth(resource))
             found = pass->writes[i];
@@ -38,7 +38,7 @@ uint16_t edges_depth(const struct dt_pipeline *pipeline, const struct dt_pass *p
 static bool parts(const struct dt_resource *resource, const uint8_t *a, const uint8_t *b)
 {
     static const float background = 1;
-    size_t size = format_size(resource->format);
+    size_t size = format_info(resource->format)->bytes;
     if (resource->format != DT_FORMAT_D32F)
         return memcmp(a, b, size) != 0;
     return (memcmp(a, &background, size) == 0) != (memcmp(b, &background, size) == 0);
@@ -61,7 +61,7 @@ static uint32_t around(size_t found[9], const uint32_t extent[3], const uint32_t
 static bool at_edge(const struct dt_resource *resource, const struct dt_bytes *copy,
                     const uint32_t at[3], size_t texel)
 {
-    size_t size = format_size(resource->format), near[9];
+    size_t size = format_info(resource->format)->bytes, near[9];
     uint32_t count = around(near, copy->extent, at);
     for (uint32_t i = 0; i < count; i++)
         if (parts(resource, copy->data + texel * size, copy->data + near[i] * size))

@@ -32,7 +32,7 @@ static bool check_image(const struct dt_resource *resource, const struct dt_byte
         return false;
     }
     size_t texels = (size_t)bytes->extent[0] * bytes->extent[1] * bytes->extent[2];
-    if (!texels || bytes->size < texels * format_size(resource->format)) {
+    if (!texels || bytes->size < texels * format_info(resource->format)->bytes) {
         report_error(log, "%s: %zu bytes were read back, too few for %ux%u texels in %u layers",
                      resource->name, bytes->size, bytes->extent[0], bytes->extent[1],
                      bytes->extent[2]);
@@ -44,7 +44,7 @@ static bool check_image(const struct dt_resource *resource, const struct dt_byte
 /* One texel as three numbers; one channel is grey, two leave blue at zero. */
 static void fetch(const struct dt_resource *resource, const uint8_t *texel, float color[3])
 {
-    uint32_t channels = format_channels(resource->format);
+    uint32_t channels = format_info(resource->format)->channels;
     for (uint32_t c = 0; c < 3; c++) {
         struct component from = format_component(resource->format, c);
         color[c] = c < channels ? (float)number_value(from.kind, texel + from.offset) : 0;
@@ -69,7 +69,7 @@ bool picture_linear(struct picture *picture, const struct dt_resource *resource,
                      sheet.height);
         return false;
     }
-    uint32_t texel_size = format_size(resource->format);
+    uint32_t texel_size = format_info(resource->format)->bytes;
     const uint8_t *texel = bytes->data;
     for (uint32_t layer = 0; layer < extent[2]; layer++) {
         uint32_t left = layer % sheet.columns * extent[0];
@@ -105,7 +105,7 @@ static struct range find_range(const float *numbers, size_t count, bool depth)
 
 static float map_number(const struct dt_resource *resource, struct range range, float value)
 {
-    enum number_kind kind = format_number(resource->format);
+    enum number_kind kind = format_info(resource->format)->kind;
     if (number_one(kind) && kind != NUMBER_SNORM16)
         return value;
     if (resource->format == DT_FORMAT_D32F)
@@ -161,7 +161,7 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
         picture_free(picture);
         return false;
     }
-    bool labels = number_is_integer(format_number(resource->format));
+    bool labels = format_is_integer(resource->format);
     struct range range = find_range(picture->linear, count * 3, resource->format == DT_FORMAT_D32F);
     for (size_t i = 0; i < count; i++)
         if (labels)

@@ -30,7 +30,7 @@ struct pair {
 
 static bool is_label(const struct dt_resource *resource)
 {
-    return number_is_integer(format_number(resource->format));
+    return format_is_integer(resource->format);
 }
 
 /* ---- Measuring ------------------------------------------------------------------------------- */
@@ -68,9 +68,9 @@ struct survey {
 
 static double texel_difference(const struct dt_resource *resource, const uint8_t *const texels[2])
 {
-    bool differs = memcmp(texels[0], texels[1], format_size(resource->format)) != 0;
+    bool differs = memcmp(texels[0], texels[1], format_info(resource->format)->bytes) != 0;
     double most = differs ? 0 : -1;
-    for (uint32_t c = 0; c < format_channels(resource->format); c++) {
+    for (uint32_t c = 0; c < format_info(resource->format)->channels; c++) {
         double difference = channel_difference(resource, texels, c);
         if (isnan(difference))
             return INFINITY;
@@ -82,7 +82,7 @@ static double texel_difference(const struct dt_resource *resource, const uint8_t
 static void survey_layer(struct survey *survey, const struct dt_resource *resource,
                          const uint8_t *const layers[2], const uint32_t extent[3])
 {
-    size_t size = format_size(resource->format), at = 0;
+    size_t size = format_info(resource->format)->bytes, at = 0;
     *survey = (struct survey){.largest = -1};
     for (uint32_t y = 0; y < extent[1]; y++) {
         for (uint32_t x = 0; x < extent[0]; x++, at += size) {
@@ -114,7 +114,7 @@ static struct pair choose_layer(struct strip *strip, const struct dt_resource *r
                                 const struct dt_bytes copies[2])
 {
     const uint32_t *extent = copies[0].extent;
-    size_t size = (size_t)extent[0] * extent[1] * format_size(resource->format);
+    size_t size = (size_t)extent[0] * extent[1] * format_info(resource->format)->bytes;
     struct survey worst = {.largest = -2}, survey;
     for (uint32_t layer = 0; layer < extent[2]; layer++) {
         const uint8_t *const layers[2] = {copies[0].data + layer * size,
@@ -141,9 +141,9 @@ static void paint_difference(const struct strip *strip, const struct dt_resource
                              const uint8_t *const texels[2], uint8_t codes[3])
 {
     static const uint8_t magenta[3] = {255, 0, 255};
-    uint32_t channels = format_channels(resource->format);
+    uint32_t channels = format_info(resource->format)->channels;
     double differences[4] = {0};
-    bool differs = memcmp(texels[0], texels[1], format_size(resource->format)) != 0;
+    bool differs = memcmp(texels[0], texels[1], format_info(resource->format)->bytes) != 0;
     for (uint32_t c = 0; c < channels; c++) {
         differences[c] = channel_difference(resource, texels, c);
         if (isnan(differences[c])) {
@@ -169,7 +169,7 @@ static uint8_t *allocate_codes(uint32_t width, uint32_t height)
 /* Three channels, row 0 at the top, as picture_codes has them. */
 static uint8_t *paint_differences(const struct strip *strip, const struct pair *pair)
 {
-    size_t size = format_size(pair->resource->format);
+    size_t size = format_info(pair->resource->format)->bytes;
     uint8_t *codes = allocate_codes(pair->width, pair->height);
     for (uint32_t y = 0; codes && y < pair->height; y++) {
         size_t row = (size_t)(pair->height - 1 - y) * pair->width;
@@ -185,7 +185,7 @@ static uint8_t *paint_differences(const struct strip *strip, const struct pair *
 /* Puts both copies into one image as two layers: they then share one mapping. */
 static bool paint_copies(struct picture *picture, const struct pair *pair, const struct dt_log *log)
 {
-    size_t size = (size_t)pair->width * pair->height * format_size(pair->resource->format);
+    size_t size = (size_t)pair->width * pair->height * format_info(pair->resource->format)->bytes;
     struct dt_bytes both = {
 
         .data = calloc(2, size ? size : 1),
@@ -278,7 +278,7 @@ static bool check_copies(const struct dt_resource *resource, const struct dt_byt
         report_error(log, "%s is a buffer; a picture can only be made of an image", resource->name);
         return false;
     }
-    size_t size = (size_t)extent[0] * extent[1] * extent[2] * format_size(resource->format);
+    size_t size = (size_t)extent[0] * extent[1] * extent[2] * format_info(resource->format)->bytes;
     bool same = memcmp(extent, copies[1].extent, sizeof copies[0].extent) == 0;
     if (!same || !size || copies[0].size < size || copies[1].size < size) {
         report_error(log, "%s: the two copies are not images of one size", resource->name);

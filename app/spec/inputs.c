@@ -181,7 +181,7 @@ static bool shrink(const struct picture_level *from, struct picture_level *to)
 static bool encode(const struct loading *loading, const struct picture_level *level, uint32_t mip)
 {
     enum dt_format format = loading->resource->format;
-    uint32_t channels = format_channels(format), size = format_size(format);
+    uint32_t channels = format_info(format)->channels, size = format_info(format)->bytes;
     size_t count = (size_t)level->width * level->height;
     struct dt_bytes *bytes = &loading->input->mip[mip];
     *bytes = (struct dt_bytes){.size = count * size, .extent = {level->width, level->height, 1}};
@@ -201,7 +201,7 @@ static bool encode(const struct loading *loading, const struct picture_level *le
                               "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
                               "of %s",
                               i % level->width, level->height - 1 - i / level->width, (double)value,
-                              format_name(format));
+                              format_info(format)->name);
         }
     return true;
 }
@@ -213,9 +213,9 @@ static bool fits_image(const struct loading *loading, const struct picture_level
     resource_extent(loading->pipeline->info, loading->input->resource, loading->size, 0, extent);
     if (image->layered)
         return refuse(loading, "%s is an array image, and a picture has no layers", image->name);
-    if (number_is_integer(format_number(image->format)))
+    if (format_is_integer(image->format))
         return refuse(loading, "%s is %s, and a picture has no integers", image->name,
-                      format_name(image->format));
+                      format_info(image->format)->name);
     return (level->width == extent[0] && level->height == extent[1]) ||
            refuse(loading, "it has %ux%u texels, but %s has %ux%u in a frame of %ux%u",
                   level->width, level->height, image->name, extent[0], extent[1], loading->size[0],

@@ -53,7 +53,7 @@ static uint32_t param_values(const struct pipeline *pipeline, const struct dt_pa
     memcpy(values, param->value, sizeof param->value);
     if (param->live)
         live_get(pipeline->live, param, values);
-    for (uint32_t i = 0; i < 4 && type_scalar(param->type) == DT_TYPE_FLOAT; i++)
+    for (uint32_t i = 0; i < 4 && type_info(param->type)->scalar == DT_TYPE_FLOAT; i++)
         values[i] = shortest(values[i]);
     return count < 4 ? count : 4;
 }
@@ -108,7 +108,7 @@ static void print_params(const struct pipeline *pipeline, int width)
         else if (isfinite(param->max))
             snprintf(range, sizeof range, "to %.9g", param->max);
         print_line("  %-*s  %-5s  %-9s  %-14s  %-4s  %s", width, param->name,
-                   type_name(param->type), value, range, param->live ? "live" : "",
+                   type_info(param->type)->name, value, range, param->live ? "live" : "",
                    param->doc ? param->doc : "");
     }
 }
@@ -121,7 +121,7 @@ static void print_fields(const struct dt_resource *resource, int indent)
     printf("  %*s  {", indent, "");
     for (uint32_t i = 0; i < resource->field_count; i++) {
         const struct dt_field *field = &resource->fields[i];
-        printf("%s%s: %s", i ? ", " : "", field->name, type_name(field->type));
+        printf("%s%s: %s", i ? ", " : "", field->name, type_info(field->type)->name);
         if (field->array_count)
             printf("[%u]", field->array_count);
     }
@@ -134,9 +134,10 @@ static void print_resources(const struct dt_pipeline *info, const uint32_t size[
     for (uint32_t i = 0; i < info->resource_count; i++) {
         const struct dt_resource *resource = &info->resources[i];
         bool buffer = resource->kind == DT_BUFFER;
-        const char *type = !buffer                       ? format_name(resource->format)
-                           : resource->fields[0].name[0] ? "struct"
-                                                         : type_name(resource->fields[0].type);
+        const char *type = !buffer ? format_info(resource->format)->name
+                           : resource->fields[0].name[0]
+                               ? "struct"
+                               : type_info(resource->fields[0].type)->name;
         uint32_t extent[3];
         char shape[64];
         resource_extent(info, i, size, 0, extent);
@@ -222,7 +223,7 @@ static cJSON *param_json(const struct pipeline *pipeline, const struct dt_param 
     cJSON *item = named(param->name, param->doc);
     double values[4];
     uint32_t count = param_values(pipeline, param, values);
-    cJSON_AddStringToObject(item, "type", type_name(param->type));
+    cJSON_AddStringToObject(item, "type", type_info(param->type)->name);
     cJSON_AddBoolToObject(item, "live", param->live);
     cJSON *list = count > 1 ? cJSON_AddArrayToObject(item, "value") : NULL;
     for (uint32_t i = 0; list && i < count; i++)

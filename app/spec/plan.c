@@ -189,7 +189,7 @@ static bool choose_local(const struct chooser *chooser, const struct pass *pass)
                                                 "[32,8]", "[64,4]", "[64,8]", "[32,16]", NULL};
     char in_force[32];
     bool line = pass->size == SIZE_INVOCATIONS && !pass->dispatch[1];
-    if (pass->kind != PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
+    if (pass->kind != DT_PASS_DISPATCH || pass->minds_group || pass->size == SIZE_GROUPS ||
         pass->size == SIZE_INDIRECT)
         return true;
     snprintf(in_force, sizeof in_force, line ? "%u" : "[%u,%u]", pass->local[0], pass->local[1]);

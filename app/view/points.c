@@ -64,7 +64,8 @@ static bool is_negative(const struct dt_resource *resource, const uint8_t *eleme
         int32_t whole;
         memcpy(&number, element + offset, sizeof number);
         memcpy(&whole, element + offset, sizeof whole);
-        return type_scalar(resource->fields[i].type) == DT_TYPE_FLOAT ? number < 0 : whole < 0;
+        return type_info(resource->fields[i].type)->scalar == DT_TYPE_FLOAT ? number < 0
+                                                                            : whole < 0;
     }
     return false;
 }

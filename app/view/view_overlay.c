@@ -84,8 +84,8 @@ static char *shown_text(const struct view *view)
         snprintf(mip, sizeof mip, ", mip %u of %u", view->mip, resource->mips);
     const char *skipped =
         view_is_skipped(view, &view->side[0], view->resource) ? "\n(its pass does not run)" : "";
-    return format_string("%s  %s%s%s%s", resource->name, format_name(resource->format), layer, mip,
-                         skipped);
+    return format_string("%s  %s%s%s%s", resource->name, format_info(resource->format)->name, layer,
+                         mip, skipped);
 }
 
 static char *state_text(const struct view *view)
@@ -121,8 +121,8 @@ static uint32_t fill_params(const struct view *view, struct overlay_param *param
         struct overlay_param *out = &params[count++];
         *out = (struct overlay_param){.name = param->name,
                                       .doc = param->doc ? param->doc : "",
-                                      .is_bool = type_scalar(param->type) == DT_TYPE_BOOL,
-                                      .is_whole = type_scalar(param->type) != DT_TYPE_FLOAT,
+                                      .is_bool = type_info(param->type)->scalar == DT_TYPE_BOOL,
+                                      .is_whole = type_info(param->type)->scalar != DT_TYPE_FLOAT,
                                       .count = type_components(param->type),
                                       .min = param->min,
                                       .max = param->max,

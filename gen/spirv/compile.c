@@ -50,7 +50,7 @@ static bool pass_words(const struct model *model, const struct pass *pass, uint3
     struct spirv module;
     bool good = spirv_read(&module, words, count) && spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
-        if (!pass->accesses[i].resource && pass->accesses[i].kind & ACCESS_FETCH)
+        if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
     good = good && (model->pipeline.fast || spirv_exact(&module)) && spirv_reach(&module);
     if (good && !model->pipeline.gpu)
@@ -132,10 +132,10 @@ static bool draws_numbers(const struct pass *pass)
         const struct resource *resource = pass->accesses[i].resource;
         if (pass->accesses[i].mode != MODE_READ &&
             !(resource->kind == DT_IMAGE &&
-              (format_info(resource->format)->integer || resource->format == DT_FORMAT_D32F)))
+              (format_is_integer(resource->format) || resource->format == DT_FORMAT_D32F)))
             return false;
     }
-    return pass->kind == PASS_SCENE;
+    return pass->kind == DT_PASS_DRAW_SCENE;
 }
 
 static void count_open(void *user, const struct open_operation *operation)

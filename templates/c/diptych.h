@@ -54,61 +54,14 @@ struct dt_log {
 /* ---- Reflection: emitted once per pipeline, the same object for both backends ---------------- */
 
 enum dt_type {
-    DT_TYPE_FLOAT,
-    DT_TYPE_VEC2,
-    DT_TYPE_VEC3,
-    DT_TYPE_VEC4,
-    DT_TYPE_INT,
-    DT_TYPE_IVEC2,
-    DT_TYPE_IVEC3,
-    DT_TYPE_IVEC4,
-    DT_TYPE_UINT,
-    DT_TYPE_UVEC2,
-    DT_TYPE_UVEC3,
-    DT_TYPE_UVEC4,
-    DT_TYPE_BOOL,
-    DT_TYPE_MAT4,
+#define DT_TYPE(ENUMERATOR, ...) DT_TYPE_##ENUMERATOR,
+#include "types.def"
     DT_TYPE_COUNT
 };
 
 enum dt_format {
-    DT_FORMAT_R8,
-    DT_FORMAT_RG8,
-    DT_FORMAT_RGBA8,
-    DT_FORMAT_RGBA8_SRGB,
-    DT_FORMAT_R16F,
-    DT_FORMAT_RG16F,
-    DT_FORMAT_RGBA16F,
-    DT_FORMAT_R32F,
-    DT_FORMAT_RG32F,
-    DT_FORMAT_RGBA32F,
-    DT_FORMAT_R32UI,
-    DT_FORMAT_RG32UI,
-    DT_FORMAT_RGBA32UI,
-    DT_FORMAT_R32I,
-    DT_FORMAT_D32F,
-    DT_FORMAT_R16,
-    DT_FORMAT_RG16,
-    DT_FORMAT_RGBA16,
-    DT_FORMAT_R16_SNORM,
-    DT_FORMAT_RG16_SNORM,
-    DT_FORMAT_RGBA16_SNORM,
-    DT_FORMAT_R8UI,
-    DT_FORMAT_RG8UI,
-    DT_FORMAT_RGBA8UI,
-    DT_FORMAT_R16UI,
-    DT_FORMAT_RG16UI,
-    DT_FORMAT_RGBA16UI,
-    DT_FORMAT_R8I,
-    DT_FORMAT_RG8I,
-    DT_FORMAT_RGBA8I,
-    DT_FORMAT_R16I,
-    DT_FORMAT_RG16I,
-    DT_FORMAT_RGBA16I,
-    DT_FORMAT_RG32I,
-    DT_FORMAT_RGBA32I,
-    DT_FORMAT_R11G11B10F, /* packed into 32 bits, red in the lowest, as is the next */
-    DT_FORMAT_RGB10A2,
+#define DT_FORMAT(ENUMERATOR, ...) DT_FORMAT_##ENUMERATOR,
+#include "formats.def"
     DT_FORMAT_COUNT
 };
 

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "device_needs.h"
+#include "formats.h"
 
 /* ---- Messages -------------------------------------------------------------------------------- */
 
@@ -643,33 +644,12 @@ bool dt_front_import_scene(struct dt_core *core, uint32_t index_count)
            dt_error(core, "import_scene: %u indices, but triangles have three each", index_count);
 }
 
-static uint32_t texel_size(enum dt_format format)
-{
-    static const uint8_t sizes[DT_FORMAT_COUNT] = {
-        [DT_FORMAT_R8] = 1,         [DT_FORMAT_RG8] = 2,        [DT_FORMAT_RGBA8] = 4,
-        [DT_FORMAT_RGBA8_SRGB] = 4, [DT_FORMAT_R16F] = 2,       [DT_FORMAT_RG16F] = 4,
-        [DT_FORMAT_RGBA16F] = 8,    [DT_FORMAT_R32F] = 4,       [DT_FORMAT_RG32F] = 8,
-        [DT_FORMAT_RGBA32F] = 16,   [DT_FORMAT_R32UI] = 4,      [DT_FORMAT_RG32UI] = 8,
-        [DT_FORMAT_RGBA32UI] = 16,  [DT_FORMAT_R32I] = 4,       [DT_FORMAT_D32F] = 4,
-        [DT_FORMAT_R16] = 2,        [DT_FORMAT_RG16] = 4,       [DT_FORMAT_RGBA16] = 8,
-        [DT_FORMAT_R16_SNORM] = 2,  [DT_FORMAT_RG16_SNORM] = 4, [DT_FORMAT_RGBA16_SNORM] = 8,
-        [DT_FORMAT_R8UI] = 1,       [DT_FORMAT_RG8UI] = 2,      [DT_FORMAT_RGBA8UI] = 4,
-        [DT_FORMAT_R16UI] = 2,      [DT_FORMAT_RG16UI] = 4,     [DT_FORMAT_RGBA16UI] = 8,
-        [DT_FORMAT_R8I] = 1,        [DT_FORMAT_RG8I] = 2,       [DT_FORMAT_RGBA8I] = 4,
-        [DT_FORMAT_R16I] = 2,       [DT_FORMAT_RG16I] = 4,      [DT_FORMAT_RGBA16I] = 8,
-        [DT_FORMAT_RG32I] = 8,      [DT_FORMAT_RGBA32I] = 16,   [DT_FORMAT_R11G11B10F] = 4,
-        [DT_FORMAT_RGB10A2] = 4,
-    };
-    return sizes[format];
-}
-
 enum dt_type dt_front_scalar(enum dt_format format)
 {
-    if ((format >= DT_FORMAT_R32UI && format <= DT_FORMAT_RGBA32UI) ||
-        (format >= DT_FORMAT_R8UI && format <= DT_FORMAT_RGBA16UI))
-        return DT_TYPE_UINT;
-    bool integer = format >= DT_FORMAT_R8I && format <= DT_FORMAT_RGBA32I;
-    return format == DT_FORMAT_R32I || integer ? DT_TYPE_INT : DT_TYPE_FLOAT;
+    enum number_kind kind = format_info(format)->kind;
+    return !number_is_integer(kind)         ? DT_TYPE_FLOAT
+           : number_is_signed_integer(kind) ? DT_TYPE_INT
+                                            : DT_TYPE_UINT;
 }
 
 bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resource, uint32_t mip,
@@ -688,7 +668,7 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
     if (image) {
         for (int axis = 0; axis < (what->shape == DT_SHAPE_3D ? 3 : 2); axis++)
             extent[axis] = extent[axis] >> mip ? extent[axis] >> mip : 1;
-        shape->size = (size_t)extent[0] * extent[1] * extent[2] * texel_size(what->format);
+        shape->size = (size_t)extent[0] * extent[1] * extent[2] * format_info(what->format)->bytes;
     } else {
         shape->size = (size_t)extent[0] * what->stride;
     }
@@ -809,7 +789,8 @@ static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
 static bool begin(void *runtime, uint32_t pass, bool runs)
 {
     struct dt_core *core = runtime;
-    core->outside = core->skips = pass < core->first_pass || pass >= core->end_pass;
+    core->outside = core->measures || pass < core->first_pass || pass >= core->end_pass;
+    core->skips = core->outside && !core->measures;
     if (core->outside)
         return true;
     enum dt_action action = ask_observer(core, pass);
@@ -840,10 +821,16 @@ static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list
     return core->outside || core->backend->verbs.barriers(core, pass, list, count);
 }
 
+/* Whether the backend records nothing of the pass. */
+static bool is_idle(const struct dt_core *core)
+{
+    return core->skips || core->measures;
+}
+
 static bool bind(void *runtime, uint32_t pass)
 {
     struct dt_core *core = runtime;
-    return core->skips || core->backend->verbs.bind(core, pass);
+    return is_idle(core) || core->backend->verbs.bind(core, pass);
 }
 
 static bool check_groups(const struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y,
@@ -858,13 +845,13 @@ static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint3
 {
     struct dt_core *core = runtime;
     return core->skips || (check_groups(core, pass, x, y, z) &&
-                           core->backend->verbs.dispatch(core, pass, x, y, z));
+                           (core->measures || core->backend->verbs.dispatch(core, pass, x, y, z)));
 }
 
 static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 {
     struct dt_core *core = runtime;
-    return core->skips || core->backend->verbs.dispatch_indirect(core, pass, arguments);
+    return is_idle(core) || core->backend->verbs.dispatch_indirect(core, pass, arguments);
 }
 
 static bool check_target(const struct dt_core *core, uint32_t pass, const struct dt_target *target,
@@ -895,7 +882,7 @@ static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
     struct dt_core *core = runtime;
     return core->skips || (check_layers(core, pass, layers) &&
-                           core->backend->verbs.draw_scene(core, pass, layers));
+                           (core->measures || core->backend->verbs.draw_scene(core, pass, layers)));
 }
 
 static bool check_draws(const struct dt_core *core, uint32_t pass, uint32_t arguments,
@@ -913,33 +900,35 @@ static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_
     struct dt_core *core = runtime;
     return core->skips ||
            (check_draws(core, pass, arguments, DT_DRAW_BYTES) && check_layers(core, pass, layers) &&
-            core->backend->verbs.draw_indirect(core, pass, layers, indices, arguments));
+            (core->measures ||
+             core->backend->verbs.draw_indirect(core, pass, layers, indices, arguments)));
 }
 
 static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
     struct dt_core *core = runtime;
-    return core->skips || (check_layers(core, pass, layers) &&
-                           core->backend->verbs.draw_fullscreen(core, pass, layers));
+    return core->skips ||
+           (check_layers(core, pass, layers) &&
+            (core->measures || core->backend->verbs.draw_fullscreen(core, pass, layers)));
 }
 
 static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
                           uint32_t instances)
 {
     struct dt_core *core = runtime;
-    return core->skips ||
-           (check_layers(core, pass, layers) &&
-            core->backend->verbs.draw_vertices(core, pass, layers, vertices, instances));
+    return core->skips || (check_layers(core, pass, layers) &&
+                           (core->measures || core->backend->verbs.draw_vertices(
+                                                  core, pass, layers, vertices, instances)));
 }
 
 static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
                                    uint32_t arguments)
 {
     struct dt_core *core = runtime;
-    return core->skips ||
-           (check_draws(core, pass, arguments, DT_VERTEX_DRAW_BYTES) &&
-            check_layers(core, pass, layers) &&
-            core->backend->verbs.draw_vertices_indirect(core, pass, layers, arguments));
+    return core->skips || (check_draws(core, pass, arguments, DT_VERTEX_DRAW_BYTES) &&
+                           check_layers(core, pass, layers) &&
+                           (core->measures || core->backend->verbs.draw_vertices_indirect(
+                                                  core, pass, layers, arguments)));
 }
 
 static bool check_viewport(const struct dt_core *core, uint32_t pass, struct dt_rect rect)
@@ -993,19 +982,21 @@ void dt_front_area(const struct dt_core *core, uint32_t width, uint32_t height,
 static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
 {
     struct dt_core *core = runtime;
-    return core->skips || core->backend->verbs.clear_targets(core, pass, layers);
+    return core->skips ||
+           (check_layers(core, pass, layers) &&
+            (core->measures || core->backend->verbs.clear_targets(core, pass, layers)));
 }
 
 static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
 {
     struct dt_core *core = runtime;
-    return core->skips || core->backend->verbs.clear_buffer(core, pass, resource);
+    return is_idle(core) || core->backend->verbs.clear_buffer(core, pass, resource);
 }
 
 static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
 {
     struct dt_core *core = runtime;
-    return core->skips || core->backend->verbs.clear_image(core, pass, resource, mip);
+    return is_idle(core) || core->backend->verbs.clear_image(core, pass, resource, mip);
 }
 
 static const struct dt_verbs checked = {
@@ -1038,101 +1029,14 @@ bool dt_front_record(struct dt_core *core, const void *live)
     return core->panel->record(&recording);
 }
 
-/* ---- A frame that only is measured ----------------------------------------------------------- */
-
-static bool measure_begin(void *runtime, uint32_t pass, bool runs)
-{
-    (void)runtime, (void)pass, (void)runs;
-    return true;
-}
-static bool measure_pass(void *runtime, uint32_t pass)
-{
-    (void)runtime, (void)pass;
-    return true;
-}
-static bool measure_barriers(void *runtime, uint32_t pass, const struct dt_barrier *list,
-                             uint32_t count)
-{
-    (void)runtime, (void)pass, (void)list, (void)count;
-    return true;
-}
-static bool measure_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
-{
-    return check_groups(runtime, pass, x, y, z);
-}
-static bool measure_resource(void *runtime, uint32_t pass, uint32_t resource)
-{
-    (void)runtime, (void)pass, (void)resource;
-    return true;
-}
-static bool measure_layers(void *runtime, uint32_t pass, uint32_t layers)
-{
-    return check_layers(runtime, pass, layers);
-}
-static bool measure_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
-                             uint32_t arguments)
-{
-    (void)indices;
-    return check_draws(runtime, pass, arguments, DT_DRAW_BYTES) &&
-           check_layers(runtime, pass, layers);
-}
-static bool measure_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
-                             uint32_t instances)
-{
-    (void)vertices, (void)instances;
-    return check_layers(runtime, pass, layers);
-}
-static bool measure_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
-                                      uint32_t arguments)
-{
-    return check_draws(runtime, pass, arguments, DT_VERTEX_DRAW_BYTES) &&
-           check_layers(runtime, pass, layers);
-}
-static bool measure_viewport(void *runtime, uint32_t pass, struct dt_rect rect)
-{
-    return check_viewport(runtime, pass, rect);
-}
-static bool measure_scissor(void *runtime, uint32_t pass, struct dt_rect rect)
-{
-    (void)runtime, (void)pass, (void)rect;
-    return true;
-}
-static bool measure_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
-{
-    (void)runtime, (void)pass, (void)resource, (void)mip;
-    return true;
-}
-
-static const struct dt_verbs measured = {
-    .begin = measure_begin,
-    .barriers = measure_barriers,
-    .bind = measure_pass,
-    .dispatch = measure_dispatch,
-    .dispatch_indirect = measure_resource,
-    .draw_scene = measure_layers,
-    .draw_indirect = measure_indirect,
-    .draw_fullscreen = measure_layers,
-    .draw_vertices = measure_vertices,
-    .draw_vertices_indirect = measure_vertices_indirect,
-    .viewport = measure_viewport,
-    .scissor = measure_scissor,
-    .clear_targets = measure_layers,
-    .clear_buffer = measure_resource,
-    .clear_image = measure_image,
-    .end = measure_pass,
-};
-
 /* Checks the work of a frame with the default live parameters against the limits; other parameters
  * are checked when the frame is recorded. */
 static bool check_work(struct dt_core *core)
 {
-    const struct dt_recording recording = {.verbs = &measured,
-                                           .runtime = core,
-                                           .width = core->width,
-                                           .height = core->height,
-                                           .live = core->pipeline->live_defaults,
-                                           .panel = core->panel};
-    return core->panel->record(&recording);
+    core->measures = true;
+    bool good = dt_front_record(core, core->pipeline->live_defaults);
+    core->measures = false;
+    return good;
 }
 
 static bool check_part(const struct dt_core *core, const char *verb, uint32_t first, uint32_t end)

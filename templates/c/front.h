@@ -1,6 +1,6 @@
 /* The layer above every backend: shared runtime state; checks of arguments, states and limits with
  * common messages; the walk over a panel's tables. A backend implements struct dt_backend; struct
- * gl_runtime and struct vk_runtime begin with a struct dt_core. Called by the app through struct
+ * gl_runtime and struct dt_vk_runtime begin with a struct dt_core. Called by the app through struct
  * dt_runtime, by other programs through diptych_gl.h and diptych_vk.h. */
 #ifndef DIPTYCH_FRONT_H
 #define DIPTYCH_FRONT_H
@@ -49,6 +49,7 @@ struct dt_core {
     bool outside;                   /* the pass is not in the part: record nothing */
     uint32_t pass;                  /* of the last begin */
     bool skips;                     /* DT_SKIP: record only barriers */
+    bool measures;                  /* no frame: verbs check their arguments, and record nothing */
     bool has_viewport, has_scissor; /* of the pass being recorded */
     struct dt_rect viewport, scissor;
     /* Timestamps are kept of this many frames, each in its slot. */

@@ -30,7 +30,7 @@ static const struct pipeline pipelines[MAX_PIPELINES] = {
     {&rsm_gl, RSM_RESOURCE_DISPLAY, RSM_RESOURCE_LUMINANCE_SCALE, RSM_PASS_TONEMAP, RSM_PASSES}};
 
 struct view {
-    struct gl_runtime *rt;
+    struct dt_gl_runtime *rt;
     GLuint picture, exposure; /* exposure: as in host_vk.c */
 };
 
@@ -87,7 +87,7 @@ static struct view open_view(const struct geometry *geometry, const struct dt_sc
     const GLuint picture = make_texture(GL_RGBA8, width, height);
     const GLuint exposure = make_buffer(zero, sizeof zero);
     const struct dt_gl_range range = {.buffer = exposure, .size = COPY};
-    struct gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+    struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = {.message = on_log},
         .get_proc_address = eglGetProcAddress,
     });

@@ -19,7 +19,7 @@ static const uint32_t inputs[TARGETS] = {LIT_RESOURCE_GBUFFER_POSITION, LIT_RESO
                                          LIT_RESOURCE_GBUFFER_ALBEDO};
 
 struct view {
-    struct gl_runtime *rt;
+    struct dt_gl_runtime *rt;
     GLuint gbuffer[TARGETS];
 };
 
@@ -46,7 +46,7 @@ static void draw_gbuffer(const struct view *view, uint32_t moment)
 }
 
 /* Into the irradiance, which the pass before wrote and the pass after reads. */
-static void draw_marks(struct gl_runtime *rt)
+static void draw_marks(struct dt_gl_runtime *rt)
 {
     struct dt_gl_resource irradiance, lamps;
     check(dt_gl_get_resource(rt, LIT_RESOURCE_IRRADIANCE, &irradiance) &&
@@ -76,7 +76,7 @@ static struct view open_view(const struct dt_gl_host *host, const struct view *f
     return view;
 }
 
-static void check_picture(struct gl_runtime *rt, uint32_t moment)
+static void check_picture(struct dt_gl_runtime *rt, uint32_t moment)
 {
     static uint8_t pixels[WIDTH * HEIGHT * 4];
     struct dt_gl_resource shown;
@@ -85,7 +85,7 @@ static void check_picture(struct gl_runtime *rt, uint32_t moment)
     check(is_lit(pixels, moment), "lighting");
 }
 
-static void check_timings(struct gl_runtime *rt, uint32_t age)
+static void check_timings(struct dt_gl_runtime *rt, uint32_t age)
 {
     double ms[LIT_PASSES] = {NAN, NAN};
     check(dt_gl_timings(rt, age, ms), "times");

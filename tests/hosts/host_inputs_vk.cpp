@@ -41,7 +41,7 @@ struct Upload {
 };
 
 struct View {
-    vk_runtime *rt;
+    dt_vk_runtime *rt;
     picture gbuffer[TARGETS];
     VkImageView targets[TARGETS];
     buffer uploads[IN_FLIGHT], pixels[IN_FLIGHT]; /* pixels: of the pictures */

@@ -31,7 +31,7 @@ static const struct pipeline pipelines[LANES] = {
 
 /* A pipeline in the renderer, on a lane of its own. */
 struct view {
-    struct vk_runtime *rt;
+    struct dt_vk_runtime *rt;
     struct picture picture;
     struct buffer exposure; /* a float, which the pipeline writes; behind it the renderer's copy */
 };
@@ -82,7 +82,7 @@ static void release(void *user, const struct dt_vk_memory *memory)
     vkFreeMemory(renderer->device, memory->memory, NULL);
 }
 
-static struct vk_runtime *open_runtime(struct host *host)
+static struct dt_vk_runtime *open_runtime(struct host *host)
 {
     struct renderer *renderer = &host->renderer;
     return dt_vk_open(&(struct dt_vk_host){

@@ -15,23 +15,15 @@ static void extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32
         dt_set_extent(size, 6, 1, 1);
         break;
     case SMALL_RESOURCE_NORMAL:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
-        break;
     case SMALL_RESOURCE_DEPTH:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
-        break;
     case SMALL_RESOURCE_LIT:
+    case SMALL_RESOURCE_TRAIL:
+    case SMALL_RESOURCE_SHOWN:
         dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
         break;
     case SMALL_RESOURCE_HALO:
         dt_set_extent(size, (((int64_t)width / 2) > 1 ? ((int64_t)width / 2) : 1),
             (((int64_t)height / 2) > 1 ? ((int64_t)height / 2) : 1), 1);
-        break;
-    case SMALL_RESOURCE_TRAIL:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
-        break;
-    case SMALL_RESOURCE_SHOWN:
-        dt_set_extent(size, (int64_t)width, (int64_t)height, 1);
         break;
     default:
         dt_set_extent(size, 1, 1, 1);
@@ -45,14 +37,13 @@ static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t
     (void)pipeline, (void)width, (void)height, (void)live_block;
     switch (pass) {
     case SMALL_PASS_SCENE:
+    case SMALL_PASS_GLOW:
         return dt_product(1, 1, 1);
     case SMALL_PASS_PLACE:
         return dt_product(6, 1, 1);
     case SMALL_PASS_SHADE:
         extent(pipeline, SMALL_RESOURCE_LIT, width, height, size);
         return dt_product(size[0], size[1], size[2]);
-    case SMALL_PASS_GLOW:
-        return dt_product(1, 1, 1);
     case SMALL_PASS_FOLLOW:
         extent(pipeline, SMALL_RESOURCE_TRAIL, width, height, size);
         return dt_product(size[0], size[1], size[2]);
@@ -71,11 +62,9 @@ static int64_t jitter(const struct dt_pipeline *pipeline, const void *live_block
     return (live->glow != 0 ? 8 : 0);
 }
 
-static const struct {
-    struct small_live live;
-} block = {
-    .live.glow = 1,
-    .live.gain = 0.5f,
+const struct small_live small_live_defaults = {
+    .glow = 1,
+    .gain = 0.5f,
 };
 
 static const struct dt_param params[] = {
@@ -83,106 +72,95 @@ static const struct dt_param params[] = {
     {.name = "grid", .doc = "how the lamps stand", .type = DT_TYPE_IVEC2, .value = {3, 2},
      .min = DT_NO_MIN, .max = DT_NO_MAX},
     {.name = "glow", .doc = "run the pass of that name", .type = DT_TYPE_BOOL, .live = true,
-     .offset = 0, .value = {1}, .min = DT_NO_MIN, .max = DT_NO_MAX},
+     .value = {1}, .min = DT_NO_MIN, .max = DT_NO_MAX},
     {.name = "gain", .doc = "of the newest frame", .type = DT_TYPE_FLOAT, .live = true, .offset = 4,
-     .value = {0.5}, .min = 0, .max = 1, .step = 0.050000000000000003},
+     .value = {0.5}, .min = 0, .max = 1, .step = 0.05},
 };
 
 static const struct dt_resource resources[] = {
     [SMALL_RESOURCE_LAMPS] = {
-        .name = "lamps", .doc = "",
-        .kind = DT_BUFFER,
+        .name = "lamps", .doc = "", .kind = DT_BUFFER,
         .contract = {.kind = DT_CONTRACT_EXACT},
         .fields = (const struct dt_field[]){
-            {"position", DT_TYPE_VEC3, .offset = 0},
-            {"power", DT_TYPE_FLOAT, .offset = 12},
-            {"color", DT_TYPE_VEC3, .offset = 16},
+            {.name = "position", .type = DT_TYPE_VEC3, .offset = 0},
+            {.name = "power", .type = DT_TYPE_FLOAT, .offset = 12},
+            {.name = "color", .type = DT_TYPE_VEC3, .offset = 16},
         },
         .field_count = 3, .stride = sizeof(struct small_Lamp),
     },
     [SMALL_RESOURCE_NORMAL] = {
-        .name = "normal", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA16F, .mips = 1,
+        .name = "normal", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA16F, .mips = 1,
     },
     [SMALL_RESOURCE_DEPTH] = {
-        .name = "depth", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_D32F, .mips = 1,
+        .name = "depth", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_D32F, .mips = 1,
     },
     [SMALL_RESOURCE_LIT] = {
-        .name = "lit", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA32F, .mips = 1,
+        .name = "lit", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA32F, .mips = 1,
     },
     [SMALL_RESOURCE_HALO] = {
-        .name = "halo", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA16F, .mips = 1,
+        .name = "halo", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA16F, .mips = 1,
     },
     [SMALL_RESOURCE_TRAIL] = {
-        .name = "trail", .doc = "",
-        .kind = DT_IMAGE, .history = true,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA32F, .mips = 1,
+        .name = "trail", .doc = "", .kind = DT_IMAGE, .history = true,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA32F, .mips = 1,
     },
     [SMALL_RESOURCE_SHOWN] = {
-        .name = "shown", .doc = "",
-        .kind = DT_IMAGE,
-        .contract = {.kind = DT_CONTRACT_EXACT}, .format = DT_FORMAT_RGBA8, .mips = 1,
+        .name = "shown", .doc = "", .kind = DT_IMAGE,
+        .contract = {.kind = DT_CONTRACT_EXACT},
+        .format = DT_FORMAT_RGBA8, .mips = 1,
     },
 };
 
 static const struct dt_pass passes[] = {
     [SMALL_PASS_SCENE] = {
-        .name = "scene", .doc = "",
-        .shader = "small_scene.glsl", .kind = DT_PASS_DRAW_SCENE, .uses_scene = true,
+        .name = "scene", .doc = "", .shader = "small_scene.glsl", .kind = DT_PASS_DRAW_SCENE,
+            .uses_scene = true,
         .writes = (const uint16_t[]){SMALL_RESOURCE_NORMAL, SMALL_RESOURCE_DEPTH},
-        .write_count = 2,
-        .flops = {/* counted */},
+        .write_count = 2, .flops = {/* counted */},
     },
     [SMALL_PASS_PLACE] = {
-        .name = "place", .doc = "",
-        .shader = "small_place.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "place", .doc = "", .shader = "small_place.glsl", .kind = DT_PASS_DISPATCH,
         .writes = (const uint16_t[]){SMALL_RESOURCE_LAMPS},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_SHADE] = {
-        .name = "shade", .doc = "every lamp on every pixel",
-        .shader = "small_shade.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "shade", .doc = "every lamp on every pixel", .shader = "small_shade.glsl",
+            .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LAMPS, SMALL_RESOURCE_NORMAL,
             SMALL_RESOURCE_DEPTH},
         .read_count = 3,
         .writes = (const uint16_t[]){SMALL_RESOURCE_LIT},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_GLOW] = {
-        .name = "glow", .doc = "",
-        .shader = "small_glow.glsl", .kind = DT_PASS_DRAW_FULLSCREEN,
+        .name = "glow", .doc = "", .shader = "small_glow.glsl", .kind = DT_PASS_DRAW_FULLSCREEN,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LIT},
         .read_count = 1,
         .writes = (const uint16_t[]){SMALL_RESOURCE_HALO},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_FOLLOW] = {
-        .name = "follow", .doc = "",
-        .shader = "small_follow.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "follow", .doc = "", .shader = "small_follow.glsl", .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LIT, SMALL_RESOURCE_HALO},
         .read_count = 2,
         .writes = (const uint16_t[]){SMALL_RESOURCE_TRAIL},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
     [SMALL_PASS_SHOW] = {
-        .name = "show", .doc = "",
-        .shader = "small_show.glsl", .kind = DT_PASS_DISPATCH,
+        .name = "show", .doc = "", .shader = "small_show.glsl", .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_TRAIL},
         .read_count = 1,
         .writes = (const uint16_t[]){SMALL_RESOURCE_SHOWN},
-        .write_count = 1,
-        .flops = {/* counted */},
+        .write_count = 1, .flops = {/* counted */},
     },
 };
 
@@ -195,9 +173,9 @@ const struct dt_pipeline small_pipeline = {
     .resource_count = 7,
     .passes = passes,
     .pass_count = 6,
-    .live_defaults = &block,
-    .live_size = sizeof block.live,
-    .block_size = sizeof block,
+    .live_defaults = &small_live_defaults,
+    .live_size = sizeof small_live_defaults,
+    .block_size = sizeof small_live_defaults,
     .linear_output = SMALL_RESOURCE_TRAIL,
     .display_output = SMALL_RESOURCE_SHOWN,
     .extent = extent,
@@ -234,11 +212,12 @@ static const struct dt_program programs[] = {
              .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ, .sampler = -1},
         },
         .binding_count = 4,
-        .colors = (const struct dt_target[]){{.resource = SMALL_RESOURCE_NORMAL}},
+        .colors = (const struct dt_target[]){
+            {.resource = SMALL_RESOURCE_NORMAL},
+        },
         .color_count = 1,
         .depth = &(const struct dt_target){.resource = SMALL_RESOURCE_DEPTH},
-        .depth_test = true, .depth_write = true, .compare = DT_COMPARE_LESS,
-        .cull = DT_CULL_NONE, .attributes = 0x3,
+        .depth_test = true, .depth_write = true, .attributes = 3,
     },
     [SMALL_PASS_PLACE] = {
         .bindings = (const struct dt_binding[]){
@@ -265,14 +244,15 @@ static const struct dt_program programs[] = {
     [SMALL_PASS_GLOW] = {
         .bindings = (const struct dt_binding[]){
             {.binding = 2, .resource = SMALL_RESOURCE_LIT, .kind = DT_BIND_TEXTURE,
-             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ, .sampler = 0},
+             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ},
             {.binding = 0, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
             {.binding = 1, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
         },
         .binding_count = 3,
-        .colors = (const struct dt_target[]){{.resource = SMALL_RESOURCE_HALO}},
+        .colors = (const struct dt_target[]){
+            {.resource = SMALL_RESOURCE_HALO},
+        },
         .color_count = 1,
-        .cull = DT_CULL_NONE,
     },
     [SMALL_PASS_FOLLOW] = {
         .bindings = (const struct dt_binding[]){
@@ -301,22 +281,24 @@ static const struct dt_program programs[] = {
 };
 
 static const struct dt_need needs[] = {
-    {SMALL_PASS_SCENE, "fullDrawIndexUint32"},
+    {.pass = SMALL_PASS_SCENE, .feature = "fullDrawIndexUint32"},
 };
 
 static const struct dt_demand demands[] = {
-    {SMALL_PASS_SHADE, DT_LIMIT_INVOCATIONS, 256},
+    {.pass = SMALL_PASS_SHADE, .limit = DT_LIMIT_INVOCATIONS, .amount = 256},
 };
 
-/* ---- One frame. Barriers: resource; stages and writes that are waited for; stages and accesses that wait; layout ---- */
+/* ---- One frame ---- */
 
 static bool record_scene(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_NORMAL, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_LAYOUT_COLOR,
-         DT_DISCARD},
-        {SMALL_RESOURCE_DEPTH, DT_STAGE_DEPTH, 0, DT_STAGE_DEPTH, DT_READ_DEPTH | DT_WRITE_DEPTH,
-         DT_LAYOUT_DEPTH, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR,
+         .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR,
+         .discard = true},
+        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH,
+         .to_stages = DT_STAGE_DEPTH, .to = DT_READ_DEPTH | DT_WRITE_DEPTH,
+         .layout = DT_LAYOUT_DEPTH, .discard = true},
     };
     const struct dt_verbs *v = r->verbs;
     bool ok = v->begin(r->runtime, SMALL_PASS_SCENE, true);
@@ -341,14 +323,15 @@ static bool record_place(const struct dt_recording *r)
 static bool record_shade(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_NORMAL, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_COMPUTE, DT_READ_TEXTURE,
-         DT_LAYOUT_READ, DT_KEEP},
-        {SMALL_RESOURCE_LAMPS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
-         DT_READ_UNIFORM, DT_LAYOUT_NONE, DT_KEEP},
-        {SMALL_RESOURCE_LIT, DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE, DT_WRITE_STORAGE,
-         DT_LAYOUT_GENERAL, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+        {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE,
+         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_UNIFORM},
+        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
+         .discard = true},
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
@@ -366,10 +349,11 @@ static bool record_shade(const struct dt_recording *r)
 static bool record_glow(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_LIT, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_FRAGMENT, DT_READ_TEXTURE,
-         DT_LAYOUT_READ, DT_KEEP},
-        {SMALL_RESOURCE_HALO, /* in the memory of depth */ DT_STAGE_COMPUTE, 0, DT_STAGE_COLOR,
-         DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
+         .to_stages = DT_STAGE_FRAGMENT, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+        {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COMPUTE,
+         .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR,
+         .discard = true}, /* in the memory of depth */
     };
     const struct dt_verbs *v = r->verbs;
     const struct small_live *live = r->live;
@@ -389,10 +373,10 @@ static bool record_glow(const struct dt_recording *r)
 static bool record_follow(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_LIT, DT_STAGE_FRAGMENT, 0, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_HALO, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
+        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_FRAGMENT,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+        {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
@@ -409,10 +393,12 @@ static bool record_follow(const struct dt_recording *r)
 static bool record_show(const struct dt_recording *r)
 {
     static const struct dt_barrier barriers[] = {
-        {SMALL_RESOURCE_TRAIL, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
-         DT_READ_STORAGE, DT_LAYOUT_GENERAL, DT_KEEP},
-        {SMALL_RESOURCE_SHOWN, /* in the memory of halo */ DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE,
-         DT_WRITE_STORAGE, DT_LAYOUT_GENERAL, DT_DISCARD},
+        {.resource = SMALL_RESOURCE_TRAIL, .from_stages = DT_STAGE_COMPUTE,
+         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE,
+         .layout = DT_LAYOUT_GENERAL},
+        {.resource = SMALL_RESOURCE_SHOWN, .from_stages = DT_STAGE_COMPUTE,
+         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
+         .discard = true}, /* in the memory of halo */
     };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];

@@ -31,8 +31,8 @@ _Static_assert(offsetof(struct small_Lamp, color) == 16, "small_Lamp.color: std4
 
 /* The uniform block of the live parameters: std140. */
 struct small_live {
-    uint32_t glow; /* bool: 0 or 1 */
-    float gain; /* float */
+    uint32_t glow; /* bool, 0 or 1: run the pass of that name */
+    float gain; /* float: of the newest frame [0..1] */
     uint32_t padding0[2];
 };
 _Static_assert(sizeof(struct small_live) == 16, "small_live: std140");
@@ -41,13 +41,13 @@ _Static_assert(offsetof(struct small_live, gain) == 4, "small_live.gain: std140"
 
 /* Indices into small_pipeline.resources. */
 enum {
-    SMALL_RESOURCE_LAMPS,
-    SMALL_RESOURCE_NORMAL,
-    SMALL_RESOURCE_DEPTH,
-    SMALL_RESOURCE_LIT,
-    SMALL_RESOURCE_HALO,
-    SMALL_RESOURCE_TRAIL,
-    SMALL_RESOURCE_SHOWN,
+    SMALL_RESOURCE_LAMPS, /* Lamp[6] */
+    SMALL_RESOURCE_NORMAL, /* rgba16f of the frame's size */
+    SMALL_RESOURCE_DEPTH, /* d32f of the frame's size */
+    SMALL_RESOURCE_LIT, /* rgba32f of the frame's size */
+    SMALL_RESOURCE_HALO, /* rgba16f 960x540 at 1920x1080 */
+    SMALL_RESOURCE_TRAIL, /* rgba32f of the frame's size; history; linear output */
+    SMALL_RESOURCE_SHOWN, /* rgba8 of the frame's size; display output */
     SMALL_RESOURCES /* how many */
 };
 
@@ -55,7 +55,7 @@ enum {
 enum {
     SMALL_PASS_SCENE,
     SMALL_PASS_PLACE,
-    SMALL_PASS_SHADE,
+    SMALL_PASS_SHADE, /* every lamp on every pixel */
     SMALL_PASS_GLOW,
     SMALL_PASS_FOLLOW,
     SMALL_PASS_SHOW,
@@ -69,6 +69,7 @@ extern "C" {
 extern const struct dt_pipeline small_pipeline;
 extern const struct dt_panel small_panel;
 extern const struct dt_shaders small_gl, small_vk;
+extern const struct small_live small_live_defaults;
 #ifdef __cplusplus
 }
 #endif
