@@ -709,6 +709,7 @@ static void light_of_other_programs_is_read(void **state)
         close(mkstemps(path, 4));
         ImfHeader *header = ImfNewHeader();
         ImfHeaderSetDataWindow(header, X, Y, X + WIDTH - 1, Y + HEIGHT - 1);
+        ImfHeaderSetDisplayWindow(header, X, Y, X + WIDTH - 1, Y + HEIGHT - 1);
         ImfOutputFile *file = ImfOpenOutputFile(path, header, grey ? IMF_WRITE_Y : IMF_WRITE_RGBA);
         assert_non_null(file);
         assert_true(ImfOutputSetFrameBuffer(file, &texels[0][0] - X - Y * WIDTH, 1, WIDTH));
