@@ -6,6 +6,7 @@
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -66,14 +67,24 @@ bool has_windows(const OIIO::ImageInput &input)
     return std::strcmp(input.format_name(), "openexr") == 0;
 }
 
-/* The display window, moved to the origin: zeros where there is no data. */
+/* The display window, moved to the origin: zeros where there is no data. Four channels. */
 OIIO::ImageBuf whole_window(const OIIO::ImageBuf &image)
 {
     const OIIO::ImageSpec &from = image.spec();
-    OIIO::ImageSpec spec(from.full_width, from.full_height, from.nchannels, OIIO::TypeDesc::FLOAT);
-    OIIO::ImageBuf whole(spec);
+    OIIO::ImageBuf whole(
+        OIIO::ImageSpec(from.full_width, from.full_height, 4, OIIO::TypeDesc::FLOAT));
     OIIO::ImageBufAlgo::zero(whole);
-    OIIO::ImageBufAlgo::paste(whole, from.x - from.full_x, from.y - from.full_y, 0, 0, image);
+    const float *data = (const float *)image.localpixels();
+    float *texels = (float *)whole.localpixels();
+    int left = std::max(from.x, from.full_x) - from.full_x;
+    int right = std::min(from.x + from.width, from.full_x + from.full_width) - from.full_x;
+    for (int y = 0; y < from.full_height && left < right; y++) {
+        int row = y + from.full_y - from.y;
+        if (row >= 0 && row < from.height)
+            std::memcpy(texels + 4 * ((size_t)y * from.full_width + left),
+                        data + 4 * ((size_t)row * from.width + left + from.full_x - from.x),
+                        (size_t)(right - left) * 4 * sizeof(float));
+    }
     return whole;
 }
 
