@@ -204,10 +204,6 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
 {
     if (!pass->shader)
         return;
-    if (pass->limit) {
-        pass->limit_body = read_body(c, "limit", pass->limit, pass->limit_loc);
-        pass->limit = body_name(c, pass->limit, pass->limit_loc, pass->limit_body);
-    }
     pass->body = read_body(c, "shader", pass->shader, pass->shader_loc);
     if (pass->body && pass->more)
         pass->body = join_bodies(c, pass);

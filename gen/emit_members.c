@@ -82,7 +82,7 @@ static void emit_stride(const struct c_output *c, const struct dt_resource *reso
 static void emit_list(const struct c_output *c, const struct member *member, const void *row)
 {
     uint32_t count = member_count(member, row);
-    text_add(c->out, member->kind == MEMBER_COUNTS ? "{" : "(const uint16_t[]){");
+    text_add(c->out, "(const uint16_t[]){");
     for (uint32_t i = 0; i < count; i++) {
         text_add(c->out, i ? ", " : "");
         emit_integer(c, member, row, i);
@@ -128,7 +128,6 @@ static void emit_member(const struct c_output *c, const struct member *member, c
     case MEMBER_DOUBLES:
         emit_numbers(c, member, row);
         break;
-    case MEMBER_COUNTS:
     case MEMBER_RESOURCES:
     case MEMBER_NUMBERS:
         emit_list(c, member, row);

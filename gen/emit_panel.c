@@ -150,14 +150,3 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     text_add(out, "    .slot_count = %" PRIu32 ",\n    .record = record,\n};\n",
              pipeline->slot_count);
 }
-
-void emit_limit(const struct pipeline *pipeline, const struct pass *pass, struct text *out)
-{
-    text_add(out, "#define DT_LIMIT_HEADER \"%s.h\"\n#define DT_LIMIT_RESOURCE(NAME) ",
-             pipeline->name);
-    c_upper(out, pipeline->name);
-    text_add(out, "_RESOURCE_##NAME\n#line 1 ");
-    c_string(out, pass->limit);
-    text_add(out, "\n");
-    text_add_bytes(out, pass->limit_body->text, pass->limit_body->length);
-}

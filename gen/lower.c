@@ -564,27 +564,17 @@ static bool uses_scene(const struct pass *pass)
     return uses;
 }
 
-static void lower_passes(struct lowering *l, const struct pass_shaders *shaders,
-                         struct dt_pipeline *pipeline)
+static void lower_passes(struct lowering *l, struct dt_pipeline *pipeline)
 {
     struct dt_pass *passes = table(l, l->from->pass_count, sizeof *passes);
     for (uint32_t i = 0; i < l->from->pass_count && !l->failed; i++) {
         const struct pass *from = l->from->order[i];
-        const struct shader *stages = shaders[i].stage;
-        const struct parameter_values parameters = {(uint32_t)from->live_binding,
-                                                    pipeline->live_defaults, pipeline->block_size};
-        bool draws = pass_draws(from);
         passes[i] = (struct dt_pass){.name = from->name,
                                      .doc = from->doc ? from->doc : "",
                                      .shader = from->shader,
                                      .kind = from->kind,
-                                     .uses_scene = uses_scene(from),
-                                     .limit = from->limit};
+                                     .uses_scene = uses_scene(from)};
         lower_uses(l, from, &passes[i]);
-        l->failed |=
-            !count_flops(&stages[draws ? STAGE_IS_VERTEX : STAGE_IS_COMPUTE], &parameters,
-                         &passes[i].flops[0]) ||
-            (draws && !count_flops(&stages[STAGE_IS_FRAGMENT], &parameters, &passes[i].flops[1]));
     }
     pipeline->passes = passes;
     pipeline->pass_count = l->from->pass_count;
@@ -615,7 +605,7 @@ struct lowered *lower(const struct model *model, struct pass_shaders *const shad
     lower_params(&l, &out->pipeline);
     lower_block(&l, &out->pipeline);
     lower_resources(&l, &out->pipeline);
-    lower_passes(&l, shaders[BACKEND_VK], &out->pipeline);
+    lower_passes(&l, &out->pipeline);
     out->panel.version = DT_VERSION;
     out->panel.pipeline = &out->pipeline;
     lower_storage(&l, &out->panel);

@@ -178,22 +178,6 @@ static void add_shaders(struct generation *g)
             }
 }
 
-/* limit/NAME.PASS.c: a copy beside NAME.h, since the file includes NAME.h. */
-static void add_limits(struct generation *g)
-{
-    const struct pipeline *pipeline = &g->spec.model.pipeline;
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        const struct pass *pass = pipeline->order[i];
-        const char *name =
-            arena_printf(g->spec.model.arena, "limit/%s.%s.c", pipeline->name, pass->name);
-        if (!pass->limit_body || !name)
-            continue;
-        struct text text = {0};
-        emit_limit(pipeline, pass, &text);
-        output_add(g->output, g->options->out, name, &text);
-    }
-}
-
 /* As GCC writes and ninja reads: backslashes before an escaped character are doubled. A line break
  * cannot be written; false, reported. */
 static bool add_depfile_path(struct text *text, const char *path)
@@ -260,7 +244,6 @@ static void add_sources(struct generation *g)
     add_named(g, ".dot", &graph);
     add_named(g, "_lifetimes.dot", &lifetimes);
     add_shaders(g);
-    add_limits(g);
 }
 
 static enum status write_files(struct generation *g)

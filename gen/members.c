@@ -143,8 +143,7 @@ TABLE(pass, true, M(pass, name, TEXT), M(pass, doc, TEXT), M(pass, shader, TEXT)
       M(pass, kind, WORD, ALWAYS, .word = pass_word), M(pass, uses_scene, FLAG),
       M(pass, reads, RESOURCES, COUNT(pass, read_count)), M(pass, read_count, UNSIGNED),
       M(pass, writes, RESOURCES, COUNT(pass, write_count)), M(pass, write_count, UNSIGNED),
-      M(pass, write_mips, NUMBERS, COUNT(pass, write_count)), M(pass, limit, TEXT),
-      M(pass, flops, COUNTS, ALWAYS));
+      M(pass, write_mips, NUMBERS, COUNT(pass, write_count)));
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
@@ -160,7 +159,7 @@ uint32_t member_count(const struct member *member, const void *row)
     uint32_t count;
     if (member->kind == MEMBER_FLOATS)
         return (uint32_t)(member->size / sizeof(float));
-    if (member->kind == MEMBER_DOUBLES || member->kind == MEMBER_COUNTS)
+    if (member->kind == MEMBER_DOUBLES)
         return (uint32_t)(member->size / sizeof(double));
     if (member->kind < MEMBER_ROWS)
         return 1;
@@ -171,9 +170,7 @@ uint32_t member_count(const struct member *member, const void *row)
 int64_t member_integer(const struct member *member, const void *row, uint32_t index)
 {
     bool list = member->kind == MEMBER_RESOURCES || member->kind == MEMBER_NUMBERS;
-    size_t size = list                            ? sizeof(uint16_t)
-                  : member->kind == MEMBER_COUNTS ? sizeof(uint64_t)
-                                                  : member->size;
+    size_t size = list ? sizeof(uint16_t) : member->size;
     const char *at = list ? pointer_in(member, row) : (const char *)row + member->offset;
     uint64_t value = 0; /* little-endian, as all of diptych's machines are */
     memcpy(&value, at + index * size, size);

@@ -11,7 +11,6 @@ enum member_kind {
     MEMBER_FLAG,    /* bool */
     MEMBER_FLOATS,  /* one, or an array of them */
     MEMBER_DOUBLES, /* the same */
-    MEMBER_COUNTS,  /* an array of uint64_t */
     MEMBER_TEXT,
     MEMBER_WORD,     /* an enumerator */
     MEMBER_MASK,     /* of enumerators */

@@ -249,12 +249,9 @@ struct pass {
     struct loc shader_loc;
     const struct source *body;      /* check: the file, read once */
     const struct body_files *files; /* check: it and what it may include */
-    const char *limit;              /* C file with the same work for the CPU, path; NULL: none */
-    struct loc limit_loc;
-    const struct source *limit_body; /* check */
-    struct expr *when;               /* NULL: always */
-    const char *when_text;           /* as written */
-    const char **after;              /* explicit order */
+    struct expr *when;              /* NULL: always */
+    const char *when_text;          /* as written */
+    const char **after;             /* explicit order */
     struct loc *after_locs;
     uint32_t after_count;
     /* dispatch */

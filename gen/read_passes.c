@@ -463,9 +463,7 @@ static void read_files(struct reader *reader, const struct fields *fields, struc
         pass->more = node_text(reader, fy_node_sequence_get_by_index(shader, 1));
     }
     pass->shader_loc = field_loc(reader, fields, "shader");
-    pass->limit_loc = field_loc(reader, fields, "limit");
     pass->shader = argument_text(reader, first, &pass->shader_loc);
-    pass->limit = argument_text(reader, field_node(fields, "limit"), &pass->limit_loc);
 }
 
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)

@@ -66,18 +66,12 @@ void prove_fixed(const struct pass *pass, const struct shader *fragment, struct 
 /* What the proof takes for granted, in one sentence. */
 extern const char prove_assumptions[];
 
-/* spirv/flops.c: lower bound of the float operations of one invocation that does not return early. Counts
- * loops as often as constants and parameters say, else once (spirv_iterations); the cheapest other
- * branches; called functions. An instruction on n numbers counts n. False when out of memory. */
-struct parameter_values;
 /* glsl_messages.c: takes in from the messages of a failed shader what emit_glsl can do better: see
  * struct shader. False: nothing new. */
 bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *shader,
                 const char *log);
 /* The same file: reports the messages. */
 void glsl_report(struct model *model, const struct pass *pass, const char *log, struct diag *diag);
-bool count_flops(const struct shader *shader, const struct parameter_values *parameters,
-                 uint64_t *flops);
 
 /* Shaders of one pass, by enum stage; word_count 0: none. Used as [backend][pass], passes in order
  * of execution. */
@@ -100,8 +94,6 @@ void emit_c_panel(const struct lowered *tables, struct text *out); /* NAME.c, fo
 /* names: keep them in SPIR-V. glsl: also OpenGL's GLSL. */
 void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
                     struct text *out);
-/* limit/NAME.PASS.c; emit_panel.c */
-void emit_limit(const struct pipeline *pipeline, const struct pass *pass, struct text *out);
 void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
 /* needs.c: --needs, Markdown. */

@@ -563,11 +563,6 @@ const struct key table_keys[] = {
     {SECTION_PASS, "shader", KEY_BODY, SECTION_NONE, NULL, REQUIRED, NULL,
      "GLSL file of the body, beside the spec or below the templates; or two that make one body.",
      "shade.glsl"},
-    {SECTION_PASS, "limit", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "none",
-     "C file that does the pass's work on the CPU as fast as it can be done, looked for as "
-     "`shader` "
-     "is; see templates/c/limit.h. `diptych bench` measures it beside the pass.",
-     "shade_limit.c"},
     {SECTION_PASS, "when", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "always",
      "The pass runs when this is not 0; may use live parameters. Skipped, it clears what it "
      "writes.",

@@ -4,7 +4,7 @@
 # itself is always tested, with libraries of changed sources. TAP.
 . "$(dirname "$0")/tap.sh"
 cd "$root" || exit 1
-public=(templates/c/{diptych,panel,device_limits,limit}.h templates/c/{formats,types}.def runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h scenes/diptych_scene.h
+public=(templates/c/{diptych,panel,device_limits}.h templates/c/{formats,types}.def runtime_gl/diptych_gl.h runtime_vk/diptych_vk.h scenes/diptych_scene.h
     app/play/diptych_play.h)
 
 if ! command -v abidiff >/dev/null; then

@@ -125,9 +125,8 @@ class Flattening:
         def of(name):
             return beside(file, name) if os.path.exists(beside(self.path, beside(file, name))) else name
         for entry in passes:
-            for key in ("shader", "limit"):
-                if isinstance(entry.get(key), str):
-                    entry[key] = of(entry[key])
+            if isinstance(entry.get("shader"), str):
+                entry["shader"] = of(entry["shader"])
             self.place(file, entry.get("passes", []))
 
     def expand(self, scope, passes, spec):

@@ -266,7 +266,7 @@ def rename_everything(pipeline):
             return {name: rename(value, name) for name, value in node.items()}
         if isinstance(node, list):
             return [rename(value, key) for value in node]
-        return replace_words(node, words) if isinstance(node, str) and key not in ("doc", "shader", "limit") else node
+        return replace_words(node, words) if isinstance(node, str) and key not in ("doc", "shader") else node
 
     def rename_body(text):
         own = r"(?:frame|view|camera|m|seen)(?:\.\w+)*"   # structs that the generator or a body declares
@@ -497,7 +497,7 @@ def inline_constants(pipeline):
             return {name: walk(value, name) for name, value in node.items()}
         if isinstance(node, list):
             return [walk(value, key) for value in node]
-        if not isinstance(node, str) or key in ("doc", "shader", "limit", "message"):
+        if not isinstance(node, str) or key in ("doc", "shader", "message"):
             return node
         return expression(inline(node)) if key == "first" else inline(node)   # a range's first element is GLSL
 

@@ -381,8 +381,3 @@ char *find_scene(const char *path, const struct dt_log *log)
 {
     return or_brought_along(path, "/scenes", "/share/diptych/scenes", log);
 }
-
-char *headers_folder(const struct dt_log *log)
-{
-    return brought_along("/templates/c", "/include/diptych", log);
-}

@@ -1,5 +1,4 @@
-/* Programs that the command line runs: the generator, the C compiler, ninja. Called by pipeline.c, limit.c,
- * sweep.c and steps*.c. */
+/* Programs that the command line runs: the generator, the C compiler, ninja. Called by pipeline.c, sweep.c and steps*.c. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 
@@ -8,7 +7,7 @@
 #include "console/console.h"
 
 struct tool {
-    const char *what; /* for messages: "compiling the limits" */
+    const char *what; /* for messages: "reading the spec" */
     const char *hint; /* what to do when it cannot be started */
     bool explains;    /* its own messages explain a failure */
 };
@@ -45,10 +44,9 @@ char *tools_folder(const struct dt_log *log);
 /* Whether this is the bin folder of an installation, not the project's build folder. */
 bool tools_installed(const char *tools);
 
-/* Folders that belong to the executable: in the project, or share and include of the installation.
+/* Folders that belong to the executable: in the project, or share of the installation.
  * free(). */
 char *templates_folder(const struct dt_log *log);
-char *headers_folder(const struct dt_log *log); /* diptych.h and limit.h */
 
 /* The path of a spec or scene file that the user names: `rsm` and `cornell` are files that came with the
  * executable, unless the working folder has files of these names. free(); NULL: out of memory. */

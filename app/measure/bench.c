@@ -88,7 +88,6 @@ struct work bench_work(const struct bench *bench, const struct programme *progra
 {
     const struct work_frame frame = {
         .pipeline = programme->pipeline.info,
-        .live = programme->pipeline.live,
         .size = {programme->options.setup.size[0], programme->options.setup.size[1]},
         .vertex_count = bench->scene.data.vertex_count,
         .index_count = bench->scene.data.index_count};
@@ -102,7 +101,6 @@ struct ceiling bench_ceiling(const struct bench *bench, const struct bench_side 
         struct work work = bench_work(bench, &bench->machine, i);
         double ms = bench_pass_ms(&side->machine, i).median;
         ceiling.bytes_per_ms = fmax(ceiling.bytes_per_ms, (work.read + work.written) / ms);
-        ceiling.flops_per_ms = fmax(ceiling.flops_per_ms, work.flops / ms);
     }
     return ceiling;
 }
@@ -114,32 +112,7 @@ double bench_copy_bytes_per_ms(const struct bench *bench)
 
 double bench_floor_ms(const struct work *work, const struct ceiling *ceiling)
 {
-    return fmax((work->read + work->written) / ceiling->bytes_per_ms,
-                work->flops / ceiling->flops_per_ms);
-}
-
-const struct limit_pass *bench_limit(const struct bench *bench, uint32_t pass)
-{
-    for (uint32_t i = 0; i < bench->limits.count; i++)
-        if (bench->limits.list[i].pass == pass)
-            return &bench->limits.list[i];
-    return NULL;
-}
-
-struct spread bench_limit_ratio(const struct bench *bench, const struct bench_side *side,
-                                const struct limit_pass *limit, double *of_medians)
-{
-    const struct lane *lane = &side->passes;
-    double *ratios = calloc(bench->frames, sizeof *ratios);
-    struct spread spread = {.p5 = NAN, .median = NAN, .p95 = NAN};
-    *of_medians =
-        bench_pass_ms(lane, limit->pass).median / spread_of(limit->ms, bench->frames, 1).median;
-    for (uint32_t i = 0; ratios && i < bench->frames; i++)
-        ratios[i] = lane->pass_ms[(size_t)i * lane->info->pass_count + limit->pass] / limit->ms[i];
-    if (ratios)
-        spread = spread_of(ratios, bench->frames, 1);
-    free(ratios);
-    return spread;
+    return (work->read + work->written) / ceiling->bytes_per_ms;
 }
 
 static void copy_on_cpu(struct bench *bench, uint32_t at)
@@ -175,13 +148,6 @@ static bool advance_all(struct bench *bench, bool taken)
     return true;
 }
 
-static void run_on_cpu(struct bench *bench, uint32_t at)
-{
-    copy_on_cpu(bench, at);
-    for (uint32_t i = 0; i < bench->limits.count; i++)
-        limit_time(&bench->limits.list[i], at);
-}
-
 static bool run_all(struct bench *bench)
 {
     uint32_t frames = bench->warmup + bench->frames;
@@ -193,7 +159,7 @@ static bool run_all(struct bench *bench)
         if (!advance_all(bench, i >= bench->warmup))
             return false;
         if (i >= bench->warmup)
-            run_on_cpu(bench, i - bench->warmup);
+            copy_on_cpu(bench, i - bench->warmup);
     }
     return advance_all(bench, false);
 }
@@ -239,21 +205,8 @@ static bool prepare(struct bench *bench)
                               &bench->options->setup);
 }
 
-/* The plain C is checked against the first side's results. */
-static bool prepare_limits(struct bench *bench)
-{
-    const struct session_info session = {.side = &bench->sides.list[0],
-                                         .console = bench->console,
-                                         .setup = &bench->subject.options.setup,
-                                         .pipeline = &bench->subject.pipeline,
-                                         .scene = &bench->scene};
-    return limits_open(&bench->limits, bench->console, &bench->subject.pipeline, bench->frames) &&
-           limits_check(&bench->limits, &session);
-}
-
 static void release(struct bench *bench)
 {
-    limits_close(&bench->limits);
     for (uint32_t i = 0; bench->list && i < bench->sides.count; i++) {
         lane_free(&bench->list[i].whole);
         lane_free(&bench->list[i].passes);
@@ -278,7 +231,7 @@ int verb_bench(struct console *console, const struct options *options)
         sides_free(&bench.sides);
         return EXIT_USAGE;
     }
-    bool good = prepare(&bench) && prepare_limits(&bench) && run_all(&bench);
+    bool good = prepare(&bench) && run_all(&bench);
     if (good) {
         bench_print(&bench);
         console->result = bench_json(&bench);

@@ -6,7 +6,6 @@
 #include "console/options.h"
 #include "console/spread.h"
 #include "measure/bench_work.h"
-#include "measure/limit.h"
 #include "run/session.h"
 #include "run/worker.h"
 
@@ -35,7 +34,7 @@ struct bench_side {
 
 /* Best measured rates of a device or the CPU. */
 struct ceiling {
-    double bytes_per_ms, flops_per_ms; /* NAN: not measured */
+    double bytes_per_ms; /* NAN: not measured */
 };
 
 struct bench {
@@ -46,9 +45,8 @@ struct bench {
     struct bench_side *list;           /* as many as there are sides */
     struct programme subject, machine; /* to time; templates/machine.yaml */
     struct scene scene;
-    struct limits limits; /* of the subject */
-    double *copy_ms;      /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
-    uint8_t *original;    /* 2 x COPY_BYTES, owned */
+    double *copy_ms;   /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
+    uint8_t *original; /* 2 x COPY_BYTES, owned */
 };
 
 enum { COPY_BYTES = 32 << 20 };
@@ -66,12 +64,6 @@ struct spread bench_pass_ms(const struct lane *lane, uint32_t pass);
 struct work bench_work(const struct bench *bench, const struct programme *programme, uint32_t pass);
 struct ceiling bench_ceiling(const struct bench *bench, const struct bench_side *side);
 double bench_copy_bytes_per_ms(const struct bench *bench); /* of the CPU */
-
-/* The pass in plain C, or NULL. */
-const struct limit_pass *bench_limit(const struct bench *bench, uint32_t pass);
-/* Time divided by the plain C's: per frame; *ratio is that of the medians. */
-struct spread bench_limit_ratio(const struct bench *bench, const struct bench_side *side,
-                                const struct limit_pass *limit, double *of_medians);
 
 /* Lower bound of a pass's time, from the device's measured rates. */
 double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);

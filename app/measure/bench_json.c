@@ -26,19 +26,6 @@ static void add_spread(cJSON *parent, const char *name, struct spread spread)
     cJSON_AddNumberToObject(item, "count", spread.count);
 }
 
-/* Time divided by the plain C's: of the medians, and per frame. */
-static void add_limit_ratio(cJSON *item, const struct bench *bench, const struct bench_side *side,
-                            uint32_t pass)
-{
-    const struct limit_pass *limit = bench_limit(bench, pass);
-    double ratio = NAN;
-    struct spread spread = {0};
-    if (limit)
-        spread = bench_limit_ratio(bench, side, limit, &ratio);
-    add_number(item, "limit_ratio", ratio);
-    add_spread(item, "limit_ratios", spread);
-}
-
 static cJSON *side_json(const struct bench *bench, const struct bench_side *side)
 {
     const struct lane *whole = &side->whole;
@@ -52,7 +39,6 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
     const struct ceiling ceiling = bench_ceiling(bench, side);
     cJSON *machine = cJSON_AddObjectToObject(item, "machine");
     add_number(machine, "gb_s", ceiling.bytes_per_ms * 1e-6);
-    add_number(machine, "gflop_s", ceiling.flops_per_ms * 1e-6);
     cJSON *passes = cJSON_AddArrayToObject(item, "passes");
     for (uint32_t i = 0; i < bench->subject.pipeline.info->pass_count; i++) {
         cJSON *pass = cJSON_CreateObject();
@@ -61,27 +47,10 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
         struct work work = bench_work(bench, &bench->subject, i);
         add_spread(pass, "ms", ms);
         add_number(pass, "gb_s", (work.read + work.written) / ms.median * 1e-6);
-        add_number(pass, "gflop_s", work.flops / ms.median * 1e-6);
         add_number(pass, "floor_ms", bench_floor_ms(&work, &ceiling));
-        add_limit_ratio(pass, bench, side, i);
         cJSON_AddItemToArray(passes, pass);
     }
     return item;
-}
-
-static void add_limit(cJSON *item, const struct bench *bench, uint32_t pass)
-{
-    const struct limit_pass *limit = bench_limit(bench, pass);
-    if (!limit) {
-        cJSON_AddNullToObject(item, "limit");
-        return;
-    }
-    cJSON *json = cJSON_AddObjectToObject(item, "limit");
-    cJSON_AddStringToObject(json, "file", bench->subject.pipeline.info->passes[pass].limit);
-    add_spread(json, "ms", spread_of(limit->ms, bench->frames, 1));
-    cJSON_AddNumberToObject(json, "relative", limit->tolerance->relative);
-    cJSON_AddNumberToObject(json, "outliers", limit->outliers);
-    cJSON_AddNumberToObject(json, "outliers_allowed", limit->tolerance->outliers);
 }
 
 static void add_work(cJSON *root, const struct bench *bench)
@@ -93,8 +62,6 @@ static void add_work(cJSON *root, const struct bench *bench)
         cJSON_AddStringToObject(pass, "pass", bench->subject.pipeline.info->passes[i].name);
         cJSON_AddNumberToObject(pass, "bytes_read", work.read);
         cJSON_AddNumberToObject(pass, "bytes_written", work.written);
-        cJSON_AddNumberToObject(pass, "flops", work.flops);
-        add_limit(pass, bench, i);
         cJSON_AddItemToArray(passes, pass);
     }
 }

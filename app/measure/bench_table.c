@@ -84,20 +84,18 @@ static void print_rates(const struct bench *bench, const struct bench_side *side
     double ms = bench_pass_ms(&side->passes, pass).median;
     const struct ceiling ceiling = bench_ceiling(bench, side);
     print_number((work->read + work->written) / ms * 1e-6, "%.2f");
-    print_number(work->flops / ms * 1e-6, "%.2f");
     print_number(ms / bench_floor_ms(work, &ceiling), "%.1f");
 }
 
 static void print_ceilings(const struct bench *bench, int width)
 {
-    printf("%-*s  %*s  %*s", width, "copy, arithmetic", COLUMN, "", COLUMN, "");
+    printf("%-*s  %*s", width, "copy", COLUMN, "");
     for (uint32_t i = 0; i < bench->sides.count; i++) {
         const struct ceiling ceiling = bench_ceiling(bench, &bench->list[i]);
         print_number(ceiling.bytes_per_ms * 1e-6, "%.2f");
-        print_number(ceiling.flops_per_ms * 1e-6, "%.2f");
         printf("  %*s", COLUMN, "");
     }
-    printf("\n%-*s  %*s  %*s", width, "memcpy", COLUMN, "", COLUMN, "");
+    printf("\n%-*s  %*s", width, "memcpy", COLUMN, "");
     print_number(bench_copy_bytes_per_ms(bench) * 1e-6, "%.2f");
     printf("\n");
 }
@@ -106,39 +104,19 @@ static void print_work(const struct bench *bench)
 {
     const struct dt_pipeline *info = bench->subject.pipeline.info;
     int width = name_width(info);
-    printf("%-*s  %*s  %*s", width, "resources once", COLUMN, "MB", COLUMN, "Mflop");
+    printf("%-*s  %*s", width, "resources once", COLUMN, "MB");
     for (uint32_t i = 0; i < bench->sides.count; i++)
-        printf("  %*s%s  %*s  %*s", COLUMN - 5, bench->sides.list[i].label, " GB/s", COLUMN,
-               "Gflop/s", COLUMN, "x floor");
+        printf("  %*s%s  %*s", COLUMN - 5, bench->sides.list[i].label, " GB/s", COLUMN, "x floor");
     printf("\n");
     for (uint32_t pass = 0; pass < info->pass_count; pass++) {
         struct work work = bench_work(bench, &bench->subject, pass);
         printf("%-*s", width, info->passes[pass].name);
         print_number((work.read + work.written) * 1e-6, "%.3f");
-        print_number(work.flops * 1e-6, "%.3f");
         for (uint32_t i = 0; i < bench->sides.count; i++)
             print_rates(bench, &bench->list[i], &work, pass);
         printf("\n");
     }
     print_ceilings(bench, width);
-}
-
-/* Time of the plain C, and each backend's time divided by it. */
-static void print_limit(const struct bench *bench, const struct limit_pass *limit)
-{
-    const struct dt_pass *pass = &bench->subject.pipeline.info->passes[limit->pass];
-    struct spread ms = spread_of(limit->ms, bench->frames, 1);
-    printf("%s in plain C (%s): %.2f ms, %.2f to %.2f; %.2g %% of its numbers differ by more than "
-           "%.2g %%\n",
-           pass->name, pass->limit, ms.median, ms.p5, ms.p95, 100 * limit->outliers,
-           100 * limit->tolerance->relative);
-    for (uint32_t i = 0; i < bench->sides.count; i++) {
-        double ratio;
-        struct spread spread = bench_limit_ratio(bench, &bench->list[i], limit, &ratio);
-        if (spread.count)
-            printf("  %s takes %.2f times as long, %.2f to %.2f\n", bench->sides.list[i].label,
-                   ratio, spread.p5, spread.p95);
-    }
 }
 
 /* CPU time per frame. */
@@ -163,8 +141,6 @@ void bench_print(const struct bench *bench)
     printf("\n");
     print_work(bench);
     printf("\n");
-    for (uint32_t i = 0; i < bench->limits.count; i++)
-        print_limit(bench, &bench->limits.list[i]);
     for (uint32_t i = 0; i < bench->sides.count; i++)
         print_costs(&bench->list[i]);
 }

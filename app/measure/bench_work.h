@@ -1,4 +1,4 @@
-/* Bytes and float operations of a pass, estimated from the pipeline's reflection. Called by the
+/* Bytes of a pass, estimated from the pipeline's reflection. Called by the
  * files of bench. */
 #ifndef DIPTYCH_BENCH_WORK_H
 #define DIPTYCH_BENCH_WORK_H
@@ -8,19 +8,16 @@
 /* Inputs of the estimate. */
 struct work_frame {
     const struct dt_pipeline *pipeline;
-    const void *live;
     uint32_t size[2];                   /* of the frame */
     uint32_t vertex_count, index_count; /* of the scene */
 };
 
 struct work {
     double read, written; /* bytes */
-    double flops;
 };
 
 /* Counts every resource of the pass whole and once, and the vertices and indices of a scene that it
- * draws; textures count nothing. A draw transforms every vertex once per instance and covers every
- * texel of its targets once. An indirect pass counts only the operations of its fragments. */
+ * draws; textures count nothing. */
 struct work work_of(const struct work_frame *frame, uint32_t index);
 
 #endif

@@ -110,18 +110,6 @@ bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage,
     return good;
 }
 
-char *plan_limit(const struct plan *plan, uint32_t pass)
-{
-    struct text text = {0};
-    const struct pipeline *pipeline = &plan->spec.model.pipeline;
-    if (!pipeline->order[pass]->limit_body)
-        return NULL;
-    emit_limit(pipeline, pipeline->order[pass], &text);
-    if (text.failed)
-        text_free(&text);
-    return text.data;
-}
-
 struct plan_input plan_input(const struct plan *plan, uint32_t resource)
 {
     const struct resource *of = &plan->spec.model.pipeline.resources[resource];

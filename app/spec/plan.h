@@ -27,8 +27,6 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count);
 /* The GLSL of a pass for a backend ("gl", "vk"); stage: 0 compute, 1 vertex, 2 fragment. *glsl is
  * NULL where the pass has none, and belongs to the plan. False when out of memory. */
 bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
-/* The pass's `limit` file with a #line that names it; free(). NULL: none, or out of memory. */
-char *plan_limit(const struct plan *plan, uint32_t pass);
 
 /* Of a resource with `input` or `file` in the spec. */
 struct plan_input {

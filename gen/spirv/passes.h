@@ -25,15 +25,4 @@ bool spirv_reach(struct spirv *module);
  * many operations per iteration. */
 void spirv_keep_loops(struct spirv *module);
 
-/* The block of parameters in force: uniform and live ones. */
-struct parameter_values {
-    uint32_t binding;
-    const void *bytes;
-    uint32_t size;
-};
-/* iterations.c: for each label below the module's bound, how often the loop runs that starts there;
- * 0: no loop. 1 also where more than constants and parameters decide, or `break` or `return` can
- * end the loop. free(). NULL when out of memory. */
-uint64_t *spirv_iterations(const struct spirv *module, const struct parameter_values *parameters);
-
 #endif

@@ -151,11 +151,6 @@ struct dt_pass {
     /* mask of the mips of each write; NULL: all 1. A mip that no pass of the frame has written yet
      * has undefined content, unless it has history */
     const uint16_t *write_mips;
-    const char *limit; /* C version of the pass for the CPU, see limit.h; NULL: none */
-    /* lower bound of float operations per invocation without early return: [0] compute or vertex
-     * shader, [1] fragment shader. Counts loops as often as constants and parameters (at their
-     * defaults) say, else once, and the cheapest other branches */
-    uint64_t flops[2];
 };
 
 struct dt_param {

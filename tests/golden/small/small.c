@@ -125,12 +125,12 @@ static const struct dt_pass passes[] = {
         .name = "scene", .doc = "", .shader = "small_scene.glsl", .kind = DT_PASS_DRAW_SCENE,
             .uses_scene = true,
         .writes = (const uint16_t[]){SMALL_RESOURCE_NORMAL, SMALL_RESOURCE_DEPTH},
-        .write_count = 2, .flops = {/* counted */},
+        .write_count = 2,
     },
     [SMALL_PASS_PLACE] = {
         .name = "place", .doc = "", .shader = "small_place.glsl", .kind = DT_PASS_DISPATCH,
         .writes = (const uint16_t[]){SMALL_RESOURCE_LAMPS},
-        .write_count = 1, .flops = {/* counted */},
+        .write_count = 1,
     },
     [SMALL_PASS_SHADE] = {
         .name = "shade", .doc = "every lamp on every pixel", .shader = "small_shade.glsl",
@@ -139,28 +139,28 @@ static const struct dt_pass passes[] = {
             SMALL_RESOURCE_DEPTH},
         .read_count = 3,
         .writes = (const uint16_t[]){SMALL_RESOURCE_LIT},
-        .write_count = 1, .flops = {/* counted */},
+        .write_count = 1,
     },
     [SMALL_PASS_GLOW] = {
         .name = "glow", .doc = "", .shader = "small_glow.glsl", .kind = DT_PASS_DRAW_FULLSCREEN,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LIT},
         .read_count = 1,
         .writes = (const uint16_t[]){SMALL_RESOURCE_HALO},
-        .write_count = 1, .flops = {/* counted */},
+        .write_count = 1,
     },
     [SMALL_PASS_FOLLOW] = {
         .name = "follow", .doc = "", .shader = "small_follow.glsl", .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_LIT, SMALL_RESOURCE_HALO},
         .read_count = 2,
         .writes = (const uint16_t[]){SMALL_RESOURCE_TRAIL},
-        .write_count = 1, .flops = {/* counted */},
+        .write_count = 1,
     },
     [SMALL_PASS_SHOW] = {
         .name = "show", .doc = "", .shader = "small_show.glsl", .kind = DT_PASS_DISPATCH,
         .reads = (const uint16_t[]){SMALL_RESOURCE_TRAIL},
         .read_count = 1,
         .writes = (const uint16_t[]){SMALL_RESOURCE_SHOWN},
-        .write_count = 1, .flops = {/* counted */},
+        .write_count = 1,
     },
 };
 

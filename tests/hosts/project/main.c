@@ -16,7 +16,7 @@ int main(void)
 {
     const struct dt_vk_host nobody = {.log = {.message = on_log}};
     for (uint32_t i = 0; i < wave_pipeline.pass_count; i++)
-        printf("pass %s, %llu operations\n", wave_pipeline.passes[i].name,
-               (unsigned long long)wave_pipeline.passes[i].flops[0]);
+        printf("pass %s, shader %s\n", wave_pipeline.passes[i].name,
+               wave_pipeline.passes[i].shader);
     return dt_vk_open(&nobody) != NULL || wave_vk.panel != &wave_panel;
 }
