@@ -22,7 +22,7 @@ void c_enumerator(const struct c_output *c, const char *group, const char *name)
     c_upper(c->out, name);
 }
 
-/* Question marks are escaped because C11 knows trigraphs. */
+/* A question mark behind another is escaped, because C11 knows trigraphs. */
 void c_string(struct text *out, const char *text)
 {
     text_add(out, "\"");
@@ -31,7 +31,7 @@ void c_string(struct text *out, const char *text)
 
         if (byte == '\n')
             text_add(out, "\\n");
-        else if (byte == '"' || byte == '\\' || (byte == '?' && at[1] == '?'))
+        else if (byte == '"' || byte == '\\' || (byte == '?' && at > text && at[-1] == '?'))
             text_add(out, "\\%c", byte);
         else if (byte < 32 || byte == 127)
             text_add(out, "\\%03o", byte);

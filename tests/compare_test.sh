@@ -153,16 +153,16 @@ while IFS='|' read -r what text; do
     damaged "$what"
     check "a dump with $what is refused" refuses "$text" "${here[@]}" --backend gl --against "$work/damaged"
 done <<'END'
-open(d + '/06.blur.blurred.raw', 'ab').truncate(100)|06.blur.blurred.raw: has 100 bytes instead of 1224: the dump is damaged
-open(d + '/06.blur.blurred.raw', 'ab').write(b'x')|06.blur.blurred.raw: has 1225 bytes instead of 1224: the dump is damaged
+open(d + '/06.blur.blurred.raw', 'ab').truncate(100)|06.blur.blurred.raw: has 100 bytes instead of 1224: the folder is damaged
+open(d + '/06.blur.blurred.raw', 'ab').write(b'x')|06.blur.blurred.raw: has 1225 bytes, more than 1224
 os.remove(d + '/08.follow.trail.raw')|08.follow.trail.raw: cannot be read: No such file or directory
 os.remove(d + '/history.trail.raw')|history.trail.raw: cannot be read: No such file or directory
 os.remove(d + '/manifest.json'); m = None|manifest.json: cannot be read: No such file or directory
-open(d + '/manifest.json', 'w').write('{"entries": ['); m = None|manifest.json: is no manifest of a dump; render --dump makes one
+open(d + '/manifest.json', 'w').write('{"entries": ['); m = None|manifest.json: is no JSON
 m = [1, 2]|manifest.json: is no manifest of a dump; render --dump makes one
 del m['entries'][3]|manifest.json: names no file for depth after pass scene
 m['history'] = []|manifest.json: names no file for memory before pass scene
-m['entries'][0]['file'] = '../dump/00.scene.color.raw'|manifest.json: names no file for color after pass scene
+m['entries'][0]['file'] = '../dump/00.scene.color.raw'|00.scene.color.raw: cannot be read: is outside the folder
 m['entries'][0]['format'] = 'rgba16f'|manifest.json: "format" of color after pass scene is not the pipeline's
 [e for e in m['entries'] if e['resource'] == 'histogram'][0]['fields'][0]['offset'] = 4|manifest.json: "fields" of histogram after pass count is not the pipeline's
 m['entries'][0]['width'] = 16|manifest.json: "width" of color after pass scene is not the pipeline's

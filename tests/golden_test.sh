@@ -172,4 +172,23 @@ for kind in baked live uniform; do
 done
 check "a file that --set names lies beside the spec, also if --set names the pipeline" \
     "$gen" --check tests/specs/kinds.yaml --set pipeline=other --set passes.sum.shader=kinds_sum.glsl
+
+# Question marks make no trigraphs.
+# shellcheck disable=SC2317
+keeps_question_marks() {
+    mkdir -p "$work/marks"
+    printf 'void main()\n{\n    grey_store(invocation().xy, vec4(level));\n}\n' >"$work/marks/marks.glsl"
+    cat >"$work/marks/marks.yaml" <<'END'
+pipeline: marks
+params: {level: {value: 0.5, doc: "x???/ y??? z??!??"}}
+images: {grey: {format: r32f, size: [8, 8]}}
+passes:
+  - {name: fill, dispatch: grey, writes: [grey], shader: marks.glsl}
+END
+    "$gen" "$work/marks/marks.yaml" -o "$work/marks/out" >/dev/null &&
+        cc -std=c11 -Wall -Wextra -Wtrigraphs -Werror -I. -Itemplates/c -fsyntax-only "$work/marks/out/marks.c" &&
+        cc -std=c11 -I. -Itemplates/c -E -P "$work/marks/out/marks.c" | grep -F 'x?' >"$work/marks/text" &&
+        [ "$(grep -o '"x?[^"]*"' "$work/marks/text" | head -n 1 | sed 's/\\?/?/g')" = '"x???/ y??? z??!??"' ]
+}
+check "question marks make no trigraphs" keeps_question_marks
 finish
