@@ -181,6 +181,7 @@ END
 cc -shared -fPIC -DSECRET="\"$work/home/secret\"" -DFOLDER="\"$work/case\"" -o "$work/driver/spy.so" "$work/driver/spy.c" || exit 1
 echo '{"file_format_version": "1.0.0", "ICD": {"library_path": "'"$work"'/driver/spy.so", "api_version": "1.3.0"}}' \
     >"$work/driver/spy.json"
+# shellcheck disable=SC2317
 spied() { # text option...: replays with that driver
     local text=$1
     shift
@@ -192,6 +193,7 @@ spied() { # text option...: replays with that driver
 if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
     check "a replay sees no files, no variables, no network, and writes nothing" \
         spied "file no, variable no, written no, networks [01]$"
+    # shellcheck disable=SC2016
     check "... but as JSON what it found" \
         bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"
 else

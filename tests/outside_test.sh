@@ -99,11 +99,13 @@ check "an ICC profile" says as_is p3.png "Display P3; its numbers are kept"
 check "... in a JPEG" says as_is adobe.jpg "Adobe RGB (1998); its numbers are kept"
 check "... of sRGB" says as_codes srgb.png ""
 check "cICP" says as_is pq.png "one of primaries 9, transfer 16 (cICP)"
+# shellcheck disable=SC2016
 check "the exposure of an HDR" says as_is exposed.hdr 'linear, changed by `EXPOSURE= 2.0`'
 check "... which may be 1" says as_light once.hdr ""
 check "light where the spec promises codes" says as_codes once.hdr "linear; its numbers are taken as sRGB codes"
 check "an OpenEXR of a part of its window" says as_light window.exr ""
 check "... is zero in the rest" /usr/bin/python3 "$root/tests/outside.py" window said
+# shellcheck disable=SC2016
 for wrong in 'bottom.hdr:its rows and columns are `+Y 1 +X 4`' "runs.hdr:it has run lengths of Radiance's first version" \
     "half.jpg:Premature end of JPEG file"; do
     check "${wrong%%:*} is refused" told 1 "${wrong#*:}" "$diptych" render --spec as_is.yaml --input "picture=${wrong%%:*}" --backend gl --dump large
