@@ -49,6 +49,8 @@ struct options {
     uint32_t frames;         /* 0 with --motion where not given: all of it */
     uint32_t frame;          /* reference: of the motion */
     const char *against;     /* folder of a dump */
+    const char *dumps[2];    /* compare: folders of two dumps, or NULL */
+    const char *contracts;   /* of these */
     const char *dump;
     const char *timings;
     const char *capture;

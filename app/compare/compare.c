@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "build/inputs.h"
 #include "compare/bisect.h"
+#include "theirs/compare_dumps.h"
 
 /* Fills resources without history before the first frame: memory that no pass has written then
  * differs in every pair. */
@@ -494,6 +495,8 @@ static bool run(struct compare *compare)
 int verb_compare(struct console *console, const struct options *options)
 {
     struct compare compare = {.console = console, .options = *options};
+    if (options->dumps[0] || options->contracts)
+        return compare_dumps(console, options);
     bool differ = false;
     bool good = run(&compare);
     /* print partial results after an error, too */
