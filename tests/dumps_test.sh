@@ -16,16 +16,19 @@ says() { # status, pattern, arguments...
     "$diptych" compare "$@" >"$work/said" 2>&1
     local got=$?
     cat "$work/said"
-    [ $got = "$want" ] && grep -Eq -- "$pattern" "$work/said"
+    [ "$got" = "$want" ] && grep -Eq -- "$pattern" "$work/said"
 }
 
 check "equal dumps agree" says 0 '^all 3 resources that both have agree$' plain plain
 check "the first pass that differs is named" says 1 '^first pass that differs: light, resource radiance$' plain late
 check "... with what makes both equal" says 1 '^why: radiance: equal after a flip in y' plain late
-check "... and in JSON" sh -c '"$1" compare plain late --json json >/dev/null; /usr/bin/python3 -c "
-import json; j = json.load(open(\"json\")); r = j[\"results\"][1]
-assert j[\"exit_status\"] == 1 and not j[\"agree\"] and j[\"guilty\"][\"resource\"] == \"radiance\", j
-assert r[\"why\"][0][\"name\"] == \"flip_y\" and r[\"why\"][0][\"after\"] == 0 < r[\"why\"][0][\"before\"], r"' - "$diptych"
+"$diptych" compare plain late --json json >/dev/null
+check "... and in JSON" /usr/bin/python3 -c '
+import json
+j = json.load(open("json"))
+r = j["results"][1]
+assert j["exit_status"] == 1 and not j["agree"] and j["guilty"]["resource"] == "radiance", j
+assert r["why"][0]["name"] == "flip_y" and r["why"][0]["after"] == 0 < r["why"][0]["before"], r'
 check "resources without a partner are named" says 0 'bloom .* not in the second dump' more plain
 check "... of the second as well" says 0 'bloom .* not in the first dump' plain more
 check "formats are converted, and the note says so" says 0 'formats rgba32f and rgba8, compared as rgba8' wide narrow
