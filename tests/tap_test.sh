@@ -4,6 +4,7 @@
 cd "$root" || exit 1
 warn=(-Wall -Wextra -Werror -pedantic -Itemplates/c)
 
+# shellcheck disable=SC2317 # called through check
 check_header() { # header include language...
     local header=$1 include=$2
     shift 2

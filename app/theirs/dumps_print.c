@@ -129,20 +129,6 @@ static cJSON *entry_json(const struct their_entry *entry)
     return root;
 }
 
-static void add_why(cJSON *root, const struct why *why)
-{
-    cJSON *list = cJSON_AddArrayToObject(root, "why");
-    for (uint32_t i = 0; i < why->count; i++) {
-        const struct why_reason *reason = &why->reasons[i];
-        cJSON *item = cJSON_CreateObject();
-        cJSON_AddStringToObject(item, "name", reason->name);
-        cJSON_AddStringToObject(item, "text", reason->text);
-        cJSON_AddNumberToObject(item, "before", (double)reason->before);
-        cJSON_AddNumberToObject(item, "after", (double)reason->after);
-        cJSON_AddItemToArray(list, item);
-    }
-}
-
 static cJSON *match_json(const struct dumps *dumps, const struct match *match)
 {
     const char *const labels[2] = {dumps->sides[0].label, dumps->sides[1].label};
@@ -156,7 +142,7 @@ static cJSON *match_json(const struct dumps *dumps, const struct match *match)
     if (match->not_finite)
         cJSON_AddNumberToObject(root, "not_finite_in_both", (double)match->not_finite);
     if (match->why.count)
-        add_why(root, &match->why);
+        why_json(root, &match->why);
     return root;
 }
 

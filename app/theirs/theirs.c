@@ -12,7 +12,7 @@
 #include "base/foreign.h"
 #include "base/printable.h"
 
-enum { MOST_EXTENT = 1 << 24, MOST_FIELDS = 256, MOST_STRIDE = 65536, MOST_ENTRIES = 100000 };
+enum { MOST_EXTENT = 1 << 24, MOST_FIELDS = 256, MOST_STRIDE = 65536, MOST_ENTRIES = 10000 };
 #define MOST_BYTES ((uint64_t)4 << 30)
 
 static struct their_entry *add_entry(struct theirs *theirs)

@@ -1,6 +1,7 @@
 /* Tries the faults of why_table.c on samples, and counts the best ones on all elements; see why.h. */
 #include "theirs/why.h"
 
+#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +9,7 @@
 #include "base/files.h"
 #include "theirs/why_fault.h"
 
-enum { MOST_SAMPLES = 2048, MOST_COUNTED = 4 << 20 };
+enum { FEW = 4, MOST_SAMPLES = 2048, MOST_COUNTED = 4 << 20 };
 #define MOST_SLACK 14.0 /* codes: as steep as sRGB at black */
 
 /* Beyond what two results that are equal but for rounding differ by. */
@@ -117,6 +118,7 @@ static bool is_wrong(const struct asked *asked, const struct trial *trial, uint6
 struct tally {
     uint64_t before, elements; /* of all */
     bool fine;
+    bool few;     /* less than FEW numbers differ */
     double error; /* of the differing samples without a fault */
 };
 
@@ -174,6 +176,8 @@ static void run_trial(struct asked *asked, struct trial *trial, const struct tal
     memcpy(asked->fit, fault->p, sizeof asked->fit);
     if (fault->fit && !fault->fit(asked, fault))
         return;
+    if (!fault->share && tally->few)
+        return; /* much explains a number or two */
     if (trial->inner && trial->inner->fit)
         return;
     memcpy(trial->fit, asked->fit, sizeof trial->fit);
@@ -272,6 +276,18 @@ static void sample_all(struct asked *asked, uint64_t elements, uint64_t *samples
         samples[asked->all_count++] =
             elements <= MOST_SAMPLES ? i % elements : (state >> 20) % elements;
     }
+}
+
+/* Of the differing samples. */
+static uint32_t differing_numbers(const struct asked *asked)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < asked->differing_count; i++)
+        for (uint32_t c = 0; c < asked->count; c++) {
+            struct place place = place_of(asked, asked->differing[i], c);
+            count += copy_number(asked, asked->from, place) != copy_number(asked, asked->to, place);
+        }
+    return count;
 }
 
 static void measure_range(struct asked *asked)
@@ -437,8 +453,9 @@ static bool look(struct why *why, struct asked *asked, const struct why_question
         return true;
     for (uint32_t i = 0; i < asked->differing_count; i++)
         is_wrong(asked, NULL, asked->differing[i], tally.fine, &tally.error, &unknown);
+    tally.few = differing_numbers(asked) < FEW;
     try_all(asked, best, &tally);
-    if (!best[0].fault || best[0].cost > 0.15)
+    if (!tally.few && (!best[0].fault || best[0].cost > 0.15))
         try_pairs(asked, best, &tally);
     return tell(why, asked, question, best, &tally);
 }
@@ -488,6 +505,20 @@ bool why_find(struct why *why, const struct why_question *question)
     free(samples);
     free(transposed);
     return good;
+}
+
+void why_json(cJSON *root, const struct why *why)
+{
+    cJSON *list = cJSON_AddArrayToObject(root, "why");
+    for (uint32_t i = 0; i < why->count; i++) {
+        const struct why_reason *reason = &why->reasons[i];
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "name", reason->name);
+        cJSON_AddStringToObject(item, "text", reason->text);
+        cJSON_AddNumberToObject(item, "before", (double)reason->before);
+        cJSON_AddNumberToObject(item, "after", (double)reason->after);
+        cJSON_AddItemToArray(list, item);
+    }
 }
 
 void why_free(struct why *why)

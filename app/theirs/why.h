@@ -6,6 +6,8 @@
 #include "base/texels.h"
 #include "diptych.h"
 
+struct cJSON;
+
 /* Content beside the copy that is asked about. */
 enum why_relative {
     WHY_FRAME_BEFORE,
@@ -38,6 +40,8 @@ struct why {
 
 /* False when out of memory. why_free either way. */
 bool why_find(struct why *why, const struct why_question *question);
+/* Adds the list "why" to an object: name, text, before, after. */
+void why_json(struct cJSON *root, const struct why *why);
 void why_free(struct why *why); /* takes a zeroed one */
 
 #endif

@@ -730,7 +730,7 @@ static double not_inverted(const struct asked *asked, const struct fault *fault)
     uint64_t most = 0;
     uint32_t both = 0, covered = 0;
     (void)fault;
-    if (!asked->all_count || unlike(asked, asked->from, asked->all, asked->all_count, &most) > 0.97)
+    if (!asked->all_count || unlike(asked, asked->from, asked->all, asked->all_count, &most) > 0.9)
         return 9;
     for (uint32_t i = 0; i < asked->all_count; i++) {
         bool a = true, b = true;
@@ -743,14 +743,16 @@ static double not_inverted(const struct asked *asked, const struct fault *fault)
         both += a == b;
         covered += !a;
     }
-    return covered * 50 > asked->all_count ? (double)both / asked->all_count : 9;
+    return covered * 10 > asked->all_count && covered * 10 < asked->all_count * 9
+               ? (double)both / asked->all_count
+               : 9;
 }
 
 /* Only channel p[0] differs. */
 static double other_channels(const struct asked *asked, const struct fault *fault)
 {
     uint32_t others = 0;
-    if (asked->count < 2 || fault->p[0] >= asked->count)
+    if (asked->count < 2 || asked->differing_count < 4 || fault->p[0] >= asked->count)
         return 9;
     for (uint32_t i = 0; i < asked->differing_count; i++)
         for (uint32_t c = 0; c < asked->count; c++)
