@@ -8,6 +8,7 @@
 #include "base/files.h"
 #include "spec/inputs.h"
 #include "compare/bisect.h"
+#include "theirs/compare_dumps.h"
 
 /* Fills resources without history before the first frame: memory that no pass has written then
  * differs in every pair. */
@@ -32,6 +33,23 @@ static bool is_worse(const struct difference *a, const struct difference *b)
     return a->worst.valid && (!b->worst.valid || a->worst.error > b->worst.error);
 }
 
+/* Of what breaks its contract first, while both copies are there. */
+static bool ask_why(struct pair *pair, const struct dt_resource *resource,
+                    const struct dt_bytes copies[2])
+{
+    const struct why_question question = {.resource = resource,
+                                          .copies = copies,
+                                          .labels = {pair->sides[0]->label, pair->sides[1]->label}};
+    return pair->broken || pair->found.size_differs ||
+           difference_verdict(&pair->found) != VERDICT_DIFFERS || why_find(&pair->why, &question);
+}
+
+bool compare_knows_why(const struct pair *pair)
+{
+    return pair->why.count && !pair->broken_early && pair->blame.outcome == BLAME_GUILTY &&
+           pair->blame.row == pair->broken_row && pair->blame.frame == pair->broken_frame;
+}
+
 /* Compares all sides' copies of one row at this stop; each pair's result goes to pair->found. */
 static bool compare_copies(struct compare *compare, const struct row *row, uint32_t frame,
                            uint64_t *hash)
@@ -48,7 +66,8 @@ static bool compare_copies(struct compare *compare, const struct row *row, uint3
         struct pair *pair = &compare->pairs[i];
         if (!source_take(&compare->sources[i + 1], row, &copies[1]))
             return false;
-        good = difference_measure(&pair->found, resource, frame, copies);
+        good = difference_measure(&pair->found, resource, frame, copies) &&
+               ask_why(pair, resource, copies);
     }
     if (!good)
         report_error(&compare->console->log, "out of memory");
@@ -364,6 +383,7 @@ static void release(struct compare *compare)
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         blame_free(&pair->blame);
+        why_free(&pair->why);
         for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
             free_result(&pair->results[k]);
         free(pair->results);
@@ -496,6 +516,8 @@ static bool run(struct compare *compare)
 int verb_compare(struct console *console, const struct options *options)
 {
     struct compare compare = {.console = console, .options = *options};
+    if (options->dumps[0] || options->contracts)
+        return compare_dumps(console, options);
     bool differ = false;
     bool good = run(&compare);
     /* print partial results after an error, too */

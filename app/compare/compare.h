@@ -13,6 +13,7 @@
 #include "result/rows.h"
 #include "result/strip.h"
 #include "run/source.h"
+#include "theirs/why.h"
 
 enum { SHOWN_PICTURES = 3 };
 
@@ -50,6 +51,7 @@ struct pair {
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
     struct blame blame;
+    struct why why; /* of that row and frame, with all inputs as they were */
     /* BLAME_WITHIN: results are the passes' own errors, in blame.frame */
     bool on_equal_inputs;
 };
@@ -94,6 +96,9 @@ bool golden_end(struct compare *compare);
 bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
+
+/* Whether `why` is of the guilty pass. */
+bool compare_knows_why(const struct pair *pair);
 
 void compare_print(const struct compare *compare); /* on stdout */
 

@@ -98,6 +98,8 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
         cJSON_AddStringToObject(event, "shader", shader);
     if (guilty && compare->region && pair == compare->bisected)
         add_region(event, compare, guilty);
+    if (compare_knows_why(pair))
+        why_json(root, &pair->why);
     event = add_event(root, "not_repeatable", compare, strayed, true, blame->frame);
     if (strayed)
         cJSON_AddStringToObject(event, "side", blame->side->label);

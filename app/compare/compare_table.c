@@ -103,6 +103,8 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
     const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
     switch (blame->outcome) {
     case BLAME_GUILTY:
+        for (uint32_t i = 0; compare_knows_why(pair) && i < pair->why.count; i++)
+            printf("%s %s: %s\n", i ? "or  " : "why:", row->name, pair->why.reasons[i].text);
         printf("guilty: pass %s", pass->name);
         if (pass->shader)
             printf(" (shader %s)", pass->shader);

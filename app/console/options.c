@@ -17,6 +17,15 @@
 static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
      "folder that compare --bisect wrote"},
+    {"A", OPTION_STRING, AT(dumps[0]), VERB_COMPARE, 0, NULL,
+     "folder with a dump of any renderer (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
+     ".exr, "
+     ".npy); then nothing is run"},
+    {"B", OPTION_STRING, AT(dumps[1]), VERB_COMPARE, 0, NULL, "the dump to compare with it"},
+    {"--contracts", OPTION_STRING, AT(contracts), VERB_COMPARE, 0, "FILE",
+     "A B: how far resources may differ (YAML), like `radiance: {rel: 1e-3}` (default: integers "
+     "not "
+     "at all, others 1 ulp)"},
     {"DIR", OPTION_STRING, AT(folder), VERB_REPORT, 0, NULL,
      "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},

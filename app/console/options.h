@@ -28,9 +28,11 @@ enum verb_id {
 struct options {
     struct setup setup;
     const char *output;
-    const char *with; /* overlay of sets, which stand in set_list */
-    char *with_text;  /* owned */
-    uint32_t frame;   /* reference: of the motion */
+    const char *with;      /* overlay of sets, which stand in set_list */
+    char *with_text;       /* owned */
+    uint32_t frame;        /* reference: of the motion */
+    const char *dumps[2];  /* compare: folders of two dumps, or NULL */
+    const char *contracts; /* of these */
     const char *dump;
     const char *timings;
     const char *show;

@@ -1,0 +1,345 @@
+/* Reads what a dump of anybody's renderer says of itself; see theirs.h. */
+#include "theirs/theirs.h"
+
+#include <dirent.h>
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "console/console.h"
+#include "base/files.h"
+#include "base/foreign.h"
+#include "base/printable.h"
+#include "formats.h"
+
+enum { MOST_EXTENT = 1 << 24, MOST_FIELDS = 256, MOST_STRIDE = 65536, MOST_ENTRIES = 10000 };
+#define MOST_BYTES ((uint64_t)4 << 30)
+
+static struct their_entry *add_entry(struct theirs *theirs)
+{
+    struct their_entry *list = realloc(theirs->entries, (theirs->count + 1) * sizeof *list);
+    if (!list) {
+        report_error(theirs->log, "out of memory");
+        return NULL;
+    }
+    theirs->entries = list;
+    list[theirs->count] = (struct their_entry){0};
+    return &list[theirs->count++];
+}
+
+/* ---- A manifest ------------------------------------------------------------------------------ */
+
+static const char *text_of(const cJSON *object, const char *key)
+{
+    return cJSON_GetStringValue(cJSON_GetObjectItem(object, key));
+}
+
+static bool wrong(const struct theirs *theirs, const struct their_entry *entry, const char *key,
+                  const char *what)
+{
+    report_error(theirs->log, "%s/manifest.json: entry %td: \"%s\" %s", theirs->folder,
+                 entry - theirs->entries, key, what);
+    return false;
+}
+
+/* A whole number from `least` to `most`, or `otherwise` where the key is missing. */
+static bool take_number(const struct theirs *theirs, const struct their_entry *entry,
+                        const cJSON *object, const char *key, uint32_t least, uint32_t most,
+                        uint32_t *number)
+{
+    const cJSON *item = cJSON_GetObjectItem(object, key);
+    double value = cJSON_GetNumberValue(item);
+    char text[80];
+    if (!item && *number >= least)
+        return true;
+    if (cJSON_IsNumber(item) && value >= least && value <= most && value == floor(value)) {
+        *number = (uint32_t)value;
+        return true;
+    }
+    snprintf(text, sizeof text, "is not a whole number from %u to %u", least, most);
+    return wrong(theirs, entry, key, text);
+}
+
+static bool find_type(const char *name, enum dt_type *type)
+{
+    for (int i = 0; i < DT_TYPE_COUNT; i++)
+        if (name && !strcmp(name, type_info((enum dt_type)i)->name)) {
+            *type = (enum dt_type)i;
+            return true;
+        }
+    return false;
+}
+
+static bool take_field(const struct theirs *theirs, const struct their_entry *entry,
+                       const cJSON *item, struct dt_field *field)
+{
+    field->name = text_of(item, "name");
+    if (!field->name)
+        return wrong(theirs, entry, "name", "of a field is missing");
+    if (!find_type(text_of(item, "type"), &field->type))
+        return wrong(theirs, entry, "type", "of a field is no type like float, uvec2 or mat4");
+    uint32_t size = 4 * type_components(field->type), items = 1;
+    if (!take_number(theirs, entry, item, "offset", 0, MOST_STRIDE, &field->offset) ||
+        !take_number(theirs, entry, item, "array_count", 0, MOST_STRIDE / 4, &field->array_count) ||
+        !take_number(theirs, entry, item, "array_stride", 0, MOST_STRIDE, &field->array_stride))
+        return false;
+    items = field->array_count ? field->array_count : 1;
+    if (field->array_count && field->array_stride < size)
+        return wrong(theirs, entry, "array_stride", "is less than an item's size");
+    if (field->offset + (uint64_t)(items - 1) * field->array_stride + size > entry->what.stride)
+        return wrong(theirs, entry, "offset", "of a field leaves no room for it in \"stride\"");
+    return true;
+}
+
+static bool take_buffer(const struct theirs *theirs, struct their_entry *entry, const cJSON *item)
+{
+    const cJSON *fields = cJSON_GetObjectItem(item, "fields"), *field;
+    int count = cJSON_GetArraySize(fields);
+    entry->what.kind = DT_BUFFER;
+    if (count < 1 || count > MOST_FIELDS)
+        return wrong(theirs, entry, "fields", "is not a list of 1 to 256 fields");
+    if (!take_number(theirs, entry, item, "stride", 4, MOST_STRIDE, &entry->what.stride) ||
+        !take_number(theirs, entry, item, "count", 1, UINT32_MAX, &entry->extent[0]))
+        return false;
+    entry->fields = calloc((size_t)count, sizeof *entry->fields);
+    if (!entry->fields)
+        return wrong(theirs, entry, "fields", "need more memory than there is");
+    entry->what.fields = entry->fields;
+    entry->extent[1] = entry->extent[2] = 1;
+    cJSON_ArrayForEach(field, fields)
+    {
+        if (!take_field(theirs, entry, field, &entry->fields[entry->what.field_count++]))
+            return false;
+    }
+    return true;
+}
+
+static bool take_image(const struct theirs *theirs, struct their_entry *entry, const cJSON *item)
+{
+    static const char *const names[] = {"width", "height", "layers"};
+    const char *name = text_of(item, "format"), *origin = text_of(item, "origin");
+    int format = 0;
+    while (format < DT_FORMAT_COUNT &&
+           (!name || !format_info((enum dt_format)format)->name ||
+            strcmp(name, format_info((enum dt_format)format)->name) != 0))
+        format++;
+    if (format == DT_FORMAT_COUNT)
+        return wrong(theirs, entry, "format", "is no format like rgba8, rgba16f or d32f");
+    entry->what.kind = DT_IMAGE;
+    entry->what.format = (enum dt_format)format;
+    entry->what.mips = 1;
+    entry->extent[2] = 1;
+    for (int i = 0; i < 3; i++)
+        if (!take_number(theirs, entry, item, names[i], 1, MOST_EXTENT, &entry->extent[i]))
+            return false;
+    entry->what.layered = entry->extent[2] > 1;
+    uint32_t stride = format_info(entry->what.format)->bytes;
+    if (!take_number(theirs, entry, item, "stride", stride, stride, &stride))
+        return false;
+    origin = origin ? origin : text_of(theirs->manifest, "origin");
+    if (origin && strcmp(origin, "top") != 0 && strcmp(origin, "bottom") != 0)
+        return wrong(theirs, entry, "origin", "is neither \"top\" nor \"bottom\"");
+    entry->origin = !origin ? ORIGIN_UNKNOWN : *origin == 't' ? ORIGIN_TOP : ORIGIN_BOTTOM;
+    return true;
+}
+
+static bool take_entry(struct theirs *theirs, const cJSON *item)
+{
+    struct their_entry *entry = add_entry(theirs);
+    const char *names[] = {"pass", "resource", "file"}, *kind = text_of(item, "kind");
+    if (!entry)
+        return false;
+    char **places[] = {&entry->pass, &entry->resource, &entry->file};
+    for (int i = 0; i < 3; i++) {
+        const char *text = text_of(item, names[i]);
+        *places[i] = text ? strdup(text) : NULL;
+        if (!*places[i])
+            return wrong(theirs, entry, names[i], "is missing");
+    }
+    entry->what.name = entry->resource;
+    entry->described = true;
+    if (!take_number(theirs, entry, item, "mip", 0, 31, &entry->mip) ||
+        !take_number(theirs, entry, item, "frame", 0, UINT32_MAX, &entry->frame))
+        return false;
+    if (!kind || (strcmp(kind, "buffer") != 0 && strcmp(kind, "image") != 0))
+        return wrong(theirs, entry, "kind", "is neither \"buffer\" nor \"image\"");
+    return *kind == 'b' ? take_buffer(theirs, entry, item) : take_image(theirs, entry, item);
+}
+
+static bool take_manifest(struct theirs *theirs)
+{
+    const cJSON *entries = cJSON_GetObjectItem(theirs->manifest, "entries"), *item;
+    const cJSON *version = cJSON_GetObjectItem(theirs->manifest, "version");
+    if (!cJSON_IsArray(entries) || cJSON_GetArraySize(entries) > MOST_ENTRIES) {
+        report_error(theirs->log,
+                     "%s/manifest.json: is no manifest of a dump: it has no list \"entries\"",
+                     theirs->folder);
+        return false;
+    }
+    if (version && cJSON_GetNumberValue(version) != 1) {
+        report_error(theirs->log,
+                     "%s/manifest.json: \"version\" is not 1; a newer diptych may read it",
+                     theirs->folder);
+        return false;
+    }
+    cJSON_ArrayForEach(item, entries)
+    {
+        if (!take_entry(theirs, item))
+            return false;
+    }
+    return true;
+}
+
+/* ---- Pictures and arrays alone ---------------------------------------------------------------- */
+
+static const char *extension_of(const char *name)
+{
+    const char *dot = strrchr(name, '.');
+    return dot && dot != name ? dot : "";
+}
+
+static int is_ours(const struct dirent *file)
+{
+    const char *end = extension_of(file->d_name);
+    return !strcmp(end, ".png") || !strcmp(end, ".exr") || !strcmp(end, ".npy");
+}
+
+/* Cuts ".mip3" or ".frame7" off the end. */
+static bool cut_number(char *name, const char *word, uint32_t *number)
+{
+    char *dot = strrchr(name, '.'), *end = NULL;
+    size_t length = strlen(word);
+    if (!dot || strncmp(dot + 1, word, length) != 0)
+        return false;
+    unsigned long value = strtoul(dot + 1 + length, &end, 10);
+    if (end == dot + 1 + length || *end || value > UINT32_MAX)
+        return false;
+    *number = (uint32_t)value;
+    *dot = 0;
+    return true;
+}
+
+/* "02.lighting.radiance.mip1": the number in front orders a listing. A name without a dot is that of
+ * pass and resource. */
+static bool take_file(struct theirs *theirs, const char *file)
+{
+    struct their_entry *entry = add_entry(theirs);
+    if (!entry)
+        return false;
+    entry->file = strdup(file);
+    char *name = text_printable(file);
+    char *stem = name;
+    if (name)
+        name[strlen(name) - 4] = 0;
+    while (name &&
+           (cut_number(name, "mip", &entry->mip) || cut_number(name, "frame", &entry->frame)))
+        ;
+    size_t digits = name ? strspn(name, "0123456789") : 0;
+    if (digits && name[digits] == '.' && name[digits + 1])
+        stem = name + digits + 1;
+    char *dot = stem ? strchr(stem, '.') : NULL;
+    entry->pass = stem ? strndup(stem, dot ? (size_t)(dot - stem) : strlen(stem)) : NULL;
+    entry->resource = stem ? strdup(dot ? dot + 1 : stem) : NULL;
+    entry->what.name = entry->resource;
+    free(name);
+    if (!entry->file || !entry->pass || !entry->resource)
+        report_error(theirs->log, "out of memory");
+    return entry->file && entry->pass && entry->resource;
+}
+
+static bool list_files(struct theirs *theirs)
+{
+    struct dirent **files = NULL;
+    int count = scandir(theirs->folder, &files, is_ours, alphasort);
+    bool good = count > 0;
+    if (count < 0)
+        report_error(theirs->log, "%s: cannot be listed: %s", theirs->folder, strerror(errno));
+    else if (!count)
+        report_error(
+            theirs->log,
+            "%s: is no dump: it has no manifest.json, and no PASS.RESOURCE.png, .exr or .npy",
+            theirs->folder);
+    for (int i = 0; i < count; i++) {
+        good = good && take_file(theirs, files[i]->d_name);
+        free(files[i]);
+    }
+    free(files);
+    return good;
+}
+
+/* ---- The folder ------------------------------------------------------------------------------- */
+
+static void number_repeats(struct theirs *theirs)
+{
+    for (uint32_t i = 0; i < theirs->count; i++)
+        for (uint32_t k = 0; k < i; k++) {
+            struct their_entry *a = &theirs->entries[i], *b = &theirs->entries[k];
+            a->again += !strcmp(a->pass, b->pass) && !strcmp(a->resource, b->resource) &&
+                        a->mip == b->mip && a->frame == b->frame;
+        }
+}
+
+static char *name_of(const struct theirs *theirs)
+{
+    const char *backend = text_of(theirs->manifest, "backend");
+    if (backend && *backend)
+        return strdup(backend);
+    char *name = text_printable(theirs->folder);
+    for (size_t n = name ? strlen(name) : 0; n > 1 && name[n - 1] == '/'; n--)
+        name[n - 1] = 0;
+    const char *slash = name ? strrchr(name, '/') : NULL;
+    char *last = name ? strdup(slash && slash[1] ? slash + 1 : name) : NULL;
+    free(name);
+    return last;
+}
+
+bool theirs_open(struct theirs *theirs, const char *folder, const struct dt_log *log)
+{
+    *theirs = (struct theirs){.folder = folder, .log = log};
+    bool described = foreign_has(folder, "manifest.json");
+    theirs->manifest = described ? foreign_json(folder, "manifest.json", log) : NULL;
+    if (described ? !theirs->manifest || !take_manifest(theirs) : !list_files(theirs))
+        return false;
+    number_repeats(theirs);
+    theirs->label = name_of(theirs);
+    if (!theirs->label)
+        report_error(log, "out of memory");
+    return theirs->label;
+}
+
+void theirs_close(struct theirs *theirs)
+{
+    for (uint32_t i = 0; i < theirs->count; i++) {
+        struct their_entry *entry = &theirs->entries[i];
+        free(entry->pass);
+        free(entry->resource);
+        free(entry->file);
+        free(entry->fields);
+    }
+    free(theirs->entries);
+    free(theirs->label);
+    cJSON_Delete(theirs->manifest);
+    *theirs = (struct theirs){0};
+}
+
+bool theirs_load(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes)
+{
+    *bytes = (struct dt_bytes){0};
+    if (!entry->described)
+        return !strcmp(extension_of(entry->file), ".npy") ? their_npy(theirs, entry, bytes)
+                                                          : their_picture(theirs, entry, bytes);
+    memcpy(bytes->extent, entry->extent, sizeof bytes->extent);
+    /* each product stays below 2^64: extents have 24 bits, counts 32, strides 16 */
+    uint64_t elements = entry->what.kind == DT_BUFFER
+                            ? entry->extent[0]
+                            : (uint64_t)entry->extent[0] * entry->extent[1];
+    uint64_t size = elements * resource_stride(&entry->what);
+    if (size > MOST_BYTES || size * entry->extent[2] > MOST_BYTES) {
+        report_error(theirs->log, "%s/%s: would have more than 4 GiB", theirs->folder, entry->file);
+        return false;
+    }
+    bytes->size = size * entry->extent[2];
+    bytes->data = foreign_read_exactly(theirs->folder, entry->file, bytes->size, theirs->log);
+    return bytes->data;
+}

@@ -1,0 +1,529 @@
+/* Tries the faults of why_table.c on samples, and counts the best ones on all elements; see why.h. */
+#include "theirs/why.h"
+
+#include <cjson/cJSON.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "theirs/why_fault.h"
+
+enum { FEW = 4, MOST_SAMPLES = 2048, MOST_COUNTED = 4 << 20 };
+#define MOST_SLACK 14.0 /* codes: as steep as sRGB at black */
+
+/* Beyond what two results that are equal but for rounding differ by. */
+static double tolerance(const struct asked *asked, enum number_kind kind, double value, bool fine)
+{
+    if (number_is_integer(kind))
+        return 0.001;
+    if (number_one(kind))
+        return (fine ? 0.25 : 1.01) / number_one(kind);
+    double ulp = kind == NUMBER_FLOAT ? 0x1p-24 : kind == NUMBER_HALF ? 0x1p-11 : 0x1p-6;
+    if (fine)
+        return ulp * 0.25 * fabs(value);
+    return kind == NUMBER_FLOAT ? 1e-5 * fabs(value) + 2e-6 * asked->range
+                                : 3 * ulp * fabs(value) + ulp * 0.01 * asked->range;
+}
+
+struct trial {
+    const struct fault *fault, *inner; /* inner: a map applied to what `fault` gives, or NULL */
+    int side;
+    double fit[FAULT_NUMBERS];
+    double cost;
+    uint64_t after;
+};
+
+/* ---- One element ------------------------------------------------------------------------------- */
+
+struct place place_of(const struct asked *asked, uint64_t element, uint32_t component)
+{
+    struct place place = {.element = element, .x = (int64_t)element, .component = component};
+    uint64_t width = asked->to->extent[0], area = width * asked->to->extent[1];
+    if (asked->image) {
+        place.x = (int64_t)(element % width);
+        place.y = (int64_t)(element % area / width);
+        place.z = (int64_t)(element / area);
+    }
+    return place;
+}
+
+double copy_number(const struct asked *asked, const struct copy *copy, struct place place)
+{
+    int64_t width = copy->extent[0], height = asked->image ? copy->extent[1] : 1;
+    int64_t depth = asked->image ? copy->extent[2] : 1;
+    if (place.x < 0 || place.x >= width || place.y < 0 || place.y >= height || place.z < 0 ||
+        place.z >= depth || !copy->data)
+        return NAN;
+    uint64_t element = (uint64_t)((place.z * height + place.y) * width + place.x);
+    const struct component *component = &asked->components[place.component];
+    return number_value(component->kind, copy->data + element * asked->stride + component->offset);
+}
+
+/* What the fault makes of `from`. *slack: how far a code's rounding carries. */
+static double predict(const struct asked *asked, const struct trial *trial, struct place place,
+                      double *slack)
+{
+    const struct fault *fault = trial->fault, *map = trial->inner;
+    double value =
+        fault->at ? fault->at(asked, fault, place) : copy_number(asked, asked->from, place);
+    uint32_t one = number_one(asked->components[place.component].kind);
+    *slack = 0;
+    map = map ? map : fault->map ? fault : NULL;
+    if (!map)
+        return value;
+    double step = one ? 0.5 / one : fabs(value) * 0x1p-23;
+    *slack = fabs(map->map(asked, map, value + step) - map->map(asked, map, value - step));
+    *slack = fmin(*slack, one ? MOST_SLACK / one : 1e-3 * asked->range);
+    return map->map(asked, map, value);
+}
+
+/* As far as the format holds it. */
+static double clamped(enum number_kind kind, double value)
+{
+    if (number_one(kind))
+        return fmin(fmax(value, kind == NUMBER_SNORM16 ? -1 : 0), 1);
+    return value;
+}
+
+/* Whether the element is still wrong; adds its error. Unknown numbers count in *unknown. */
+static bool is_wrong(const struct asked *asked, const struct trial *trial, uint64_t element,
+                     bool fine, double *error, uint32_t *unknown)
+{
+    bool wrong = false, known = false;
+    for (uint32_t c = 0; c < asked->count; c++) {
+        struct place place = place_of(asked, element, c);
+        enum number_kind kind = asked->components[c].kind;
+        double slack = 0, got = copy_number(asked, asked->to, place), want;
+        if (trial)
+            want = predict(asked, trial, place, &slack);
+        else
+            want = copy_number(asked, asked->from, place);
+        if (isnan(want) && trial)
+            continue;
+        want = clamped(kind, want);
+        known = true;
+        double apart = fabs(want - got);
+        if (!(apart <= 50 * asked->range))
+            apart = 50 * asked->range;
+        *error += apart;
+        wrong |= !(fabs(want - got) <= tolerance(asked, kind, got, fine) + slack) && want != got;
+    }
+    *unknown += !known;
+    return wrong;
+}
+
+/* ---- One fault --------------------------------------------------------------------------------- */
+
+struct tally {
+    uint64_t before, elements; /* of all */
+    bool fine;
+    bool few;     /* less than FEW numbers differ */
+    double error; /* of the differing samples without a fault */
+};
+
+static void try_where(const struct asked *asked, struct trial *trial, const struct tally *tally)
+{
+    uint32_t outside = 0, inside = 0;
+    for (uint32_t i = 0; i < asked->differing_count; i++)
+        outside +=
+            !trial->fault->where(asked, trial->fault, place_of(asked, asked->differing[i], 0));
+    for (uint32_t i = 0; i < asked->all_count; i++)
+        inside += trial->fault->where(asked, trial->fault, place_of(asked, asked->all[i], 0));
+    double left = (double)outside / asked->differing_count;
+    double share = (double)inside / asked->all_count;
+    trial->after = (uint64_t)ceil(left * (double)tally->before);
+    trial->cost =
+        4 * left + 0.3 * share + 0.05; /* little is said by a place where most elements are */
+    if (left > 0.02 || share > 0.6)
+        trial->cost = 9;
+}
+
+static void try_values(const struct asked *asked, struct trial *trial, const struct tally *tally)
+{
+    uint32_t wrong = 0, broken = 0, unknown = 0, ignored = 0;
+    double error = 0, other = 0;
+    for (uint32_t i = 0; i < asked->differing_count; i++)
+        wrong += is_wrong(asked, trial, asked->differing[i], tally->fine, &error, &unknown);
+    if (unknown > asked->differing_count / 4 * 3) {
+        trial->cost = 9;
+        return;
+    }
+    double left = (double)wrong / (asked->differing_count - unknown);
+    if (left < 0.9 || error < tally->error / 2)
+        for (uint32_t i = 0; i < asked->all_count; i++)
+            broken += is_wrong(asked, trial, asked->all[i], tally->fine, &other, &ignored);
+    double all = (double)broken / asked->all_count * (double)tally->elements;
+    double still = fmax(all, left * (double)tally->before);
+    double nearer = tally->error > 0 ? error / tally->error : 0;
+    trial->after = (uint64_t)ceil(still);
+    trial->cost = 0.6 * still / (double)tally->before + 0.4 * nearer;
+    trial->cost += 0.05 * unknown / asked->differing_count;
+}
+
+static void set_side(struct asked *asked, int side)
+{
+    asked->side = side;
+    asked->from = &asked->copies[side];
+    asked->to = &asked->copies[!side];
+}
+
+static void run_trial(struct asked *asked, struct trial *trial, const struct tally *tally)
+{
+    const struct fault *fault = trial->fault;
+    trial->cost = 9;
+    set_side(asked, trial->side);
+    memcpy(asked->fit, fault->p, sizeof asked->fit);
+    if (fault->fit && !fault->fit(asked, fault))
+        return;
+    if (!fault->share && tally->few)
+        return; /* much explains a number or two */
+    if (trial->inner && trial->inner->fit)
+        return;
+    memcpy(trial->fit, asked->fit, sizeof trial->fit);
+    if (fault->where) {
+        try_where(asked, trial, tally);
+    } else if (fault->share) {
+        double left = fault->share(asked, fault);
+        trial->after = (uint64_t)ceil(left * (double)tally->before);
+        trial->cost = left > 0.05 ? 9 : left;
+    } else {
+        try_values(asked, trial, tally);
+    }
+    trial->cost += fault->doubt + (trial->inner ? trial->inner->doubt + 0.04 : 0);
+}
+
+/* ---- All faults -------------------------------------------------------------------------------- */
+
+/* Keeps the cheapest; of one fault the better side. */
+static void keep(struct trial best[WHY_MOST], const struct trial *trial)
+{
+    int at = 0;
+    if (!(trial->cost < 0.75))
+        return;
+    for (int i = 0; i < WHY_MOST; i++)
+        if (best[i].fault == trial->fault && best[i].inner == trial->inner) {
+            if (best[i].cost <= trial->cost)
+                return;
+            memmove(&best[i], &best[i + 1], (size_t)(WHY_MOST - 1 - i) * sizeof *best);
+            best[WHY_MOST - 1] = (struct trial){0};
+            break;
+        }
+    while (at < WHY_MOST && best[at].fault && best[at].cost <= trial->cost)
+        at++;
+    if (at == WHY_MOST)
+        return;
+    memmove(&best[at + 1], &best[at], (size_t)(WHY_MOST - 1 - at) * sizeof *best);
+    best[at] = *trial;
+}
+
+static void try_all(struct asked *asked, struct trial best[WHY_MOST], const struct tally *tally)
+{
+    for (uint32_t i = 0; i < fault_count; i++)
+        for (int side = 0; side < (faults[i].symmetric ? 1 : 2); side++) {
+            struct trial trial = {.fault = &faults[i], .side = side};
+            run_trial(asked, &trial, tally);
+            keep(best, &trial);
+        }
+}
+
+/* A fault of place and one of value together, where none alone is enough. */
+static void try_pairs(struct asked *asked, struct trial best[WHY_MOST], const struct tally *tally)
+{
+    for (uint32_t i = 0; i < fault_count; i++)
+        for (uint32_t k = 0; faults[i].at && !faults[i].fit && k < fault_count; k++)
+            for (int side = 0; faults[k].map && side < 2; side++) {
+                struct trial trial = {.fault = &faults[i], .inner = &faults[k], .side = side};
+                if (faults[k].fit)
+                    continue;
+                run_trial(asked, &trial, tally);
+                keep(best, &trial);
+            }
+}
+
+/* ---- Samples ----------------------------------------------------------------------------------- */
+
+/* Differing elements, at most MOST_SAMPLES, evenly; how many there are of MOST_COUNTED evenly spread. */
+static uint64_t sample_differing(struct asked *asked, uint64_t elements, bool fine,
+                                 uint64_t *samples)
+{
+    uint64_t step = elements / MOST_COUNTED + 1, found = 0, keep_each = 1;
+    uint32_t unknown = 0;
+    double error = 0;
+    asked->differing_count = 0;
+    for (uint64_t i = 0; i < elements; i += step) {
+        if (!is_wrong(asked, NULL, i, fine, &error, &unknown))
+            continue;
+        if (found++ % keep_each)
+            continue;
+        if (asked->differing_count == MOST_SAMPLES) { /* thin out: every second stays */
+            for (uint32_t k = 0; k < MOST_SAMPLES / 2; k++)
+                samples[k] = samples[2 * k];
+            asked->differing_count = MOST_SAMPLES / 2;
+            keep_each *= 2;
+        }
+        samples[asked->differing_count++] = i;
+    }
+    return found * step < elements ? found * step : elements;
+}
+
+static void sample_all(struct asked *asked, uint64_t elements, uint64_t *samples)
+{
+    uint64_t state = 1;
+    asked->all_count = 0;
+    for (uint64_t i = 0; i < MOST_SAMPLES; i++) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        samples[asked->all_count++] =
+            elements <= MOST_SAMPLES ? i % elements : (state >> 20) % elements;
+    }
+}
+
+/* Of the differing samples. */
+static uint32_t differing_numbers(const struct asked *asked)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < asked->differing_count; i++)
+        for (uint32_t c = 0; c < asked->count; c++) {
+            struct place place = place_of(asked, asked->differing[i], c);
+            count += copy_number(asked, asked->from, place) != copy_number(asked, asked->to, place);
+        }
+    return count;
+}
+
+static void measure_range(struct asked *asked)
+{
+    double sum = 0;
+    uint64_t count = 0;
+    for (uint32_t i = 0; i < asked->all_count; i++)
+        for (uint32_t c = 0; c < asked->count; c++) {
+            double value = copy_number(asked, asked->from, place_of(asked, asked->all[i], c));
+            if (isfinite(value) && fabs(value) < 1e30) {
+                sum += fabs(value);
+                count++;
+            }
+        }
+    asked->range = count && sum > 0 ? sum / (double)count : 1;
+}
+
+/* ---- Components -------------------------------------------------------------------------------- */
+
+/* An artificial fourth channel tells nothing. */
+static bool has_constant_alpha(const struct asked *asked)
+{
+    for (int i = 0; i < 2; i++)
+        for (uint32_t k = 0; k < asked->all_count; k++)
+            if (copy_number(asked, &asked->copies[i], place_of(asked, asked->all[k], 3)) != 1)
+                return false;
+    return true;
+}
+
+static void find_transposed(const struct asked *asked, uint32_t *transposed)
+{
+    const struct dt_resource *resource = asked->resource;
+    uint32_t at = 0;
+    for (uint32_t c = 0; c < asked->count; c++)
+        transposed[c] = c;
+    for (uint32_t i = 0; !asked->image && i < resource->field_count; i++) {
+        const struct dt_field *field = &resource->fields[i];
+        uint32_t each = type_components(field->type);
+        uint32_t items = field->array_count ? field->array_count : 1;
+        if (each == 1 && (items == 9 || items == 16)) {
+            each = items;
+            items = 1;
+        }
+        uint32_t side = each == 16 ? 4 : each == 9 ? 3 : 0;
+        for (uint32_t k = 0; k < items * each && side; k++)
+            transposed[at + k] = at + k / each * each + k % side * side + k % each / side;
+        at += each * items;
+    }
+}
+
+/* ---- Words ------------------------------------------------------------------------------------- */
+
+static void write_slot(FILE *out, const char *slot, const struct asked *asked,
+                       const struct why_question *question, const struct trial *trial)
+{
+    (void)asked;
+    if (!strncmp(slot, "from}", 5))
+        fputs(question->labels[trial->side], out);
+    else if (!strncmp(slot, "to}", 3))
+        fputs(question->labels[!trial->side], out);
+    else
+        fprintf(out, "%.6g", trial->fit[(*slot - '0') % FAULT_NUMBERS]);
+}
+
+static void write_text(FILE *out, const char *text, const struct asked *asked,
+                       const struct why_question *question, const struct trial *trial)
+{
+    for (; *text; text++)
+        if (*text == '{') {
+            write_slot(out, text + 1, asked, question, trial);
+            text += strcspn(text, "}");
+        } else {
+            fputc(*text, out);
+        }
+}
+
+static char *describe(const struct asked *asked, const struct why_question *question,
+                      const struct trial *trial, const struct tally *tally)
+{
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    bool place = trial->fault->where || trial->fault->share;
+    bool code = number_one(asked->components[0].kind) && !tally->fine;
+    if (!out)
+        return NULL;
+    if (place)
+        fputs("differs ", out);
+    else if (!trial->after)
+        fputs(code ? "equal (to a code) " : "equal ", out);
+    else
+        fputs(trial->after * 20 < tally->before ? "nearly equal " : "far nearer ", out);
+    write_text(out, trial->fault->text, asked, question, trial);
+    if (trial->inner) {
+        fputs(", and ", out);
+        write_text(out, trial->inner->text, asked, question, trial);
+    }
+    fprintf(out, " (%llu %s before, %llu %s)", (unsigned long long)tally->before,
+            tally->before == 1 ? "differs" : "differ", (unsigned long long)trial->after,
+            place ? "elsewhere" : "after");
+    return fclose(out) == 0 ? text : NULL;
+}
+
+/* Samples may miss a few: what the fault leaves of all elements. */
+static uint64_t count_left(struct asked *asked, const struct trial *trial,
+                           const struct tally *tally)
+{
+    uint64_t step = tally->elements / MOST_COUNTED + 1, left = 0;
+    uint32_t unknown = 0;
+    double error = 0;
+    if (trial->fault->share)
+        return trial->after;
+    set_side(asked, trial->side);
+    memcpy(asked->fit, trial->fit, sizeof asked->fit);
+    for (uint64_t i = 0; i < tally->elements; i += step) {
+        const struct trial *taken = trial->fault->where ? NULL : trial;
+        bool wrong = is_wrong(asked, taken, i, tally->fine, &error, &unknown);
+        left +=
+            wrong && (taken || !trial->fault->where(asked, trial->fault, place_of(asked, i, 0)));
+    }
+    return left * step;
+}
+
+static bool tell(struct why *why, struct asked *asked, const struct why_question *question,
+                 struct trial *best, const struct tally *tally)
+{
+    for (int i = 0; i < WHY_MOST && best[i].fault; i++) {
+        if (i && best[i].cost > 0.1 + 2 * best[0].cost)
+            break;
+        if (i && !strcmp(best[i].fault->name, best[0].fault->name))
+            continue; /* the same from the other copy */
+        best[i].after = count_left(asked, &best[i], tally);
+        struct why_reason *reason = &why->reasons[why->count];
+        *reason = (struct why_reason){.name = best[i].fault->name,
+                                      .text = describe(asked, question, &best[i], tally),
+                                      .before = tally->before,
+                                      .after = best[i].after};
+        if (!reason->text)
+            return false;
+        why->count++;
+    }
+    return true;
+}
+
+/* ---- The question ------------------------------------------------------------------------------ */
+
+static bool look(struct why *why, struct asked *asked, const struct why_question *question,
+                 uint64_t *samples)
+{
+    struct trial best[WHY_MOST] = {{0}};
+    struct tally tally = {.elements =
+                              resource_elements(asked->resource, question->copies[0].extent)};
+    uint32_t unknown = 0;
+    sample_all(asked, tally.elements, samples + MOST_SAMPLES);
+    if (asked->image && asked->count == 4 && has_constant_alpha(asked))
+        asked->count = 3;
+    measure_range(asked);
+    tally.before = sample_differing(asked, tally.elements, false, samples);
+    tally.fine = !tally.before;
+    if (tally.fine)
+        tally.before = sample_differing(asked, tally.elements, true, samples);
+    if (!tally.before)
+        return true;
+    for (uint32_t i = 0; i < asked->differing_count; i++)
+        is_wrong(asked, NULL, asked->differing[i], tally.fine, &tally.error, &unknown);
+    tally.few = differing_numbers(asked) < FEW;
+    try_all(asked, best, &tally);
+    if (!tally.few && (!best[0].fault || best[0].cost > 0.15))
+        try_pairs(asked, best, &tally);
+    return tell(why, asked, question, best, &tally);
+}
+
+static void load_relatives(struct asked *asked, const struct why_question *question)
+{
+    for (int side = 0; side < 2 && question->relative; side++)
+        for (int i = 0; i < WHY_RELATIVES; i++) {
+            struct dt_bytes bytes = {0};
+            struct copy *copy = &asked->relatives[side][i];
+            if (!question->relative(question->user, (enum why_relative)i, side, &bytes))
+                continue;
+            *copy = (struct copy){.data = bytes.data, .size = bytes.size};
+            memcpy(copy->extent, bytes.extent, sizeof copy->extent);
+        }
+}
+
+bool why_find(struct why *why, const struct why_question *question)
+{
+    struct component *components = NULL;
+    struct asked asked = {.resource = question->resource,
+                          .image = question->resource->kind == DT_IMAGE,
+                          .stride = resource_stride(question->resource)};
+    asked.count = resource_components(question->resource, &components);
+    uint64_t *samples = calloc(2 * MOST_SAMPLES, sizeof *samples);
+    uint32_t *transposed = calloc(asked.count + 1, sizeof *transposed);
+    bool good = asked.count && samples && transposed;
+    *why = (struct why){0};
+    asked.components = components;
+    asked.transposed = transposed;
+    asked.differing = samples;
+    asked.all = samples ? samples + MOST_SAMPLES : NULL;
+    for (int i = 0; i < 2; i++) {
+        const struct dt_bytes *bytes = &question->copies[i];
+        asked.copies[i] = (struct copy){.data = bytes->data, .size = bytes->size};
+        memcpy(asked.copies[i].extent, bytes->extent, sizeof bytes->extent);
+    }
+    set_side(&asked, 0);
+    if (good) {
+        find_transposed(&asked, transposed);
+        load_relatives(&asked, question);
+        good = look(why, &asked, question, samples);
+    }
+    for (int i = 0; i < 2 * WHY_RELATIVES; i++)
+        free((void *)(uintptr_t)asked.relatives[i / WHY_RELATIVES][i % WHY_RELATIVES].data);
+    free(components);
+    free(samples);
+    free(transposed);
+    return good;
+}
+
+void why_json(cJSON *root, const struct why *why)
+{
+    cJSON *list = cJSON_AddArrayToObject(root, "why");
+    for (uint32_t i = 0; i < why->count; i++) {
+        const struct why_reason *reason = &why->reasons[i];
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "name", reason->name);
+        cJSON_AddStringToObject(item, "text", reason->text);
+        cJSON_AddNumberToObject(item, "before", (double)reason->before);
+        cJSON_AddNumberToObject(item, "after", (double)reason->after);
+        cJSON_AddItemToArray(list, item);
+    }
+}
+
+void why_free(struct why *why)
+{
+    for (uint32_t i = 0; i < why->count; i++)
+        free(why->reasons[i].text);
+    *why = (struct why){0};
+}
