@@ -2,6 +2,7 @@
  * spirv.c compiles the result, and the OpenGL runtime can take it as text. glsl.h explains the
  * parts. */
 #include "glsl.h"
+#include "sanitize.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -591,6 +592,8 @@ static bool add_parts(struct glsl *glsl)
             return false;
         glsl_end(glsl);
         glsl_zero(glsl);
+        if (!sanitize_glsl(glsl))
+            return false;
         glsl_texels(glsl);
         if (glsl->expanded) /* with its macros */
             glsl->files = NULL;

@@ -64,10 +64,11 @@ struct options {
     bool update;
     uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
     const char *fault;
-    const char *bisect; /* folder to write */
-    const char *folder; /* of an earlier bisect, or of a bundle's run */
-    uint32_t poison;    /* render: a byte, 0: none */
-    uint32_t spp;       /* reference: 0: not given */
+    const char *bisect;   /* folder to write */
+    const char *folder;   /* of an earlier bisect, or of a bundle's run */
+    uint32_t poison;      /* render: a byte, 0: none */
+    const char *sanitize; /* kinds, "" for all; NULL: off */
+    uint32_t spp;         /* reference: 0: not given */
     uint32_t seed;
     uint32_t threads; /* 0: one per processor */
     const char *noise;

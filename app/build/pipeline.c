@@ -12,6 +12,7 @@
 #include "base/live.h"
 #include "base/tool.h"
 #include "build/inputs.h"
+#include "gen/sanitize.h"
 #include "scenes/nearest.h"
 
 /* Processor time after which a spec hangs. */
@@ -115,12 +116,25 @@ static bool takes_text(const struct options *options)
     return options->glsl || (options->backend && strstr(options->backend, "+glsl"));
 }
 
+/* The mask of --sanitize; 0 without it. */
+static bool read_kinds(const struct options *options, unsigned *kinds, const struct dt_log *log)
+{
+    const char *end;
+    *kinds = options->sanitize ? sanitize_kinds(options->sanitize, &end) : 0;
+    if (options->sanitize && !*kinds)
+        report_error(log, "--sanitize=%s: unknown kind \"%.*s\"; there are %s", options->sanitize,
+                     (int)strcspn(end, ","), end, sanitize_names);
+    return *kinds || !options->sanitize;
+}
+
 bool pipeline_load(struct pipeline *pipeline, struct console *console,
                    const struct options *options)
 {
     struct load load;
     *pipeline = (struct pipeline){0};
-    bool good = find(&load, options, &console->log);
+    unsigned sanitize;
+    bool good =
+        find(&load, options, &console->log) && read_kinds(options, &sanitize, &console->log);
     if (good) {
         const struct plan_request request = {.spec = load.spec,
                                              .templates = load.templates,
@@ -128,7 +142,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console,
                                              .set_count = options->set_count,
                                              .cache = load.cache,
                                              .root = options->root,
-                                             .text = takes_text(options)};
+                                             .text = takes_text(options),
+                                             .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);

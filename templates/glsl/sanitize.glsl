@@ -1,0 +1,273 @@
+/* Checks of --sanitize. gen/spirv/sanitize.c calls them before the operations of a body; the generator appends this file to
+ * each stage, with diptych_place() and diptych_extent(). A check computes with integers alone or compares, so it changes no
+ * result.
+ *
+ * site: where the author wrote it, what: which operation. Both are indices of model->sites; they differ where a generated
+ * function, like NAME_store(), holds the operation and the author calls it. */
+
+/* The call of a generated function that runs. */
+uint diptych_caller = 0u;
+
+/* Per site 200 words: count, ~(least invocation), records, frame + 1, two extents, 0, 0; then 16 records of 12 words:
+ * ~invocation, what, eight values. */
+layout(std430, @layout@) coherent buffer Diptych_reports {
+    uint diptych_reports[];
+};
+
+/* Counts. An invocation of the first frame that is less than all before leaves a record; the host takes the least one's. There
+ * is no lock: Mesa 22's llvmpipe loses lanes behind a loop that waits. */
+void diptych_report(const uint site, const uint what, const uvec4 a, const uvec4 b)
+{
+    uint slot = 200u * site, now = frame.index + 1u;
+    uvec3 place = diptych_place(), extent = diptych_extent();
+    uint key = ~((place.z * extent.y + place.y) * extent.x + place.x);
+    atomicAdd(diptych_reports[slot], 1u);
+    uint first = atomicCompSwap(diptych_reports[slot + 3u], 0u, now);
+    if (first != 0u && first != now)
+        return;
+    if (key <= atomicMax(diptych_reports[slot + 1u], key))
+        return;
+    uint record = slot + 8u + 12u * (atomicAdd(diptych_reports[slot + 2u], 1u) % 16u);
+    diptych_reports[slot + 4u] = extent.x;
+    diptych_reports[slot + 5u] = extent.y;
+    diptych_reports[record] = key;
+    diptych_reports[record + 1u] = what;
+    diptych_reports[record + 2u] = a.x;
+    diptych_reports[record + 3u] = a.y;
+    diptych_reports[record + 4u] = a.z;
+    diptych_reports[record + 5u] = a.w;
+    diptych_reports[record + 6u] = b.x;
+    diptych_reports[record + 7u] = b.y;
+    diptych_reports[record + 8u] = b.z;
+    diptych_reports[record + 9u] = b.w;
+}
+
+bool diptych_told(const bool bad, const uint a, const uint b, const uint site, const uint what)
+{
+    if (bad)
+        diptych_report(site, what, uvec4(a, b, 0u, 0u), uvec4(0u));
+    return bad;
+}
+
+bool diptych_told(const bool bad, const float a, const float b, const uint site, const uint what)
+{
+    return diptych_told(bad, floatBitsToUint(a), floatBitsToUint(b), site, what);
+}
+
+/* ---- Indices --------------------------------------------------------------------------------- */
+
+void diptych_index(const uint i, const uint count, const uint site, const uint what)
+{
+    diptych_told(i >= count, i, count, site, what);
+}
+
+void diptych_index(const int i, const uint count, const uint site, const uint what)
+{
+    diptych_told(uint(i) >= count, uint(i), count, site, what);
+}
+
+void diptych_texel(const ivec3 p, const ivec3 size, const uint site, const uint what)
+{
+    if (any(greaterThanEqual(uvec3(p), uvec3(size))))
+        diptych_report(site, what, uvec4(p, 0), uvec4(size, 0));
+}
+
+void diptych_texel(const ivec2 p, const ivec2 size, const uint site, const uint what)
+{
+    diptych_texel(ivec3(p, 0), ivec3(size, 1), site, what);
+}
+
+void diptych_texel(const int p, const int size, const uint site, const uint what)
+{
+    diptych_texel(ivec3(p, 0, 0), ivec3(size, 1, 1), site, what);
+}
+
+/* ---- Integers -------------------------------------------------------------------------------- */
+
+bool diptych_divide(const int a, const int b, const uint site, const uint what)
+{
+    return diptych_told(b == 0 || (b == -1 && uint(a) == 0x80000000u), uint(a), uint(b), site, what);
+}
+
+bool diptych_divide(const uint a, const uint b, const uint site, const uint what)
+{
+    return diptych_told(b == 0u, a, b, site, what);
+}
+
+bool diptych_modulo(const int a, const int b, const uint site, const uint what)
+{
+    return diptych_told(b <= 0 || a < 0, uint(a), uint(b), site, what);
+}
+
+bool diptych_modulo(const uint a, const uint b, const uint site, const uint what)
+{
+    return diptych_told(b == 0u, a, b, site, what);
+}
+
+bool diptych_shift(const uint count, const uint site, const uint what)
+{
+    return diptych_told(count >= 32u, count, 0u, site, what);
+}
+
+bool diptych_shift(const int count, const uint site, const uint what)
+{
+    return diptych_shift(uint(count), site, what);
+}
+
+bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
+{
+    return diptych_told(offset < 0 || bits < 0 || offset > 32 || bits > 32 - offset, uint(offset), uint(bits), site, what);
+}
+
+bool diptych_clamp(const int low, const int high, const uint site, const uint what)
+{
+    return diptych_told(low > high, uint(low), uint(high), site, what);
+}
+
+bool diptych_clamp(const uint low, const uint high, const uint site, const uint what)
+{
+    return diptych_told(low > high, low, high, site, what);
+}
+
+/* ---- Floats ---------------------------------------------------------------------------------- */
+
+bool diptych_finite(const float x)
+{
+    return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+bool diptych_finite(const vec2 x)
+{
+    return diptych_finite(x.x) && diptych_finite(x.y);
+}
+
+bool diptych_finite(const vec3 x)
+{
+    return diptych_finite(x.xy) && diptych_finite(x.z);
+}
+
+bool diptych_finite(const vec4 x)
+{
+    return diptych_finite(x.xy) && diptych_finite(x.zw);
+}
+
+bool diptych_nan(const float x)
+{
+    return (floatBitsToUint(x) & 0x7fffffffu) > 0x7f800000u;
+}
+
+/* Results of an operation, and whether its operands are finite and in its domain. */
+void diptych_made(const float result, const bool finite, const uint site, const uint what)
+{
+    diptych_told(finite && !diptych_finite(result), result, 0.0, site, what);
+}
+
+void diptych_made(const vec2 result, const bool finite, const uint site, const uint what)
+{
+    if (finite && !diptych_finite(result))
+        diptych_made(diptych_finite(result.x) ? result.y : result.x, true, site, what);
+}
+
+void diptych_made(const vec3 result, const bool finite, const uint site, const uint what)
+{
+    diptych_made(diptych_finite(result.xy) ? vec2(result.z) : result.xy, finite, site, what);
+}
+
+void diptych_made(const vec4 result, const bool finite, const uint site, const uint what)
+{
+    diptych_made(diptych_finite(result.xy) ? result.zw : result.xy, finite, site, what);
+}
+
+bool diptych_to_int(const float x, const uint site, const uint what)
+{
+    return diptych_told(!(x >= -2147483648.0 && x < 2147483648.0), x, 0.0, site, what);
+}
+
+bool diptych_to_uint(const float x, const uint site, const uint what)
+{
+    return diptych_told(!(x >= 0.0 && x < 4294967296.0), x, 0.0, site, what);
+}
+
+bool diptych_sqrt(const float x, const uint site, const uint what)
+{
+    return diptych_told(x < 0.0, x, 0.0, site, what);
+}
+
+bool diptych_positive(const float x, const uint site, const uint what)
+{
+    return diptych_told(x <= 0.0, x, 0.0, site, what);
+}
+
+bool diptych_pow(const float x, const float y, const uint site, const uint what)
+{
+    return diptych_told(x < 0.0 || (x == 0.0 && y <= 0.0), x, y, site, what);
+}
+
+bool diptych_unit(const float x, const uint site, const uint what)
+{
+    return diptych_told(x < -1.0 || x > 1.0, x, 0.0, site, what);
+}
+
+bool diptych_acosh(const float x, const uint site, const uint what)
+{
+    return diptych_told(x < 1.0, x, 0.0, site, what);
+}
+
+bool diptych_atanh(const float x, const uint site, const uint what)
+{
+    return diptych_told(x <= -1.0 || x >= 1.0, x, 0.0, site, what);
+}
+
+bool diptych_atan(const float y, const float x, const uint site, const uint what)
+{
+    return diptych_told(x == 0.0 && y == 0.0, y, x, site, what);
+}
+
+bool diptych_smoothstep(const float low, const float high, const uint site, const uint what)
+{
+    return diptych_told(low >= high, low, high, site, what);
+}
+
+bool diptych_clamp(const float low, const float high, const uint site, const uint what)
+{
+    return diptych_told(low > high, low, high, site, what);
+}
+
+bool diptych_mix(const float x, const float y, const float a, const uint site, const uint what)
+{
+    return diptych_told(diptych_nan(x) || diptych_nan(y) || diptych_nan(a), 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const float x, const uint site, const uint what)
+{
+    return diptych_told(x == 0.0, 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const vec2 x, const uint site, const uint what)
+{
+    return diptych_told(x == vec2(0.0), 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const vec3 x, const uint site, const uint what)
+{
+    return diptych_told(x == vec3(0.0), 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const vec4 x, const uint site, const uint what)
+{
+    return diptych_told(x == vec4(0.0), 0u, 0u, site, what);
+}
+
+/* ---- Loops ----------------------------------------------------------------------------------- */
+
+/* Turns of all loops of the invocation. */
+uint diptych_turns = 0u;
+
+/* Whether the loop, which begins a turn, has run for long enough to be ended. Mesa 22's llvmpipe ends loops, without a word,
+ * after 65,535 turns of all loops of a shader: what takes nearly as many is told. */
+bool diptych_turn(const uint turns, const uint site, const uint what)
+{
+    diptych_turns++;
+    diptych_told(diptych_turns == 65000u, turns, 0u, site, what);
+    return turns > 1048576u;
+}
