@@ -265,6 +265,8 @@ static void put_value(char letter, uint32_t bits, struct text *out)
     memcpy(&number, &bits, sizeof number);
     if (letter == 'f')
         text_add(out, "%.9g", (double)number);
+    else if (letter == 'w' || letter == 'h') /* width and height in half a word each */
+        text_add(out, "%u", letter == 'w' ? bits & 0xffff : bits >> 16);
     else if (letter == 'i')
         text_add(out, "%d", (int32_t)bits);
     else

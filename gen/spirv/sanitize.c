@@ -542,8 +542,9 @@ static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image,
                       uint32_t place, uint32_t lod)
 {
     static const char *const texts[] = {
-        "texel @0i of `%.50s`, which has @4i", "texel (@0i, @1i) of `%.50s`, which has @4i x @5i",
-        "texel (@0i, @1i, @2i) of `%.50s`, which has @4i x @5i x @6i"};
+        "texel @0i of `%.50s`, which has @3w texels",
+        "texel (@0i, @1i) of `%.50s`, which has @3w x @3h texels",
+        "texel (@0i, @1i, @2i) of `%.50s`, which has @3w x @3h texels"};
     const char *base = base_name(s->from, pointer);
     char name[64], text[160], mangled[48] = "diptych_texel(i1;i1;u1;u1;";
     if (type[3] >= DT_ARRAY_COUNT(dimensions) || (type[3] == SpvDimCube && type[5]))
@@ -693,6 +694,8 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     put_before(s, i);
     if (spirv_is(i, SpvOpFunctionCall))
         put_caller(s, i);
+    if (spirv_is(i, SpvOpKill) || spirv_is(i, SpvOpTerminateInvocation))
+        put_call(s, "diptych_flush(", &(struct values){.count = 0});
     if (loops && spirv_is(i, SpvOpBranch))
         put_start(s, i, at);
     if (loops && spirv_is(i, SpvOpLoopMerge))

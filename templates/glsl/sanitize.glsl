@@ -9,44 +9,69 @@
 uint diptych_caller = 0u;
 
 /* Per site 200 words: count, ~(least invocation), records, frame + 1, two extents, 0, 0; then 16 records of 12 words:
- * ~invocation, what, eight values. */
+ * ~invocation, what, four values. */
 layout(std430, @layout@) coherent buffer Diptych_reports {
     uint diptych_reports[];
 };
 
+/* What an invocation has found: for each quarter of the operations the first one, and how often. Drivers inline every check, so
+ * a check only selects; diptych_flush() reports, once, behind the body. */
+struct Diptych_found {
+    uint site, what, times; /* site + 1; 0: nothing */
+    uint a, b, c, d;
+};
+Diptych_found diptych_found[4] = Diptych_found[4](Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u), Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u),
+                                                  Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u), Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u));
+
+bool diptych_note(const bool bad, const uint site, const uint what)
+{
+    uint quarter = what & 3u;
+    bool fresh = all(bvec2(bad, diptych_found[quarter].site == 0u));
+    diptych_found[quarter].site = mix(diptych_found[quarter].site, site + 1u, fresh);
+    diptych_found[quarter].what = mix(diptych_found[quarter].what, what, fresh);
+    diptych_found[quarter].times += uint(all(bvec2(bad, diptych_found[quarter].what == what)));
+    return fresh;
+}
+
+bool diptych_told(const bool bad, const uint a, const uint b, const uint site, const uint what)
+{
+    bool fresh = diptych_note(bad, site, what);
+    diptych_found[what & 3u].a = mix(diptych_found[what & 3u].a, a, fresh);
+    diptych_found[what & 3u].b = mix(diptych_found[what & 3u].b, b, fresh);
+    return bad;
+}
+
 /* Counts. An invocation of the first frame that is less than all before leaves a record; the host takes the least one's. There
  * is no lock: Mesa 22's llvmpipe loses lanes behind a loop that waits. */
-void diptych_report(const uint site, const uint what, const uvec4 a, const uvec4 b)
+void diptych_report(const uint key, const Diptych_found found)
 {
-    uint slot = 200u * site, now = frame.index + 1u;
-    uvec3 place = diptych_place(), extent = diptych_extent();
-    uint key = ~((place.z * extent.y + place.y) * extent.x + place.x);
-    atomicAdd(diptych_reports[slot], 1u);
-    uint first = atomicCompSwap(diptych_reports[slot + 3u], 0u, now);
-    if (first != 0u && first != now)
+    uint slot = 200u * (found.site - 1u), now = frame.index + 1u;
+    uvec3 extent = diptych_extent();
+    if (found.site == 0u)
         return;
-    if (key <= atomicMax(diptych_reports[slot + 1u], key))
+    atomicAdd(diptych_reports[slot], found.times);
+    uint first = atomicCompSwap(diptych_reports[slot + 3u], 0u, now);
+    if ((first != 0u && first != now) || key <= atomicMax(diptych_reports[slot + 1u], key))
         return;
     uint record = slot + 8u + 12u * (atomicAdd(diptych_reports[slot + 2u], 1u) % 16u);
     diptych_reports[slot + 4u] = extent.x;
     diptych_reports[slot + 5u] = extent.y;
     diptych_reports[record] = key;
-    diptych_reports[record + 1u] = what;
-    diptych_reports[record + 2u] = a.x;
-    diptych_reports[record + 3u] = a.y;
-    diptych_reports[record + 4u] = a.z;
-    diptych_reports[record + 5u] = a.w;
-    diptych_reports[record + 6u] = b.x;
-    diptych_reports[record + 7u] = b.y;
-    diptych_reports[record + 8u] = b.z;
-    diptych_reports[record + 9u] = b.w;
+    diptych_reports[record + 1u] = found.what;
+    diptych_reports[record + 2u] = found.a;
+    diptych_reports[record + 3u] = found.b;
+    diptych_reports[record + 4u] = found.c;
+    diptych_reports[record + 5u] = found.d;
 }
 
-bool diptych_told(const bool bad, const uint a, const uint b, const uint site, const uint what)
+void diptych_flush()
 {
-    if (bad)
-        diptych_report(site, what, uvec4(a, b, 0u, 0u), uvec4(0u));
-    return bad;
+    uvec3 place = diptych_place(), extent = diptych_extent();
+    uint key = ~((place.z * extent.y + place.y) * extent.x + place.x);
+    diptych_report(key, diptych_found[0]);
+    diptych_report(key, diptych_found[1]);
+    diptych_report(key, diptych_found[2]);
+    diptych_report(key, diptych_found[3]);
 }
 
 bool diptych_told(const bool bad, const float a, const float b, const uint site, const uint what)
@@ -66,10 +91,14 @@ void diptych_index(const int i, const uint count, const uint site, const uint wh
     diptych_told(uint(i) >= count, uint(i), count, site, what);
 }
 
+/* d: width and height in half a word each. */
 void diptych_texel(const ivec3 p, const ivec3 size, const uint site, const uint what)
 {
-    if (any(greaterThanEqual(uvec3(p), uvec3(size))))
-        diptych_report(site, what, uvec4(p, 0), uvec4(size, 0));
+    bool fresh = diptych_note(any(greaterThanEqual(uvec3(p), uvec3(size))), site, what);
+    diptych_found[what & 3u].a = mix(diptych_found[what & 3u].a, uint(p.x), fresh);
+    diptych_found[what & 3u].b = mix(diptych_found[what & 3u].b, uint(p.y), fresh);
+    diptych_found[what & 3u].c = mix(diptych_found[what & 3u].c, uint(p.z), fresh);
+    diptych_found[what & 3u].d = mix(diptych_found[what & 3u].d, uint(size.x | size.y << 16), fresh);
 }
 
 void diptych_texel(const ivec2 p, const ivec2 size, const uint site, const uint what)
@@ -86,7 +115,7 @@ void diptych_texel(const int p, const int size, const uint site, const uint what
 
 bool diptych_divide(const int a, const int b, const uint site, const uint what)
 {
-    return diptych_told(b == 0 || (b == -1 && uint(a) == 0x80000000u), uint(a), uint(b), site, what);
+    return diptych_told(any(bvec2(b == 0, all(bvec2(b == -1, uint(a) == 0x80000000u)))), uint(a), uint(b), site, what);
 }
 
 bool diptych_divide(const uint a, const uint b, const uint site, const uint what)
@@ -96,7 +125,7 @@ bool diptych_divide(const uint a, const uint b, const uint site, const uint what
 
 bool diptych_modulo(const int a, const int b, const uint site, const uint what)
 {
-    return diptych_told(b <= 0 || a < 0, uint(a), uint(b), site, what);
+    return diptych_told(any(bvec2(b <= 0, a < 0)), uint(a), uint(b), site, what);
 }
 
 bool diptych_modulo(const uint a, const uint b, const uint site, const uint what)
@@ -116,7 +145,7 @@ bool diptych_shift(const int count, const uint site, const uint what)
 
 bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
 {
-    return diptych_told(offset < 0 || bits < 0 || offset > 32 || bits > 32 - offset, uint(offset), uint(bits), site, what);
+    return diptych_told(any(bvec4(offset < 0, bits < 0, offset > 32, bits > 32 - offset)), uint(offset), uint(bits), site, what);
 }
 
 bool diptych_clamp(const int low, const int high, const uint site, const uint what)
@@ -138,17 +167,17 @@ bool diptych_finite(const float x)
 
 bool diptych_finite(const vec2 x)
 {
-    return diptych_finite(x.x) && diptych_finite(x.y);
+    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec2(0x7f800000u)));
 }
 
 bool diptych_finite(const vec3 x)
 {
-    return diptych_finite(x.xy) && diptych_finite(x.z);
+    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec3(0x7f800000u)));
 }
 
 bool diptych_finite(const vec4 x)
 {
-    return diptych_finite(x.xy) && diptych_finite(x.zw);
+    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec4(0x7f800000u)));
 }
 
 bool diptych_nan(const float x)
@@ -159,33 +188,32 @@ bool diptych_nan(const float x)
 /* Results of an operation, and whether its operands are finite and in its domain. */
 void diptych_made(const float result, const bool finite, const uint site, const uint what)
 {
-    diptych_told(finite && !diptych_finite(result), result, 0.0, site, what);
+    diptych_told(all(bvec2(finite, !diptych_finite(result))), result, 0.0, site, what);
 }
 
 void diptych_made(const vec2 result, const bool finite, const uint site, const uint what)
 {
-    if (finite && !diptych_finite(result))
-        diptych_made(diptych_finite(result.x) ? result.y : result.x, true, site, what);
+    diptych_made(mix(result.x, result.y, diptych_finite(result.x)), finite, site, what);
 }
 
 void diptych_made(const vec3 result, const bool finite, const uint site, const uint what)
 {
-    diptych_made(diptych_finite(result.xy) ? vec2(result.z) : result.xy, finite, site, what);
+    diptych_made(mix(result.x, mix(result.y, result.z, diptych_finite(result.y)), diptych_finite(result.x)), finite, site, what);
 }
 
 void diptych_made(const vec4 result, const bool finite, const uint site, const uint what)
 {
-    diptych_made(diptych_finite(result.xy) ? result.zw : result.xy, finite, site, what);
+    diptych_made(mix(result.xy, result.zw, bvec2(diptych_finite(result.xy))), finite, site, what);
 }
 
 bool diptych_to_int(const float x, const uint site, const uint what)
 {
-    return diptych_told(!(x >= -2147483648.0 && x < 2147483648.0), x, 0.0, site, what);
+    return diptych_told(!all(bvec2(x >= -2147483648.0, x < 2147483648.0)), x, 0.0, site, what);
 }
 
 bool diptych_to_uint(const float x, const uint site, const uint what)
 {
-    return diptych_told(!(x >= 0.0 && x < 4294967296.0), x, 0.0, site, what);
+    return diptych_told(!all(bvec2(x >= 0.0, x < 4294967296.0)), x, 0.0, site, what);
 }
 
 bool diptych_sqrt(const float x, const uint site, const uint what)
@@ -200,12 +228,12 @@ bool diptych_positive(const float x, const uint site, const uint what)
 
 bool diptych_pow(const float x, const float y, const uint site, const uint what)
 {
-    return diptych_told(x < 0.0 || (x == 0.0 && y <= 0.0), x, y, site, what);
+    return diptych_told(any(bvec2(x < 0.0, all(bvec2(x == 0.0, y <= 0.0)))), x, y, site, what);
 }
 
 bool diptych_unit(const float x, const uint site, const uint what)
 {
-    return diptych_told(x < -1.0 || x > 1.0, x, 0.0, site, what);
+    return diptych_told(abs(x) > 1.0, x, 0.0, site, what);
 }
 
 bool diptych_acosh(const float x, const uint site, const uint what)
@@ -215,12 +243,12 @@ bool diptych_acosh(const float x, const uint site, const uint what)
 
 bool diptych_atanh(const float x, const uint site, const uint what)
 {
-    return diptych_told(x <= -1.0 || x >= 1.0, x, 0.0, site, what);
+    return diptych_told(abs(x) >= 1.0, x, 0.0, site, what);
 }
 
 bool diptych_atan(const float y, const float x, const uint site, const uint what)
 {
-    return diptych_told(x == 0.0 && y == 0.0, y, x, site, what);
+    return diptych_told(vec2(x, y) == vec2(0.0), y, x, site, what);
 }
 
 bool diptych_smoothstep(const float low, const float high, const uint site, const uint what)
@@ -235,7 +263,7 @@ bool diptych_clamp(const float low, const float high, const uint site, const uin
 
 bool diptych_mix(const float x, const float y, const float a, const uint site, const uint what)
 {
-    return diptych_told(diptych_nan(x) || diptych_nan(y) || diptych_nan(a), 0u, 0u, site, what);
+    return diptych_told(any(bvec3(diptych_nan(x), diptych_nan(y), diptych_nan(a))), 0u, 0u, site, what);
 }
 
 bool diptych_normalize(const float x, const uint site, const uint what)
