@@ -3,7 +3,7 @@
  * places are the author's, and values those of the operations that he wrote.
  *
  * Text of the generator has no place of its own: what it does is told where the author calls it. */
-#include "sanitize.h"
+#include "sanitizer.h"
 
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
@@ -13,25 +13,9 @@
 
 #include "panel.h" /* DT_ARRAY_COUNT */
 
-struct sanitizer {
-    const struct sanitize_request *request;
-    const struct spirv *from;
-    struct spirv_edit edit;
-    uint32_t glsl;
-    uint32_t file, line;     /* of the operation */
-    bool generated;          /* the function is text of the generator */
-    uint32_t label;          /* of the block that is written */
-    struct spirv_words seen; /* pairs of a hash of file, line and word, and the operations so far */
-    uint32_t *counters;      /* by label of a loop's header: its variable; 0: no loop */
-};
-
-struct values { /* operands of a check */
-    uint32_t ids[8], count;
-};
-
 /* ---- Types and constants --------------------------------------------------------------------- */
 
-static uint32_t uint_type(struct sanitizer *s)
+uint32_t sanitizer_uint(struct sanitizer *s)
 {
     return spirv_declare(&s->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
 }
@@ -52,9 +36,9 @@ static uint32_t vector_type(struct sanitizer *s, uint32_t scalar, uint32_t count
                       : spirv_declare(&s->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
 }
 
-static uint32_t uint_constant(struct sanitizer *s, uint32_t value)
+uint32_t sanitizer_number(struct sanitizer *s, uint32_t value)
 {
-    return spirv_declare(&s->edit, SpvOpConstant, uint_type(s), &value, 1);
+    return spirv_declare(&s->edit, SpvOpConstant, sanitizer_uint(s), &value, 1);
 }
 
 /* The letter of a scalar of 32 bits in mangled names; 0: another type. */
@@ -100,7 +84,7 @@ static const uint32_t *find_named(const struct spirv *from, const char *name)
 }
 
 /* The result of a call; 0: there is no such function. */
-static uint32_t put_call(struct sanitizer *s, const char *mangled, const struct values *values)
+uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values)
 {
     const uint32_t *function = find_named(s->from, mangled);
     uint32_t operands[12] = {0}, count = 3;
@@ -140,7 +124,7 @@ static uint32_t count_word(struct sanitizer *s, const char *word)
     return 0;
 }
 
-static uint32_t add_site(struct sanitizer *s, const char *word, const char *name, const char *text)
+uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text)
 {
     struct sanitize_site site = {.file = s->file, .line = s->line, .word = word};
     site.nth = count_word(s, *name ? name : word);
@@ -150,12 +134,12 @@ static uint32_t add_site(struct sanitizer *s, const char *word, const char *name
 }
 
 /* Appends place and operation. */
-static void add_place(struct sanitizer *s, struct values *values, uint32_t site)
+void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site)
 {
-    uint32_t what = uint_constant(s, site), place = what, caller;
+    uint32_t what = sanitizer_number(s, site), place = what, caller;
     if (!s->file && (caller = find_variable(s->from, "diptych_caller"))) {
         place = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, uint_type(s), place, caller);
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), place, caller);
     }
     values->ids[values->count++] = place;
     values->ids[values->count++] = what;
@@ -170,7 +154,7 @@ static void put_caller(struct sanitizer *s, const uint32_t *call)
     if (!name || !caller || !s->file)
         return;
     snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "("), name);
-    uint32_t site = uint_constant(s, add_site(s, NULL, word, ""));
+    uint32_t site = sanitizer_number(s, sanitizer_site(s, NULL, word, ""));
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, caller, site);
 }
 
@@ -301,8 +285,8 @@ static uint32_t put_check(struct sanitizer *s, const struct check *check, const 
             vector && !check->whole ? put_part(s, id, type, component) : id;
     }
     snprintf(mangled + length, sizeof mangled - (size_t)length, "u1;u1;");
-    add_place(s, &values, site);
-    return put_call(s, mangled, &values);
+    sanitizer_place(s, &values, site);
+    return sanitizer_call(s, mangled, &values);
 }
 
 /* The text with the letter of the operands' type. */
@@ -345,7 +329,7 @@ static uint32_t put_operands(struct sanitizer *s, const struct check *check,
         return 0;
     const uint32_t *type = spirv_type(s->from, operands[check->first]);
     spell(check, letter_of(scalar_of(s->from, type)), text, sizeof text);
-    uint32_t site = add_site(s, check->word, "", text);
+    uint32_t site = sanitizer_site(s, check->word, "", text);
     for (uint32_t i = 0; i < check->count && !check->whole; i++) {
         uint32_t own = width_of(spirv_type(s->from, operands[check->first + i]));
         width = own > width ? own : width;
@@ -368,7 +352,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
             char mangled[40];
             struct values values = {{put_part(s, id, type, i)}, 1};
             snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", column[3]);
-            all = put_bool(s, SpvOpLogicalAnd, all, put_call(s, mangled, &values));
+            all = put_bool(s, SpvOpLogicalAnd, all, sanitizer_call(s, mangled, &values));
         }
         return all;
     }
@@ -377,7 +361,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
     char mangled[40] = "diptych_finite(f1;";
     if (spirv_is(type, SpvOpTypeVector))
         snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", type[3]);
-    return put_call(s, mangled, &(struct values){{id}, 1});
+    return sanitizer_call(s, mangled, &(struct values){{id}, 1});
 }
 
 /* Tells a result, or a column of it, that is not finite. */
@@ -393,8 +377,8 @@ static void put_made(struct sanitizer *s, uint32_t id, const uint32_t *type, uin
     if (spirv_is(type, SpvOpTypeVector))
         snprintf(mangled, sizeof mangled, "diptych_made(vf%u;b1;u1;u1;", type[3]);
     struct values values = {{id, finite}, 2};
-    add_place(s, &values, site);
-    put_call(s, mangled, &values);
+    sanitizer_place(s, &values, site);
+    sanitizer_call(s, mangled, &values);
 }
 
 static bool has_floats(const struct spirv *from, const uint32_t *type)
@@ -425,7 +409,7 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
     if (!all)
         return;
     snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
-    put_made(s, instruction[2], type, all, add_site(s, check->word, "", text));
+    put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));
 }
 
 /* ---- Indices --------------------------------------------------------------------------------- */
@@ -459,8 +443,8 @@ static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const
     struct values values = {{index, count}, 2};
     snprintf(text, sizeof text, "index @0%c of `%.60s`, which has @1u elements", letter, name);
     snprintf(mangled, sizeof mangled, "diptych_index(%c1;u1;u1;u1;", letter);
-    add_place(s, &values, add_site(s, NULL, name, text));
-    put_call(s, mangled, &values);
+    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
+    sanitizer_call(s, mangled, &values);
 }
 
 /* The number of elements of what the chain's word indexes; 0: it needs no check. */
@@ -474,13 +458,14 @@ static uint32_t put_count(struct sanitizer *s, const uint32_t *chain, uint32_t w
     else if (spirv_is(type, SpvOpTypeArray))
         constant_of(from, type[3], &count);
     if (count)
-        return constant && index < count ? 0 : uint_constant(s, count);
+        return constant && index < count ? 0 : sanitizer_number(s, count);
     uint32_t member;
     if (!spirv_is(type, SpvOpTypeRuntimeArray) || word != 5 ||
         !constant_of(from, chain[4], &member))
         return 0;
     count = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpArrayLength, uint_type(s), count, chain[3], member);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpArrayLength, sanitizer_uint(s), count, chain[3],
+              member);
     return count;
 }
 
@@ -514,7 +499,7 @@ static void put_component(struct sanitizer *s, const uint32_t *instruction, uint
     const char *name = base_name(s->from, instruction[3]);
     if (is_constant(s->from, index))
         return;
-    put_index(s, index, uint_constant(s, spirv_type(s->from, instruction[3])[3]),
+    put_index(s, index, sanitizer_number(s, spirv_type(s->from, instruction[3])[3]),
               name && *name ? name : "a vector");
 }
 
@@ -566,8 +551,8 @@ static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image,
     if (width > 1)
         snprintf(mangled, sizeof mangled, "diptych_texel(vi%u;vi%u;u1;u1;", width, width);
     struct values values = {{place, put_size(s, type, image, lod, width)}, 2};
-    add_place(s, &values, add_site(s, NULL, name, text));
-    put_call(s, mangled, &values);
+    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
+    sanitizer_call(s, mangled, &values);
 }
 
 static void put_image(struct sanitizer *s, const uint32_t *instruction)
@@ -601,7 +586,7 @@ static void put_counters(struct sanitizer *s, const struct spirv_function *funct
         if (!spirv_is(i, SpvOpLoopMerge))
             continue;
         type = spirv_declare(&s->edit, SpvOpTypePointer, 0,
-                             (uint32_t[]){SpvStorageClassFunction, uint_type(s)}, 2);
+                             (uint32_t[]){SpvStorageClassFunction, sanitizer_uint(s)}, 2);
         s->counters[label] = s->edit.bound++;
         SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVariable, type, s->counters[label],
                   SpvStorageClassFunction);
@@ -613,21 +598,23 @@ static void put_start(struct sanitizer *s, const uint32_t *branch, size_t at)
 {
     uint32_t counter = s->counters[branch[1]];
     if (counter && s->from->definitions[branch[1]] > at)
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, uint_constant(s, 0));
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, sanitizer_number(s, 0));
 }
 
 /* In the header of a loop, before OpLoopMerge: counts a turn. Returns the condition of its end. */
 static uint32_t put_turn(struct sanitizer *s)
 {
     uint32_t before = s->edit.bound++, turns = s->edit.bound++, counter = s->counters[s->label];
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, uint_type(s), before, counter);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, uint_type(s), turns, before, uint_constant(s, 1));
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), before, counter);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), turns, before,
+              sanitizer_number(s, 1));
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, turns);
     struct values values = {{turns}, 1};
-    add_place(s, &values,
-              add_site(s, "loop", "",
+    sanitizer_place(
+        s, &values,
+        sanitizer_site(s, "loop", "",
                        "loops of more than 65,000 turns in one invocation: drivers end them"));
-    return put_call(s, "diptych_turn(u1;u1;u1;", &values);
+    return sanitizer_call(s, "diptych_turn(u1;u1;u1;", &values);
 }
 
 /* A block behind a loop that glslang takes for one that never ends. */
@@ -692,10 +679,12 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     const struct check *check = s->request->kinds & SANITIZE_ARITHMETIC ? check_of(s, i) : NULL;
     uint32_t bad = check ? put_operands(s, check, i) : 0;
     put_before(s, i);
+    if (s->request->kinds & SANITIZE_VARIABLE)
+        assigned_before(s, i);
     if (spirv_is(i, SpvOpFunctionCall))
         put_caller(s, i);
     if (spirv_is(i, SpvOpKill) || spirv_is(i, SpvOpTerminateInvocation))
-        put_call(s, "diptych_flush(", &(struct values){.count = 0});
+        sanitizer_call(s, "diptych_flush(", &(struct values){.count = 0});
     if (loops && spirv_is(i, SpvOpBranch))
         put_start(s, i, at);
     if (loops && spirv_is(i, SpvOpLoopMerge))
@@ -706,36 +695,51 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         spirv_copy(&s->edit, &s->edit.code, i);
     if (check)
         put_result(s, check, i, bad);
+    if (s->request->kinds & SANITIZE_VARIABLE)
+        assigned_after(s, i);
     return more;
+}
+
+/* One instruction of a function, and the next ones that belong to it; returns the offset of the last. */
+static size_t put_checked(struct sanitizer *s, const struct spirv_function *function, size_t at)
+{
+    const uint32_t *i = s->from->words + at;
+    bool first = spirv_is(i, SpvOpLabel) && !s->label;
+    if (s->label && !s->begun && !spirv_is(i, SpvOpVariable)) {
+        s->begun = true;
+        if (s->request->kinds & SANITIZE_VARIABLE)
+            assigned_reset(s, function);
+    }
+    at += put_instruction(s, function, at);
+    s->label = spirv_is(i, SpvOpLabel) ? i[1] : s->label;
+    if (first && s->request->kinds & SANITIZE_LOOP)
+        put_counters(s, function);
+    return at;
 }
 
 static void put_function(struct sanitizer *s, const struct spirv_function *function)
 {
     const char *name = spirv_name(s->from, function->id);
     bool check = name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_end(") != 0;
-    s->file = s->line = 0;
+    s->file = s->line = s->label = 0;
+    s->begun = false;
+    if (!check && s->request->kinds & SANITIZE_VARIABLE)
+        assigned_find(s, function);
     SPIRV_EACH(s->from, at, function->begin, function->end)
     {
         const uint32_t *i = s->from->words + at;
         if (spirv_is(i, SpvOpLine)) {
             s->file = (uint32_t)atoi((const char *)(spirv_definition(s->from, i[1]) + 2));
             s->line = i[2];
-        }
-        if (spirv_is(i, SpvOpLine) || spirv_is(i, SpvOpNoLine))
-            continue;
-        if (check)
+        } else if (check) {
             spirv_copy(&s->edit, &s->edit.code, i);
-        else
-            at += put_instruction(s, function, at);
-        bool first = spirv_is(i, SpvOpLabel) && !s->label;
-        s->label = spirv_is(i, SpvOpLabel) ? i[1] : s->label;
-        if (first && !check && s->request->kinds & SANITIZE_LOOP)
-            put_counters(s, function);
+        } else if (!spirv_is(i, SpvOpNoLine)) {
+            at = put_checked(s, function, at);
+        }
     }
-    s->label = 0;
 }
 
-/* Without lines and sources; image queries are a capability. */
+/* Without lines and sources; image queries are a capability. Since SPIR-V 1.4 an entry point lists all variables. */
 static void copy_front(struct sanitizer *s)
 {
     const struct spirv *from = s->from;
@@ -749,6 +753,11 @@ static void copy_front(struct sanitizer *s)
         if (!twice && !spirv_is(i, SpvOpString) && !spirv_is(i, SpvOpSource) &&
             !spirv_is(i, SpvOpSourceContinued) && !spirv_is(i, SpvOpModuleProcessed))
             spirv_copy(edit, &edit->front, i);
+        if (spirv_is(i, SpvOpEntryPoint) && from->words[1] >= 0x10400 && !edit->failed) {
+            edit->front.data[edit->front.count - spirv_length(i)] += (uint32_t)s->variables.count
+                                                                     << 16;
+            spirv_append(edit, &edit->front, s->variables.data, s->variables.count);
+        }
     }
 }
 
@@ -773,16 +782,18 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
                           .glsl = spirv_glsl(module),
                           .counters = calloc(module->words[3], sizeof *s.counters)};
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |= !s.counters;
+    s.edit.failed |= !s.counters || !assigned_begin(&s);
     if (!s.edit.failed) {
-        copy_front(&s);
         spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
                      module->declarations - module->annotations);
         for (uint32_t i = 0; i < module->function_count; i++)
             put_function(&s, &module->functions[i]);
         drop_lines(&s.edit.declarations);
+        copy_front(&s);
     }
     free(s.seen.data);
+    free(s.ids);
+    free(s.variables.data);
     free(s.counters);
     return spirv_edit_end(&s.edit, module);
 }

@@ -286,6 +286,14 @@ bool diptych_normalize(const vec4 x, const uint site, const uint what)
     return diptych_told(x == vec4(0.0), 0u, 0u, site, what);
 }
 
+/* ---- Variables ------------------------------------------------------------------------------- */
+
+/* Bits of the components that have values, and of those that are read. */
+void diptych_assigned(const uint bits, const uint wanted, const uint site, const uint what)
+{
+    diptych_note((bits & wanted) != wanted, site, what);
+}
+
 /* ---- Loops ----------------------------------------------------------------------------------- */
 
 /* Turns of all loops of the invocation. */
