@@ -195,14 +195,29 @@ static bool stands(const char *line, const char *at, const char *word, size_t le
     if (strncmp(at, word, length) != 0)
         return false;
     if (is_word(*word))
-        return (at == line || !is_word(at[-1])) && !is_word(at[length]);
+        return (at == line || !is_word(at[-1])) &&
+               (!is_word(word[length - 1]) || !is_word(at[length]));
     bool twice =
         (*word == '+' || *word == '-') && (at[1] == *word || (at > line && at[-1] == *word));
     return !twice;
 }
 
+/* Whether a name stands here to be read: it is neither declared nor assigned. */
+static bool is_read(const char *line, const char *at, size_t length)
+{
+    const char *before = at, *after = at + length;
+    while (before > line && (before[-1] == ' ' || before[-1] == '\t'))
+        before--;
+    if (*after == '.')
+        after += strspn(after, ".xyzwrgbastpq");
+    after += strspn(after, " \t");
+    bool declared = before < at && before > line && is_word(before[-1]) &&
+                    !(before - line >= 6 && !strncmp(before - 6, "return", 6));
+    return !declared && !(after[0] == '=' && after[1] != '=');
+}
+
 /* The column of the nth word outside of comments, or of the last; 0: there is none. */
-static int find_column(const char *line, const char *word, uint32_t nth)
+static int find_column(const char *line, const char *word, uint32_t nth, bool read)
 {
     size_t length = strlen(word);
     int column = 0;
@@ -216,7 +231,7 @@ static int find_column(const char *line, const char *word, uint32_t nth)
             at = end + 1;
             continue;
         }
-        if (!stands(line, at, word, length))
+        if (!stands(line, at, word, length) || (read && !is_read(line, at, length)))
             continue;
         column = (int)(at - line) + 1;
         if (!nth--)
@@ -235,26 +250,33 @@ static const char *line_at(const struct source *source, uint32_t line)
 }
 
 static const char *const other_words[][2] = {
-    {"loop", "for"},  {"loop", "while"}, {"loop", "do"},    {"int", "ivec2"}, {"int", "ivec3"},
+    {"loop", "for"},  {"loop", "do"},    {"loop", "while"}, {"int", "ivec2"}, {"int", "ivec3"},
     {"int", "ivec4"}, {"uint", "uvec2"}, {"uint", "uvec3"}, {"uint", "uvec4"}};
 
 static void place(const struct model *model, const struct sanitize_site *site,
                   struct sanitize_report *report)
 {
-    const struct loc loc = report->count ? site->pass->shader_loc : (struct loc){0};
-    report->file = loc.source ? loc.source->path : "";
-    report->line = loc.line;
-    report->column = loc.column;
-    if (!site->file || site->file > model->glsl_source_count)
+    report->file = site->pass ? site->pass->shader_loc.source->path : "";
+    if (!site->file || site->file > model->glsl_source_count) {
+        report->line = site->pass ? site->pass->shader_loc.line : 0;
+        report->column = site->pass ? site->pass->shader_loc.column : 0;
         return;
+    }
     const struct source *source = model->glsl_sources[site->file - 1];
     const char *line = line_at(source, site->line), *word = site->word ? site->word : site->name;
     report->file = source->path;
     report->line = (int)site->line;
-    report->column = find_column(line, word, site->nth);
+    char indexed[72];
+    snprintf(indexed, sizeof indexed, "%s[", word);
+    if (!strncmp(site->text, "index", 5))
+        report->column = find_column(line, indexed, site->nth, true);
+    else if (strstr(site->text, " is read "))
+        report->column = find_column(line, word, site->nth, true);
+    if (!report->column)
+        report->column = find_column(line, word, site->nth, false);
     for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
         if (!strcmp(other_words[i][0], word))
-            report->column = find_column(line, other_words[i][1], site->nth);
+            report->column = find_column(line, other_words[i][1], site->nth, false);
     if (!report->column)
         report->column = 1 + (int)strspn(line, " \t");
 }

@@ -14,6 +14,7 @@ struct assigned {     /* of an id */
     const char *name; /* of a parameter that a temporary variable is passed as */
     uint32_t uses;    /* of a loaded value */
     uint32_t target;  /* the variable that it is stored to, if that is all */
+    bool chosen;      /* it is only an operand of a choice by a condition */
     uint32_t parts;   /* mask of the components that are used */
 };
 
@@ -63,6 +64,8 @@ static void use(struct sanitizer *s, const uint32_t *i, uint32_t word)
 {
     struct assigned *of = &s->ids[i[word]];
     of->uses++;
+    of->chosen = of->uses == 1 && spirv_is(i, SpvOpSelect) && word > 3 &&
+                 spirv_is(spirv_type(s->from, i[3]), SpvOpTypeBool);
     of->target =
         spirv_is(i, SpvOpStore) && word == 2 && of->uses == 1 && pointee(s, i[1]) ? i[1] : 0;
     if (spirv_is(i, SpvOpCompositeExtract)) {
@@ -149,41 +152,92 @@ static bool is_copied(struct sanitizer *s, const uint32_t *load)
 {
     const struct assigned *value = &s->ids[load[2]];
     return value->uses == 1 && value->target && bits_of(s, value->target) &&
-           spirv_is(spirv_definition(s->from, load[3]), SpvOpAccessChain) == 0;
+           !spirv_is(spirv_definition(s->from, load[3]), SpvOpAccessChain);
 }
 
-static void put_read(struct sanitizer *s, const uint32_t *load)
+/* A variable of glslang, which passes an argument or takes it back. */
+static bool is_temporary(const struct sanitizer *s, uint32_t variable)
 {
-    uint32_t parts, variable = variable_of(s, load[3], &parts);
-    uint32_t bits = bits_of(s, variable);
-    char text[160];
-    if (!bits || is_copied(s, load))
-        return;
-    const uint32_t *type = pointee(s, variable);
+    const char *name = spirv_name(s->from, variable);
+    return s->ids[variable].name || (name && !strncmp(name, "param", 5));
+}
+
+static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
+{
     const char *name =
         s->ids[variable].name ? s->ids[variable].name : spirv_name(s->from, variable);
-    parts &= all_parts(type);
-    if (spirv_is(type, SpvOpTypeVector) && spirv_definition(s->from, load[3])[0] >> 16 &&
-        !spirv_is(spirv_definition(s->from, load[3]), SpvOpAccessChain))
-        parts &= s->ids[load[2]].parts;
+    char text[160];
     name = name && *name ? name : "a variable";
     snprintf(text, sizeof text, "`%.60s` is read before it has a value", name);
-    struct values values = {{put_load(s, bits), sanitizer_number(s, parts)}, 2};
+    struct values values = {{put_load(s, bits_of(s, variable)), wanted}, 2};
     sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
     sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
+}
+
+/* Components that a load needs. */
+static uint32_t parts_of(const struct sanitizer *s, const uint32_t *load, uint32_t *variable)
+{
+    uint32_t parts;
+    *variable = variable_of(s, load[3], &parts);
+    const uint32_t *type = pointee(s, *variable);
+    if (!type)
+        return 0;
+    if (*variable == load[3] && spirv_is(type, SpvOpTypeVector))
+        parts = s->ids[load[2]].parts;
+    return parts & all_parts(type);
+}
+
+/* A copy is told where nothing has a value at all; a part that is missing is told where it is read. */
+static void put_read(struct sanitizer *s, const uint32_t *load)
+{
+    uint32_t variable, parts = parts_of(s, load, &variable);
+    if (!bits_of(s, variable) || s->ids[load[2]].chosen)
+        return;
+    if (!is_copied(s, load)) {
+        put_check(s, variable, sanitizer_number(s, parts));
+    } else if (!is_temporary(s, variable) && !is_temporary(s, s->ids[load[2]].target)) {
+        uint32_t bits = put_load(s, bits_of(s, variable));
+        struct values values = {{bits}, 1};
+        put_check(s, variable, sanitizer_call(s, "diptych_none(u1;", &values));
+    }
+}
+
+/* `c ? a : b` of variables is a choice among values that are both loaded. */
+static void put_choice(struct sanitizer *s, const uint32_t *choice)
+{
+    for (uint32_t word = 4; word < 6; word++) {
+        const uint32_t *load = spirv_definition(s->from, choice[word]);
+        uint32_t variable, wanted = s->edit.bound++;
+        if (!s->ids[choice[word]].chosen || !spirv_is(load, SpvOpLoad))
+            continue;
+        uint32_t parts = sanitizer_number(s, parts_of(s, load, &variable));
+        uint32_t none = sanitizer_number(s, 0);
+        if (!bits_of(s, variable))
+            continue;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), wanted, choice[3],
+                  word == 4 ? parts : none, word == 4 ? none : parts);
+        put_check(s, variable, wanted);
+    }
 }
 
 static void put_stored(struct sanitizer *s, const uint32_t *store)
 {
     uint32_t parts, variable = variable_of(s, store[1], &parts);
-    uint32_t bits = bits_of(s, variable);
+    uint32_t bits = bits_of(s, variable), all;
     const uint32_t *load = spirv_definition(s->from, store[2]);
-    uint32_t all, from = spirv_is(load, SpvOpLoad) ? variable_of(s, load[3], &all) : 0;
+    uint32_t from = spirv_is(load, SpvOpLoad) ? variable_of(s, load[3], &all) : 0;
     if (!bits)
         return;
-    if (from && variable == store[1] && bits_of(s, from) && is_copied(s, load))
+    bool copied = from && variable == store[1] && bits_of(s, from) && is_copied(s, load);
+    if (copied)
         put_copy(s, bits, bits_of(s, from));
-    else
+    if (copied && !is_temporary(s, from) && !is_temporary(s, variable)) { /* it was told */
+        uint32_t before = put_load(s, bits), none, after = s->edit.bound++;
+        none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{before}, 1});
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpBitwiseOr, sanitizer_uint(s), after, before, none);
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits, after);
+    }
+    if (!copied)
         put_set(s, bits, parts & all_parts(pointee(s, variable)));
 }
 
@@ -225,6 +279,8 @@ void assigned_before(struct sanitizer *s, const uint32_t *instruction)
 {
     if (spirv_is(instruction, SpvOpLoad))
         put_read(s, instruction);
+    else if (spirv_is(instruction, SpvOpSelect))
+        put_choice(s, instruction);
     else if (spirv_is(instruction, SpvOpFunctionCall))
         put_pointers(s, instruction, false);
     else if (spirv_is(instruction, SpvOpReturnValue))

@@ -294,6 +294,12 @@ void diptych_assigned(const uint bits, const uint wanted, const uint site, const
     diptych_note((bits & wanted) != wanted, site, what);
 }
 
+/* All bits where there are none. */
+uint diptych_none(const uint bits)
+{
+    return mix(0u, 0xffffffffu, bits == 0u);
+}
+
 /* ---- Loops ----------------------------------------------------------------------------------- */
 
 /* Turns of all loops of the invocation. */
