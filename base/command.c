@@ -162,6 +162,7 @@ static bool store(void *options, const struct option_row *row, const char *value
         *(bool *)place = true;
         return true;
     case OPTION_STRING:
+    case OPTION_WORDS:
         *(const char **)place = value;
         return true;
     case OPTION_CHOICE:
@@ -201,6 +202,8 @@ static bool take_option(const struct command_line *command, void *options, int a
         return unknown_option(command, argument, length, log);
     if (row->kind == OPTION_FLAG)
         return value ? fail(log, "%s: takes no value", row->name) : store(options, row, "", log);
+    if (row->kind == OPTION_WORDS && !value)
+        return store(options, row, "", log);
     /* An option is no value: `--graph --help` must not write a file named `--help`. */
     if (!value && *at + 1 < argc && strncmp(argv[*at + 1], "--", 2) != 0)
         value = argv[++*at];

@@ -9,6 +9,7 @@
 enum option_kind {
     OPTION_FLAG,   /* bool; the option takes no value */
     OPTION_STRING, /* const char * */
+    OPTION_WORDS,  /* const char *: `--name` is "", `--name=WORDS` has a value */
     OPTION_CHOICE, /* const char *: one of the words in `argument` */
     OPTION_COUNT,  /* uint32_t from 1 to OPTIONS_MAX_COUNT */
     OPTION_INDEX,  /* uint32_t from 0 to OPTIONS_MAX_COUNT */

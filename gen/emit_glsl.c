@@ -3,6 +3,7 @@
  * parts. */
 #include "glsl.h"
 #include "formats.h"
+#include "sanitize.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -582,6 +583,8 @@ static bool add_parts(struct glsl *glsl)
             return false;
         glsl_end(glsl);
         glsl_zero(glsl);
+        if (!sanitize_glsl(glsl))
+            return false;
         glsl_texels(glsl);
         if (glsl->expanded) /* with its macros */
             glsl->files = NULL;

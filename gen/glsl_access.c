@@ -503,6 +503,8 @@ void glsl_resources(struct glsl *glsl)
     bool materials = false, textures = false; /* listed */
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
+        if (access->resource && access->resource->internal)
+            continue;
         if (access->resource && access->binding >= 0 && is_image(access))
             add_image(glsl, access, out);
         else if (access->resource && access->binding >= 0)

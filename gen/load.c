@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <string.h>
 
+#include "sanitize.h"
 #include "shader_cache.h"
 
 static bool read(struct spec *spec, const struct spec_request *request, struct diag *diag)
@@ -17,6 +18,7 @@ static bool read(struct spec *spec, const struct spec_request *request, struct d
     spec->model.root = request->root;
     spec->model.prove = request->prove;
     spec->model.text = request->text;
+    spec->model.sanitize = request->sanitize;
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }
 
@@ -30,8 +32,10 @@ static bool load(struct spec *spec, const struct spec_request *request, bool tab
     layout_model(model);
     if (!plan_model(model, diag) || diag_error_count(diag))
         return false;
-    struct shader_cache *cache = shader_cache_open(request->cache, diag);
-    bool good = shaders_compile(model, spec->shaders, cache, diag);
+    struct shader_cache *cache =
+        model->sanitize ? NULL : shader_cache_open(request->cache, diag); /* it knows no sites */
+    bool good = sanitize_begin(model) && shaders_compile(model, spec->shaders, cache, diag) &&
+                sanitize_count(model, diag);
     shader_cache_close(cache);
     if (!good)
         return false;
@@ -56,6 +60,7 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
 void spec_free(struct spec *spec)
 {
     shaders_free(&spec->model, spec->shaders);
+    sanitize_end(&spec->model);
     arena_free(spec->model.arena);
     *spec = (struct spec){0};
 }

@@ -14,6 +14,7 @@ struct spec_request {
     const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
     bool prove;            /* --prove */
     bool text;             /* also OpenGL's GLSL */
+    unsigned sanitize;     /* mask of enum sanitize_kind; 0: off */
 };
 
 /* The results for one spec. Zero before spec_load; call spec_free also after an error. */

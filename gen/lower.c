@@ -542,6 +542,8 @@ static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pa
     uint16_t *mips = table(l, count, sizeof *mips);
     bool any_mip = false;
     for (uint16_t i = 0; i < count && !l->failed; i++) {
+        if (l->from->resources[i].internal)
+            continue;
         uint16_t write = written_mips(from, &l->from->resources[i]);
         if (reads(from, &l->from->resources[i]))
             read[to->read_count++] = i;

@@ -81,6 +81,7 @@ struct resource {
     bool history;     /* also true for content from outside, which no pass writes */
     bool input;       /* content from outside: from `file`, or from `--input` or a host */
     bool keep;        /* shares no memory */
+    bool internal;    /* the generator's own: no list of a pass shows it */
     const char *file; /* as written; NULL: none */
     struct loc file_loc;
     const char *file_path; /* read: where it was found; NULL: it was not, or cannot be read */
@@ -358,9 +359,11 @@ struct model {
     /* emit_glsl: the file of each source-string number in #line; the numbers start at 1 */
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
-    bool text;                 /* also OpenGL's GLSL, which glslang does not compile */
-    bool prove;                /* --prove: reports every open operation of exact passes */
-    struct replaced *replaced; /* read: a list, or NULL; names in these values count as used */
+    bool text;                    /* also OpenGL's GLSL, which glslang does not compile */
+    bool prove;                   /* --prove: reports every open operation of exact passes */
+    unsigned sanitize;            /* mask of enum sanitize_kind; 0: off */
+    struct sanitize_sites *sites; /* sanitize.h */
+    struct replaced *replaced;    /* read: a list, or NULL; names in these values count as used */
 };
 
 #endif

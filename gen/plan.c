@@ -3,6 +3,7 @@
  * the result. */
 #include "plan.h"
 #include "expr.h"
+#include "sanitize.h"
 #include "stages.h"
 
 uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise)
@@ -387,6 +388,8 @@ static unsigned stages_of(const struct pass *pass, const struct access *access)
         return DT_STAGE_DEPTH;
     if (pass->kind == DT_PASS_DISPATCH)
         return DT_STAGE_COMPUTE;
+    if (access->resource && access->resource->internal)
+        return DT_STAGE_VERTEX | DT_STAGE_FRAGMENT;
     /* Draws write buffers in the fragment stage; generated vertex shaders read none. */
     return (pass->kind != DT_PASS_DRAW_FULLSCREEN || pass->own_vertices) &&
                    access->mode == MODE_READ
@@ -493,6 +496,8 @@ bool plan_model(struct model *model, struct diag *diag)
     unsigned errors = diag_error_count(diag);
     bool ordered = plan_order(model, diag);
 
+    if (!sanitize_plan(model))
+        return false;
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         plan_ranges(&pipeline->passes[i], pipeline, diag);
         plan_kinds(pipeline, &pipeline->passes[i], diag);

@@ -184,7 +184,8 @@ void read_resources(struct reader *reader, const struct fields *top)
     struct named_list buffers = fields_named(reader, top, "buffers"),
                       images = fields_named(reader, top, "images");
     pipeline->resources =
-        reader_alloc(reader, buffers.count + images.count, sizeof *pipeline->resources);
+        reader_alloc(reader, buffers.count + images.count + 1, /* one more: sanitize.c */
+                     sizeof *pipeline->resources);
     if (!pipeline->resources)
         return;
     for (uint32_t i = 0; i < buffers.count; i++)

@@ -121,7 +121,7 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders[2], uint
             continue; /* derive() makes it */
         } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
             job.shader = shader;
-            job.twin = shader_twin(shaders[job.backend], index, stage);
+            job.twin = model->sanitize ? NULL : shader_twin(shaders[job.backend], index, stage);
             good &= add_job(jobs, job, diag);
         }
     }

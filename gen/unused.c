@@ -64,7 +64,7 @@ static bool reads_by_range(const struct pass *pass, const struct access *access)
 static bool is_silent(const struct pass *pass, const struct access *access)
 {
     const struct resource *resource = access->resource;
-    return !resource ||
+    return !resource || resource->internal ||
            (resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F &&
             access->mode != MODE_READ) ||
            resource == pass->indirect_resource || resource == pass->index_resource;

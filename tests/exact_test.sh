@@ -69,6 +69,18 @@ for backend in gl vk; do
 done
 check "exact, the body takes the other way" "$diptych" compare --spec "$specs/subgroups.yaml" --size 16x16 --set exactness=exact
 
+# More declarations than a table of them begins with.
+/usr/bin/python3 - "$work" <<'END'
+import sys
+lines = "".join(f"    r += float(i) * {k}.5;\n" for k in range(1500))
+with open(sys.argv[1] + "/many.glsl", "w", encoding="utf-8") as file:
+    file.write("void main()\n{\n    int i = invocation().x;\n    float r = 0.0;\n" + lines + "    result[i] = r;\n}\n")
+with open(sys.argv[1] + "/many.yaml", "w", encoding="utf-8") as file:
+    file.write("pipeline: many\nbuffers:\n  result: {of: float, count: 64}\n"
+               "passes:\n  - {name: many, dispatch: 64, writes: [result], shader: many.glsl}\n")
+END
+check "a shader with 1,500 constants compiles" timeout 60 "$build/diptych-gen" "$work/many.yaml" --check
+
 . "$root/tests/drivers.sh"
 if [ ${#strangers[@]} -gt 0 ]; then
     check "division and functions agree on ${strangers[*]}" "${arithmetic[@]}" --backend "vk@llvmpipe,${strangers[0]}"

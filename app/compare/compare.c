@@ -2,6 +2,7 @@
  * pass. All sides step through the passes together, so only one resource of each is in memory. */
 #include "compare/compare.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -250,14 +251,31 @@ static bool start_all(struct compare *compare)
     return true;
 }
 
+/* --sanitize: what the frames have found on each side. */
+static bool read_undefined(struct compare *compare)
+{
+    const struct row row = {.resource = plan_reports(compare->pipeline.plan)};
+    for (uint32_t i = 0; i < compare->sides.count && compare->options.setup.sanitize; i++) {
+        struct source *source = &compare->sources[i];
+        struct dt_bytes bytes;
+        if (source->dump)
+            continue;
+        if (!source_ask(source, &row) || !source_take(source, &row, &bytes) ||
+            !undefined_add(&compare->undefined, &compare->pipeline, i, &bytes,
+                           &compare->console->log))
+            return false;
+    }
+    return true;
+}
+
 static bool run_all(struct compare *compare)
 {
     uint32_t frames = compare->options.setup.frames;
     bool good = start_all(compare);
     for (uint32_t frame = first_frame(compare); frame < frames && good; frame++)
         good = run_frame(compare, frame);
-    good =
-        good && advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
+    good = good && read_undefined(compare) &&
+           advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
     for (uint32_t i = 0; i < compare->sides.count; i++)
         source_close(&compare->sources[i]);
     return good;
@@ -401,6 +419,7 @@ static void release(struct compare *compare)
     dump_reader_close(&compare->dump);
     golden_free(&compare->golden);
     rows_free(&compare->rows);
+    undefined_free(&compare->undefined);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
     sides_free(&compare->sides);
@@ -513,6 +532,17 @@ static bool run(struct compare *compare)
            (!options->junit || compare_write_junit(compare));
 }
 
+static void print_undefined(const struct compare *compare)
+{
+    const char *labels[32];
+    uint32_t count = compare->sides.count < 32 ? compare->sides.count : 32;
+    for (uint32_t i = 0; i < count; i++)
+        labels[i] = compare->sides.list[i].label;
+    if (compare->undefined.count)
+        printf("\n");
+    undefined_print(&compare->undefined, labels, count);
+}
+
 int verb_compare(struct console *console, const struct options *options)
 {
     struct compare compare = {.console = console, .options = *options};
@@ -527,7 +557,8 @@ int verb_compare(struct console *console, const struct options *options)
     if (compare.complete) {
         compare_print(&compare);
         golden_print(&compare);
-        differ = golden_differs(&compare);
+        print_undefined(&compare);
+        differ = golden_differs(&compare) || compare.undefined.count;
     }
     for (uint32_t i = 0; i < compare.pair_count; i++)
         differ |= compare.pairs && compare.pairs[i].broken;

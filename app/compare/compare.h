@@ -13,6 +13,7 @@
 #include "result/rows.h"
 #include "result/strip.h"
 #include "run/source.h"
+#include "run/undefined.h"
 #include "theirs/why.h"
 
 enum { SHOWN_PICTURES = 3 };
@@ -67,8 +68,9 @@ struct compare {
     struct fault fault;
     uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
-    struct source *sources; /* one per side */
-    char **devices;         /* names of the devices */
+    struct source *sources;     /* one per side */
+    struct undefined undefined; /* --sanitize */
+    char **devices;             /* names of the devices */
     struct pair *pairs;
     uint32_t pair_count;         /* sides.count - 1 */
     uint64_t compared;           /* compared elements of all rows, pairs and frames */

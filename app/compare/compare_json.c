@@ -138,5 +138,7 @@ cJSON *compare_json(const struct compare *compare)
     add_outcome(root, compare, told);
     if (compare->options.golden)
         cJSON_AddItemToObject(root, "golden", cJSON_Duplicate(compare->golden.differing, true));
+    if (compare->options.setup.sanitize)
+        cJSON_AddItemToObject(root, "undefined", undefined_json(&compare->undefined));
     return root;
 }

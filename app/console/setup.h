@@ -31,9 +31,10 @@ struct setup {
     const char *backend; /* see side.h */
     const char *device;
     const char *context;
-    bool glsl;           /* OpenGL takes text */
-    bool debug;          /* validation layers */
-    const char *against; /* folder of a dump */
+    bool glsl;            /* OpenGL takes text */
+    bool debug;           /* validation layers */
+    const char *sanitize; /* kinds to look for, "" for all; NULL: none */
+    const char *against;  /* folder of a dump */
     const char *capture;
     uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
 };

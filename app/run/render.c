@@ -15,6 +15,7 @@
 #include "run/capture.h"
 #include "run/session.h"
 #include "run/timings.h"
+#include "run/undefined.h"
 #include "scenes/image.h"
 
 struct render {
@@ -34,6 +35,7 @@ struct render {
     /* last pass that writes it; read then, since resources may share memory. pass_count: no picture */
     uint32_t shown_pass;
     struct dt_bytes picture; /* its bytes */
+    struct undefined undefined;
 };
 
 static bool ends_with(const char *text, const char *tail)
@@ -158,6 +160,20 @@ static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32
     return good;
 }
 
+/* --sanitize: what the frames have found. */
+static bool read_undefined(struct render *render)
+{
+    const struct session *session = &render->session;
+    struct dt_bytes bytes = {0};
+    if (!render->options.setup.sanitize)
+        return true;
+    bool good =
+        session->runtime->read(session->handle, plan_reports(render->pipeline.plan), 0, &bytes) &&
+        undefined_add(&render->undefined, &render->pipeline, 0, &bytes, &render->console->log);
+    free(bytes.data);
+    return good;
+}
+
 /* Before the last frame: dumps resources with history. */
 static enum dt_action before_pass(void *user, uint32_t pass)
 {
@@ -244,7 +260,7 @@ static bool run_frames(struct render *render)
             !timings_take(&render->timings, &render->session, milliseconds_now() - start))
             return false;
     }
-    if (!session_is_silent(&render->session))
+    if (!read_undefined(render) || !session_is_silent(&render->session))
         return false;
     if (render->picture.data || !options->output)
         return true;
@@ -364,6 +380,8 @@ static cJSON *render_json(const struct render *render)
         cJSON_AddStringToObject(root, "timings", options->timings);
     if (options->setup.capture)
         cJSON_AddStringToObject(root, "capture", options->setup.capture);
+    if (options->setup.sanitize)
+        cJSON_AddItemToObject(root, "undefined", undefined_json(&render->undefined));
     return root;
 }
 
@@ -387,6 +405,10 @@ int verb_render(struct console *console, const struct options *options)
     if (good && options->output && !render.numbered)
         good = write_picture(&render, options->output);
     good = dump_end(&render.dump, good) && good;
+    if (good)
+        undefined_print(&render.undefined, NULL, 1);
+    good = good && !render.undefined.count;
+    undefined_free(&render.undefined);
     free(render.picture.data);
     timings_free(&render.timings);
     scene_free(&render.scene);

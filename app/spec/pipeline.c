@@ -11,6 +11,7 @@
 #include "base/files.h"
 #include "console/live.h"
 #include "console/tool.h"
+#include "gen/sanitize.h"
 #include "spec/inputs.h"
 #include "base/nearest.h"
 
@@ -116,11 +117,23 @@ static bool takes_text(const struct setup *setup)
     return setup->glsl || (setup->backend && strstr(setup->backend, "+glsl"));
 }
 
+/* The mask of --sanitize; 0 without it. */
+static bool read_kinds(const struct setup *setup, unsigned *kinds, const struct dt_log *log)
+{
+    const char *end;
+    *kinds = setup->sanitize ? sanitize_kinds(setup->sanitize, &end) : 0;
+    if (setup->sanitize && !*kinds)
+        report_error(log, "--sanitize=%s: unknown kind \"%.*s\"; there are %s", setup->sanitize,
+                     (int)strcspn(end, ","), end, sanitize_names);
+    return *kinds || !setup->sanitize;
+}
+
 bool pipeline_load(struct pipeline *pipeline, struct console *console, const struct setup *setup)
 {
     struct load load;
     *pipeline = (struct pipeline){0};
-    bool good = find(&load, setup, &console->log);
+    unsigned sanitize;
+    bool good = find(&load, setup, &console->log) && read_kinds(setup, &sanitize, &console->log);
     if (good) {
         const struct plan_request request = {.spec = load.spec,
                                              .templates = load.templates,
@@ -128,7 +141,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
                                              .set_count = setup->set_count,
                                              .cache = load.cache,
                                              .root = setup->root,
-                                             .text = takes_text(setup)};
+                                             .text = takes_text(setup),
+                                             .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);

@@ -12,6 +12,7 @@
 #include "spec/play.h"
 #include "gen/body_files.h"
 #include "gen/load.h"
+#include "gen/sanitize.h"
 #include "gen/spirv/cross.h"
 #include "gen/watchdog.h"
 
@@ -46,7 +47,8 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
                                         .templates = request->templates,
                                         .root = request->root,
                                         .cache = request->cache,
-                                        .text = request->text};
+                                        .text = request->text,
+                                        .sanitize = request->sanitize};
     struct plan *plan = calloc(1, sizeof *plan);
     struct diag *diag = diag_create();
     bool good = plan && diag;
@@ -199,6 +201,18 @@ bool plan_choices(const struct plan *plan,
         good = good && choose_local(&chooser, pass);
     }
     return good;
+}
+
+uint32_t plan_reports(const struct plan *plan)
+{
+    const struct model *model = &plan->spec.model;
+    return model->pipeline.resource_count - (model->sanitize != 0);
+}
+
+bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
+                    struct sanitize_report **reports, uint32_t *count)
+{
+    return sanitize_read(&plan->spec.model, bytes, size, reports, count);
 }
 
 uint64_t plan_hash(const struct plan *plan)

@@ -14,6 +14,7 @@ struct plan_request {
     const char *cache; /* folder of compiled shaders; NULL: none */
     const char *root;  /* real path: files outside are not read; NULL: no limit */
     bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
+    unsigned sanitize; /* mask of enum sanitize_kind; 0: off */
 };
 
 /* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
@@ -45,6 +46,13 @@ void plan_blame_file(const struct plan *plan, uint32_t resource, const char *tex
 bool plan_choices(const struct plan *plan,
                   bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
                   void *user);
+
+/* The buffer that --sanitize adds; its index is that of no resource without it. */
+uint32_t plan_reports(const struct plan *plan);
+/* What its content tells; see sanitize_read in gen/sanitize.h. */
+struct sanitize_report;
+bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
+                    struct sanitize_report **reports, uint32_t *count);
 
 /* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);

@@ -9,6 +9,7 @@
 #include "link.h"
 #include "passes.h"
 #include "prove.h"
+#include "sanitize.h"
 
 #include <ctype.h>
 #include <glslang/build_info.h>
@@ -43,12 +44,33 @@ const char *spirv_tools(void)
 
 /* ---- Compiling ------------------------------------------------------------------------------- */
 
+struct adding {
+    const struct model *model;
+    const struct pass *pass;
+};
+
+static uint32_t add_site(void *user, const struct sanitize_site *site)
+{
+    const struct adding *adding = user;
+    return sanitize_add(adding->model, adding->pass, site);
+}
+
+static bool sanitize(const struct model *model, const struct pass *pass, struct spirv *module)
+{
+    struct adding adding = {model, pass};
+    return !model->sanitize ||
+           (spirv_sanitize(module,
+                           &(struct sanitize_request){model->sanitize, add_site, &adding}) &&
+            !sanitize_failed(model));
+}
+
 /* The passes; takes over `words`. */
 static bool pass_words(const struct model *model, const struct pass *pass, uint32_t *words,
                        size_t count, struct shader *shader)
 {
     struct spirv module;
-    bool good = spirv_read(&module, words, count) && spirv_end_entry(&module);
+    bool good = spirv_read(&module, words, count) && sanitize(model, pass, &module) &&
+                spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
@@ -81,6 +103,23 @@ static int minor_version(const struct shader *shader)
     return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") ? 3 : 0;
 }
 
+/* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
+static void add_lines(const char *code, struct text *out)
+{
+    unsigned row, file;
+    for (const char *end; *code; code = end) {
+        end = code + strcspn(code, "\n");
+        end += *end == '\n';
+        if (sscanf(code, "#line %u %u", &row, &file) == 2)
+            text_add(out, "#line %u \"%u\"\n", row, file);
+        else
+            text_add_bytes(out, code, (size_t)(end - code));
+        if (!strncmp(code, "#version", 8))
+            text_add(out, "#extension GL_GOOGLE_cpp_style_line_directive : enable\n"
+                          "#line 2 \"0\"\n"); /* generated text is of no file */
+    }
+}
+
 /* `lines`: with OpLine, which makes no valid module of all that follows. */
 static bool compile(const struct model *model, const struct pass *pass, bool lines,
                     struct shader *shader, char **log)
@@ -97,12 +136,29 @@ static bool compile(const struct model *model, const struct pass *pass, bool lin
     return words && pass_words(model, pass, words, count, shader);
 }
 
+/* The same of text whose lines OpLine can name. */
+static bool compile_lined(const struct model *model, const struct pass *pass, bool lines,
+                          struct shader *shader, char **log)
+{
+    struct shader lined = *shader;
+    struct text text = {0};
+    add_lines(shader_code(shader)->data, &text);
+    *(shader->code.length ? &lined.code : &lined.glsl) = text;
+    lined.words = NULL;
+    bool good = text.data && !text.failed && compile(model, pass, lines, &lined, log);
+    text_free(&text);
+    shader->words = lined.words;
+    shader->word_count = lined.word_count;
+    return good;
+}
+
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, char **log, struct diag *diag)
 {
     char *unread = NULL;
-    bool good =
-        compile(model, pass, false, shader, log ? log : &unread) && validate(pass, shader, diag);
+    bool good = (model->sanitize ? compile_lined : compile)(model, pass, model->sanitize, shader,
+                                                            log ? log : &unread) &&
+                validate(pass, shader, diag);
     free(unread);
     return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
 }
@@ -167,23 +223,6 @@ static void report_open(void *user, const struct open_operation *operation)
         diag_error(proving->diag, loc, "`%s` is not exact: %s", operation->word, operation->why);
 }
 
-/* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
-static void add_lines(const char *code, struct text *out)
-{
-    unsigned row, file;
-    for (const char *end; *code; code = end) {
-        end = code + strcspn(code, "\n");
-        end += *end == '\n';
-        if (sscanf(code, "#line %u %u", &row, &file) == 2)
-            text_add(out, "#line %u \"%u\"\n", row, file);
-        else
-            text_add_bytes(out, code, (size_t)(end - code));
-        if (!strncmp(code, "#version", 8))
-            text_add(out, "#extension GL_GOOGLE_cpp_style_line_directive : enable\n"
-                          "#line 2 \"0\"\n"); /* generated text is of no file */
-    }
-}
-
 static bool prove_words(const struct shader *shader,
                         void (*found)(void *user, const struct open_operation *operation),
                         struct proving *proving)
@@ -200,12 +239,14 @@ void spirv_prove(const struct model *model, const struct pass *pass, const struc
 {
     struct proving proving = {model, pass, diag, draws_numbers(pass), 0};
     struct shader lined = {.stage = shader->stage, .files = shader->files};
+    struct model plain = *model; /* checks of --sanitize have no lines */
     char *log = NULL;
+    plain.sanitize = 0;
     bool good = prove_words(shader, count_open, &proving);
     if (good && proving.open) {
         add_lines(shader_code(shader)->data, &lined.glsl);
         good = lined.glsl.data && !lined.glsl.failed && spirv_init() &&
-               compile(model, pass, true, &lined, &log) &&
+               compile(&plain, pass, true, &lined, &log) &&
                prove_words(&lined, report_open, &proving);
     }
     if (!good)

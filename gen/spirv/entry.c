@@ -1,35 +1,27 @@
 /* The entry point becomes a function that calls the body's main, then diptych_end(), which the
- * generator declares where something must run behind the body (glsl_body.c). So the body may return
- * where it likes, and its text stays as it is. */
+ * generator declares where something must run behind the body (glsl_body.c), then diptych_flush(), which
+ * --sanitize adds. So the body may return where it likes, and its text stays as it is. */
 #include <spirv/unified1/spirv.h>
 #include <string.h>
 
 #include "passes.h"
 
-static const struct spirv_function *find_end(const struct spirv *module)
+static const struct spirv_function *find_function(const struct spirv *module, const char *wanted)
 {
     for (uint32_t i = 0; i < module->function_count; i++) {
         const char *name = spirv_name(module, module->functions[i].id);
-        if (name && !strcmp(name, "diptych_end("))
+        if (name && !strcmp(name, wanted))
             return &module->functions[i];
     }
     return NULL;
 }
 
-bool spirv_end_entry(struct spirv *module)
+/* What is said of the body is said of the entry point. */
+static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
 {
-    const struct spirv_function *end = find_end(module);
-    if (!end)
-        return true;
-    struct spirv_edit edit;
-    const uint32_t *words = module->words, *head = words + end->begin;
-    uint32_t void_type = head[1], function_type = head[4], body = spirv_entry(module);
-    spirv_edit_begin(&edit, module);
-    uint32_t entry = edit.bound++, label = edit.bound++, first = edit.bound++;
-    uint32_t second = edit.bound++;
-    for (size_t at = SPIRV_HEADER; !edit.failed && at < edit.front.count;
-         at += spirv_length(edit.front.data + at)) {
-        uint32_t *instruction = edit.front.data + at;
+    for (size_t at = SPIRV_HEADER; !edit->failed && at < edit->front.count;
+         at += spirv_length(edit->front.data + at)) {
+        uint32_t *instruction = edit->front.data + at;
         if (spirv_is(instruction, SpvOpEntryPoint))
             instruction[2] = entry;
         else if (spirv_is(instruction, SpvOpName) && instruction[1] == body)
@@ -37,6 +29,20 @@ bool spirv_end_entry(struct spirv *module)
         else if (spirv_is(instruction, SpvOpExecutionMode) && instruction[1] == body)
             instruction[1] = entry;
     }
+}
+
+bool spirv_end_entry(struct spirv *module)
+{
+    const struct spirv_function *const ends[] = {find_function(module, "diptych_end("),
+                                                 find_function(module, "diptych_flush(")};
+    if (!ends[0] && !ends[1])
+        return true;
+    struct spirv_edit edit;
+    const uint32_t *words = module->words, *head = words + ends[ends[0] ? 0 : 1]->begin;
+    uint32_t void_type = head[1], function_type = head[4], body = spirv_entry(module);
+    spirv_edit_begin(&edit, module);
+    uint32_t entry = edit.bound++, label = edit.bound++, first = edit.bound++;
+    rename_entry(&edit, body, entry);
     SPIRV_EACH(module, at, module->annotations, module->declarations)
     spirv_copy(&edit, &edit.annotations, words + at);
     SPIRV_EACH(module, at, module->code, module->count)
@@ -46,7 +52,11 @@ bool spirv_end_entry(struct spirv *module)
               function_type);
     SPIRV_PUT(&edit, &edit.code, SpvOpLabel, label);
     SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, first, body);
-    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, second, end->id);
+    for (int i = 0; i < 2; i++) {
+        uint32_t result = edit.bound++;
+        if (ends[i])
+            SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, result, ends[i]->id);
+    }
     spirv_put(&edit, &edit.code, SpvOpReturn, NULL, 0);
     spirv_put(&edit, &edit.code, SpvOpFunctionEnd, NULL, 0);
     return spirv_edit_end(&edit, module);

@@ -348,8 +348,13 @@ void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from)
     spirv_append(edit, &edit->front, from->words, from->annotations);
     spirv_append(edit, &edit->declarations, from->words + from->declarations,
                  from->code - from->declarations);
+    size_t declared = 0, slots = 1024;
+    SPIRV_EACH(from, at, from->declarations, from->code)
+    declared++;
+    while (slots < 4 * declared)
+        slots *= 2;
     if (!edit->failed)
-        fill_slots(edit, 1024);
+        fill_slots(edit, slots);
 }
 
 uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,

@@ -22,6 +22,12 @@ float obscurance(vec3 x, vec3 n, vec4 y, float reach)
     return y.w > 0.0 ? max(1.0 - approximate_divide(square, reach), 0.0) * height : 0.0;
 }
 
+/* The texel at a place; one beside the image where the place is outside. */
+ivec2 texel_at(vec2 place, ivec2 size)
+{
+    return ivec2(floor(clamp(place, vec2(-1.0), vec2(size))));
+}
+
 void main()
 {
     ivec2 size = irradiance_size();
@@ -44,14 +50,14 @@ void main()
                       turn.y * tap.direction.x + turn.x * tap.direction.y);
         d *= scale * along * (1.0 / float(samples));
         along += 1.0;
-        ivec2 q = ivec2(floor(vec2(p) + 0.5 + radius * d));
+        ivec2 q = texel_at(vec2(p) + 0.5 + radius * d, size);
         ivec2 texel = clamp(q, ivec2(0), size - 1);
         vec3 m = gbuffer_normal(texel).xyz;
         vec4 near = sent(x.xyz, n, gbuffer_position(texel), m, direct(texel).rgb);
         m = far_normal(texel).xyz;
         vec4 far = sent(x.xyz, n, far_position(texel), m, far_direct(texel).rgb);
         sum += texel == q ? near + far : vec4(0.0);
-        q = ivec2(floor(vec2(p) + 0.5 + ambient_radius * d));
+        q = texel_at(vec2(p) + 0.5 + ambient_radius * d, size);
         texel = clamp(q, ivec2(0), size - 1);
         float most = max(obscurance(x.xyz, n, gbuffer_position(texel), reach),
                          obscurance(x.xyz, n, far_position(texel), reach));

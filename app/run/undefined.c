@@ -1,0 +1,106 @@
+/* Findings of --sanitize; see undefined.h. */
+#include "run/undefined.h"
+
+#include <cjson/cJSON.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "console/console.h"
+#include "gen/sanitize.h"
+
+static bool is_same(const struct sanitize_report *a, const struct sanitize_report *b)
+{
+    return strcmp(a->file, b->file) == 0 && a->line == b->line && a->column == b->column &&
+           strcmp(a->pass, b->pass) == 0 && strcmp(a->text, b->text) == 0;
+}
+
+static void add(struct undefined *undefined, const struct sanitize_report *report, uint32_t side)
+{
+    uint32_t bit = 1u << (side & 31);
+    for (uint32_t i = 0; i < undefined->count; i++)
+        if (is_same(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
+            undefined->sides[i] |= bit;
+            return;
+        }
+    undefined->list[undefined->count] = *report;
+    undefined->sides[undefined->count++] = bit;
+}
+
+bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline, uint32_t side,
+                   const struct dt_bytes *bytes, const struct dt_log *log)
+{
+    struct sanitize_report *found = NULL;
+    uint32_t count = 0;
+    bool good = plan_undefined(pipeline->plan, bytes->data, bytes->size, &found, &count);
+    size_t most = undefined->count + count + 1;
+    struct sanitize_report *list = good ? realloc(undefined->list, most * sizeof *list) : NULL;
+    undefined->list = list ? list : undefined->list;
+    uint32_t *sides = list ? realloc(undefined->sides, most * sizeof *sides) : NULL;
+    undefined->sides = sides ? sides : undefined->sides;
+    for (uint32_t i = 0; sides && i < count; i++)
+        add(undefined, &found[i], side);
+    free(found);
+    if (!sides)
+        report_error(log, "out of memory");
+    return sides;
+}
+
+void undefined_free(struct undefined *undefined)
+{
+    free(undefined->list);
+    free(undefined->sides);
+    *undefined = (struct undefined){0};
+}
+
+/* With commas between thousands. */
+static void print_count(uint32_t count)
+{
+    if (count >= 1000) {
+        print_count(count / 1000);
+        printf(",%03u", count % 1000);
+    } else {
+        printf("%u", count);
+    }
+}
+
+void undefined_print(const struct undefined *undefined, const char *const *labels,
+                     uint32_t side_count)
+{
+    for (uint32_t i = 0; i < undefined->count; i++) {
+        const struct sanitize_report *report = &undefined->list[i];
+        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ", report->file,
+               report->line, report->column, report->text, report->pass, report->invocation[0],
+               report->invocation[1], report->invocation[2]);
+        print_count(report->count);
+        printf(" time%s; first in frame %u", report->count == 1 ? "" : "s", report->frame);
+        const char *between = "; ";
+        for (uint32_t side = 0; labels && side < side_count; side++)
+            if (undefined->sides[i] >> (side & 31) & 1) {
+                printf("%s%s", between, labels[side]);
+                between = ", ";
+            }
+        printf("\n");
+    }
+}
+
+cJSON *undefined_json(const struct undefined *undefined)
+{
+    cJSON *list = cJSON_CreateArray();
+    for (uint32_t i = 0; i < undefined->count; i++) {
+        const struct sanitize_report *report = &undefined->list[i];
+        cJSON *item = cJSON_CreateObject(), *invocation = cJSON_CreateArray();
+        cJSON_AddStringToObject(item, "file", report->file);
+        cJSON_AddNumberToObject(item, "line", report->line);
+        cJSON_AddNumberToObject(item, "column", report->column);
+        cJSON_AddStringToObject(item, "message", report->text);
+        cJSON_AddStringToObject(item, "pass", report->pass);
+        for (int axis = 0; axis < 3; axis++)
+            cJSON_AddItemToArray(invocation, cJSON_CreateNumber(report->invocation[axis]));
+        cJSON_AddItemToObject(item, "invocation", invocation);
+        cJSON_AddNumberToObject(item, "count", report->count);
+        cJSON_AddNumberToObject(item, "frame", report->frame);
+        cJSON_AddItemToArray(list, item);
+    }
+    return list;
+}

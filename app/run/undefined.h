@@ -1,0 +1,27 @@
+/* What --sanitize found: undefined behaviour of shaders, at places in the author's files. Called by render and compare. */
+#ifndef DIPTYCH_UNDEFINED_H
+#define DIPTYCH_UNDEFINED_H
+
+#include "spec/pipeline.h"
+#include "diptych.h"
+
+struct cJSON;
+
+struct undefined {
+    struct sanitize_report *list; /* in the order of their places; owned */
+    uint32_t *sides;              /* of each: mask of the sides that found it; owned */
+    uint32_t count;
+};
+
+/* Adds what the buffer of reports of one side, numbered from 0, holds. False when out of memory, logged. */
+bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline, uint32_t side,
+                   const struct dt_bytes *bytes, const struct dt_log *log);
+void undefined_free(struct undefined *undefined); /* takes a zeroed one */
+
+/* On stdout. labels: of the sides; NULL: there is one. */
+void undefined_print(const struct undefined *undefined, const char *const *labels,
+                     uint32_t side_count);
+/* For --json: [{"file", "line", "column", "message", "pass", "invocation", "count", "frame"}]. */
+struct cJSON *undefined_json(const struct undefined *undefined);
+
+#endif

@@ -1,0 +1,799 @@
+/* --sanitize: before each operation that may be undefined, a shader calls a check of templates/glsl/sanitize.glsl. The checks
+ * change nothing but the buffer of reports, so results keep their bits. This pass runs behind glslang, before all others:
+ * places are the author's, and values those of the operations that he wrote.
+ *
+ * Text of the generator has no place of its own: what it does is told where the author calls it. */
+#include "sanitizer.h"
+
+#include <spirv/unified1/GLSL.std.450.h>
+#include <spirv/unified1/spirv.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "panel.h" /* DT_ARRAY_COUNT */
+
+/* ---- Types and constants --------------------------------------------------------------------- */
+
+uint32_t sanitizer_uint(struct sanitizer *s)
+{
+    return spirv_declare(&s->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
+}
+
+static uint32_t int_type(struct sanitizer *s)
+{
+    return spirv_declare(&s->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
+}
+
+static uint32_t bool_type(struct sanitizer *s)
+{
+    return spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
+}
+
+static uint32_t vector_type(struct sanitizer *s, uint32_t scalar, uint32_t count)
+{
+    return count == 1 ? scalar
+                      : spirv_declare(&s->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
+}
+
+uint32_t sanitizer_number(struct sanitizer *s, uint32_t value)
+{
+    return spirv_declare(&s->edit, SpvOpConstant, sanitizer_uint(s), &value, 1);
+}
+
+/* The letter of a scalar of 32 bits in mangled names; 0: another type. */
+static char letter_of(const uint32_t *type)
+{
+    bool narrow = (spirv_is(type, SpvOpTypeFloat) || spirv_is(type, SpvOpTypeInt)) && type[2] == 32;
+    return !narrow ? 0 : spirv_is(type, SpvOpTypeFloat) ? 'f' : type[3] ? 'i' : 'u';
+}
+
+static uint32_t width_of(const uint32_t *type)
+{
+    return spirv_is(type, SpvOpTypeVector) ? type[3] : 1;
+}
+
+static const uint32_t *scalar_of(const struct spirv *from, const uint32_t *type)
+{
+    return spirv_is(type, SpvOpTypeVector) ? spirv_definition(from, type[2]) : type;
+}
+
+static bool constant_of(const struct spirv *from, uint32_t id, uint32_t *value)
+{
+    const uint32_t *constant = spirv_definition(from, id);
+    *value = spirv_is(constant, SpvOpConstant) ? constant[3] : 0;
+    return spirv_is(constant, SpvOpConstant);
+}
+
+static bool is_constant(const struct spirv *from, uint32_t id)
+{
+    return from->definitions[id] < from->code &&
+           !spirv_is(spirv_definition(from, id), SpvOpVariable);
+}
+
+/* ---- Calls ----------------------------------------------------------------------------------- */
+
+static const uint32_t *find_named(const struct spirv *from, const char *name)
+{
+    for (uint32_t i = 0; i < from->function_count; i++) {
+        const char *own = spirv_name(from, from->functions[i].id);
+        if (own && !strcmp(own, name))
+            return from->words + from->functions[i].begin;
+    }
+    return NULL;
+}
+
+/* The result of a call; 0: there is no such function. */
+uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values)
+{
+    const uint32_t *function = find_named(s->from, mangled);
+    uint32_t operands[12] = {0}, count = 3;
+    if (!function)
+        return 0;
+    operands[0] = function[1];
+    operands[1] = s->edit.bound++;
+    operands[2] = function[2];
+    for (uint32_t i = 0; i < values->count; i++)
+        operands[count++] = values->ids[i];
+    spirv_put(&s->edit, &s->edit.code, SpvOpFunctionCall, operands, count);
+    return operands[1];
+}
+
+static uint32_t find_variable(const struct spirv *from, const char *name)
+{
+    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
+    if (spirv_is(from->words + at, SpvOpName) &&
+        !strcmp((const char *)(from->words + at + 2), name) &&
+        spirv_is(spirv_definition(from, from->words[at + 1]), SpvOpVariable))
+        return from->words[at + 1];
+    return 0;
+}
+
+/* ---- Sites ----------------------------------------------------------------------------------- */
+
+/* How many operations of the word the line has had. */
+static uint32_t count_word(struct sanitizer *s, const char *word)
+{
+    uint32_t hash = 2166136261u ^ s->file * 31 ^ s->line * 16777619u;
+    for (; *word; word++)
+        hash = (hash ^ (unsigned char)*word) * 16777619u;
+    for (size_t i = 0; i < s->seen.count; i += 2)
+        if (s->seen.data[i] == hash)
+            return ++s->seen.data[i + 1];
+    spirv_append(&s->edit, &s->seen, (uint32_t[]){hash, 0}, 2);
+    return 0;
+}
+
+uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text)
+{
+    struct sanitize_site site = {.file = s->file, .line = s->line, .word = word};
+    site.nth = count_word(s, *name ? name : word);
+    snprintf(site.name, sizeof site.name, "%s", name);
+    snprintf(site.text, sizeof site.text, "%s", text);
+    return s->request->add(s->request->user, &site);
+}
+
+/* Appends place and operation. */
+void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site)
+{
+    uint32_t what = sanitizer_number(s, site), place = what, caller;
+    if (!s->file && (caller = find_variable(s->from, "diptych_caller"))) {
+        place = s->edit.bound++;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), place, caller);
+    }
+    values->ids[values->count++] = place;
+    values->ids[values->count++] = what;
+}
+
+/* Calls of generated functions leave their place. */
+static void put_caller(struct sanitizer *s, const uint32_t *call)
+{
+    const char *name = spirv_name(s->from, call[3]);
+    uint32_t caller = find_variable(s->from, "diptych_caller");
+    char word[64];
+    if (!name || !caller || !s->file)
+        return;
+    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "("), name);
+    uint32_t site = sanitizer_number(s, sanitizer_site(s, NULL, word, ""));
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, caller, site);
+}
+
+/* ---- Arithmetic ------------------------------------------------------------------------------ */
+
+struct check {
+    uint32_t number;      /* SpvOp or GLSLstd450 */
+    const char *function; /* of sanitize.glsl; NULL: only whether the result is finite */
+    const char *word;     /* in the body */
+    const char *text;     /* @0x: letter of the first operand's type */
+    uint8_t first, count; /* operands that it takes */
+    bool whole;           /* takes vectors */
+};
+
+static const struct check operations[] = {
+    {SpvOpSDiv, "divide", "/", "@0x / @1x", 0, 2, false},
+    {SpvOpUDiv, "divide", "/", "@0x / @1x", 0, 2, false},
+    {SpvOpSMod, "modulo", "%", "@0x % @1x", 0, 2, false},
+    {SpvOpSRem, "modulo", "%", "@0x % @1x", 0, 2, false},
+    {SpvOpUMod, "modulo", "%", "@0x % @1x", 0, 2, false},
+    {SpvOpShiftLeftLogical, "shift", "<<", "a shift by @0x of 32 bits", 1, 1, false},
+    {SpvOpShiftRightLogical, "shift", ">>", "a shift by @0x of 32 bits", 1, 1, false},
+    {SpvOpShiftRightArithmetic, "shift", ">>", "a shift by @0x of 32 bits", 1, 1, false},
+    {SpvOpBitFieldInsert, "bits", "bitfieldInsert", "@1i bits from bit @0i of 32", 2, 2, false},
+    {SpvOpBitFieldSExtract, "bits", "bitfieldExtract", "@1i bits from bit @0i of 32", 1, 2, false},
+    {SpvOpBitFieldUExtract, "bits", "bitfieldExtract", "@1i bits from bit @0i of 32", 1, 2, false},
+    {SpvOpConvertFToS, "to_int", "int", "@0f as an int", 0, 1, false},
+    {SpvOpConvertFToU, "to_uint", "uint", "@0f as a uint", 0, 1, false},
+    {SpvOpFAdd, NULL, "+", "", 0, 0, false},
+    {SpvOpFSub, NULL, "-", "", 0, 0, false},
+    {SpvOpFMul, NULL, "*", "", 0, 0, false},
+    {SpvOpFDiv, NULL, "/", "", 0, 0, false},
+    {SpvOpFMod, NULL, "mod", "", 0, 0, false},
+    {SpvOpVectorTimesScalar, NULL, "*", "", 0, 0, false},
+    {SpvOpMatrixTimesScalar, NULL, "*", "", 0, 0, false},
+    {SpvOpVectorTimesMatrix, NULL, "*", "", 0, 0, false},
+    {SpvOpMatrixTimesVector, NULL, "*", "", 0, 0, false},
+    {SpvOpMatrixTimesMatrix, NULL, "*", "", 0, 0, false},
+    {SpvOpOuterProduct, NULL, "outerProduct", "", 0, 0, false},
+    {SpvOpDot, NULL, "dot", "", 0, 0, false},
+};
+
+static const struct check functions[] = {
+    {GLSLstd450Sqrt, "sqrt", "sqrt", "sqrt(@0f)", 0, 1, false},
+    {GLSLstd450InverseSqrt, "positive", "inversesqrt", "inversesqrt(@0f)", 0, 1, false},
+    {GLSLstd450Log, "positive", "log", "log(@0f)", 0, 1, false},
+    {GLSLstd450Log2, "positive", "log2", "log2(@0f)", 0, 1, false},
+    {GLSLstd450Pow, "pow", "pow", "pow(@0f, @1f)", 0, 2, false},
+    {GLSLstd450Asin, "unit", "asin", "asin(@0f)", 0, 1, false},
+    {GLSLstd450Acos, "unit", "acos", "acos(@0f)", 0, 1, false},
+    {GLSLstd450Acosh, "acosh", "acosh", "acosh(@0f)", 0, 1, false},
+    {GLSLstd450Atanh, "atanh", "atanh", "atanh(@0f)", 0, 1, false},
+    {GLSLstd450Atan2, "atan", "atan", "atan(@0f, @1f)", 0, 2, false},
+    {GLSLstd450SmoothStep, "smoothstep", "smoothstep", "smoothstep from @0f to @1f", 0, 2, false},
+    {GLSLstd450FClamp, "clamp", "clamp", "clamp from @0f to @1f", 1, 2, false},
+    {GLSLstd450SClamp, "clamp", "clamp", "clamp from @0i to @1i", 1, 2, false},
+    {GLSLstd450UClamp, "clamp", "clamp", "clamp from @0u to @1u", 1, 2, false},
+    {GLSLstd450FMix, "mix", "mix", "mix of a NaN", 0, 3, false},
+    {GLSLstd450Normalize, "normalize", "normalize", "normalize of zero", 0, 1, true},
+    {GLSLstd450Exp, NULL, "exp", "", 0, 0, false},
+    {GLSLstd450Exp2, NULL, "exp2", "", 0, 0, false},
+    {GLSLstd450Sinh, NULL, "sinh", "", 0, 0, false},
+    {GLSLstd450Cosh, NULL, "cosh", "", 0, 0, false},
+    {GLSLstd450Length, NULL, "length", "", 0, 0, false},
+    {GLSLstd450Distance, NULL, "distance", "", 0, 0, false},
+    {GLSLstd450Cross, NULL, "cross", "", 0, 0, false},
+    {GLSLstd450Reflect, NULL, "reflect", "", 0, 0, false},
+    {GLSLstd450Refract, NULL, "refract", "", 0, 0, false},
+    {GLSLstd450Fma, NULL, "fma", "", 0, 0, false},
+    {GLSLstd450Ldexp, NULL, "ldexp", "", 0, 0, false},
+    {GLSLstd450Determinant, NULL, "determinant", "", 0, 0, false},
+    {GLSLstd450MatrixInverse, NULL, "inverse", "", 0, 0, false},
+};
+
+static const struct check *check_of(const struct sanitizer *s, const uint32_t *instruction)
+{
+    bool extended = spirv_is(instruction, SpvOpExtInst) && instruction[3] == s->glsl;
+    const struct check *list = extended ? functions : operations;
+    size_t count = extended ? DT_ARRAY_COUNT(functions) : DT_ARRAY_COUNT(operations);
+    uint32_t number = extended ? instruction[4] : spirv_opcode(instruction);
+    for (size_t i = 0; i < count; i++)
+        if (list[i].number == number)
+            return list + i;
+    return NULL;
+}
+
+static uint32_t first_operand(const uint32_t *instruction)
+{
+    return spirv_is(instruction, SpvOpExtInst) ? 5 : 3;
+}
+
+static uint32_t put_part(struct sanitizer *s, uint32_t id, const uint32_t *type, uint32_t part)
+{
+    uint32_t result = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, type[2], result, id, part);
+    return result;
+}
+
+static uint32_t put_bool(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b)
+{
+    uint32_t result = s->edit.bound++;
+    if (!a)
+        return b;
+    SPIRV_PUT(&s->edit, &s->edit.code, opcode, bool_type(s), result, a, b);
+    return result;
+}
+
+/* The check of one component, or of whole vectors: whether it found the operation undefined. */
+static uint32_t put_check(struct sanitizer *s, const struct check *check, const uint32_t *operands,
+                          uint32_t component, uint32_t site)
+{
+    struct values values = {.count = 0};
+    char mangled[96];
+    int length = snprintf(mangled, sizeof mangled, "diptych_%s(", check->function);
+    for (uint32_t i = 0; i < check->count; i++) {
+        uint32_t id = operands[check->first + i];
+        const uint32_t *type = spirv_type(s->from, id), *scalar = scalar_of(s->from, type);
+        bool vector = spirv_is(type, SpvOpTypeVector);
+        if (!letter_of(scalar))
+            return 0;
+        const char letters[] = {letter_of(scalar), 0};
+        length +=
+            vector && check->whole
+                ? snprintf(mangled + length, sizeof mangled - (size_t)length, "v%s%u;", letters,
+                           type[3])
+                : snprintf(mangled + length, sizeof mangled - (size_t)length, "%s1;", letters);
+        values.ids[values.count++] =
+            vector && !check->whole ? put_part(s, id, type, component) : id;
+    }
+    snprintf(mangled + length, sizeof mangled - (size_t)length, "u1;u1;");
+    sanitizer_place(s, &values, site);
+    return sanitizer_call(s, mangled, &values);
+}
+
+/* The text with the letter of the operands' type. */
+static void spell(const struct check *check, char letter, char *text, size_t room)
+{
+    snprintf(text, room, "%s", check->text);
+    for (char *at = text; (at = strchr(at, '@')); at++)
+        if (at[2] == 'x')
+            at[2] = letter;
+}
+
+/* Bits and conversions of integers that no operand can make undefined. */
+static bool is_safe(const struct sanitizer *s, const uint32_t *instruction)
+{
+    const struct spirv *from = s->from;
+    uint32_t value;
+    switch (spirv_opcode(instruction)) {
+    case SpvOpUDiv:
+    case SpvOpUMod:
+        return constant_of(from, instruction[4], &value) && value;
+    case SpvOpSDiv:
+        return constant_of(from, instruction[4], &value) && value && value != UINT32_MAX;
+    case SpvOpShiftLeftLogical:
+    case SpvOpShiftRightLogical:
+    case SpvOpShiftRightArithmetic:
+        return constant_of(from, instruction[4], &value) && value < 32;
+    default:
+        return false;
+    }
+}
+
+/* Before the operation: its operands. Returns whether it is undefined; 0: it has no such check. */
+static uint32_t put_operands(struct sanitizer *s, const struct check *check,
+                             const uint32_t *instruction)
+{
+    const uint32_t *operands = instruction + first_operand(instruction);
+    uint32_t bad = 0, width = 1;
+    char text[96];
+    if (!check->function || is_safe(s, instruction))
+        return 0;
+    const uint32_t *type = spirv_type(s->from, operands[check->first]);
+    spell(check, letter_of(scalar_of(s->from, type)), text, sizeof text);
+    uint32_t site = sanitizer_site(s, check->word, "", text);
+    for (uint32_t i = 0; i < check->count && !check->whole; i++) {
+        uint32_t own = width_of(spirv_type(s->from, operands[check->first + i]));
+        width = own > width ? own : width;
+    }
+    for (uint32_t i = 0; i < width; i++) {
+        uint32_t found = put_check(s, check, operands, i, site);
+        bad = found ? put_bool(s, SpvOpLogicalOr, bad, found) : bad;
+    }
+    return bad;
+}
+
+/* Whether all components of a value of floats are finite; 0: it has no floats of 32 bits. */
+static uint32_t put_finite(struct sanitizer *s, uint32_t id)
+{
+    const uint32_t *type = spirv_type(s->from, id);
+    uint32_t all = 0;
+    if (spirv_is(type, SpvOpTypeMatrix)) {
+        const uint32_t *column = spirv_definition(s->from, type[2]);
+        for (uint32_t i = 0; i < type[3] && letter_of(scalar_of(s->from, column)) == 'f'; i++) {
+            char mangled[40];
+            struct values values = {{put_part(s, id, type, i)}, 1};
+            snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", column[3]);
+            all = put_bool(s, SpvOpLogicalAnd, all, sanitizer_call(s, mangled, &values));
+        }
+        return all;
+    }
+    if (letter_of(scalar_of(s->from, type)) != 'f')
+        return 0;
+    char mangled[40] = "diptych_finite(f1;";
+    if (spirv_is(type, SpvOpTypeVector))
+        snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", type[3]);
+    return sanitizer_call(s, mangled, &(struct values){{id}, 1});
+}
+
+/* Tells a result, or a column of it, that is not finite. */
+static void put_made(struct sanitizer *s, uint32_t id, const uint32_t *type, uint32_t finite,
+                     uint32_t site)
+{
+    char mangled[48] = "diptych_made(f1;b1;u1;u1;";
+    if (spirv_is(type, SpvOpTypeMatrix)) {
+        for (uint32_t i = 0; i < type[3]; i++)
+            put_made(s, put_part(s, id, type, i), spirv_definition(s->from, type[2]), finite, site);
+        return;
+    }
+    if (spirv_is(type, SpvOpTypeVector))
+        snprintf(mangled, sizeof mangled, "diptych_made(vf%u;b1;u1;u1;", type[3]);
+    struct values values = {{id, finite}, 2};
+    sanitizer_place(s, &values, site);
+    sanitizer_call(s, mangled, &values);
+}
+
+static bool has_floats(const struct spirv *from, const uint32_t *type)
+{
+    if (spirv_is(type, SpvOpTypeMatrix))
+        type = spirv_definition(from, type[2]);
+    return letter_of(scalar_of(from, type)) == 'f';
+}
+
+/* Behind the operation: whether it made NaN or infinity of finite numbers. */
+static void put_result(struct sanitizer *s, const struct check *check, const uint32_t *instruction,
+                       uint32_t bad)
+{
+    const uint32_t *type = spirv_definition(s->from, instruction[1]);
+    uint32_t all = 0;
+    char text[96];
+    if (!has_floats(s->from, type))
+        return;
+    if (bad) {
+        all = s->edit.bound++;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLogicalNot, bool_type(s), all, bad);
+    }
+    for (uint32_t word = first_operand(instruction); word < spirv_length(instruction); word++) {
+        uint32_t finite =
+            is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
+        all = finite ? put_bool(s, SpvOpLogicalAnd, all, finite) : all;
+    }
+    if (!all)
+        return;
+    snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
+    put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));
+}
+
+/* ---- Indices --------------------------------------------------------------------------------- */
+
+/* The name of the variable or parameter behind a pointer, or that a value was loaded from. */
+static const char *base_name(const struct spirv *from, uint32_t id)
+{
+    for (;;) {
+        const uint32_t *i = spirv_definition(from, id);
+        if (!spirv_is(i, SpvOpAccessChain) && !spirv_is(i, SpvOpLoad) && !spirv_is(i, SpvOpImage) &&
+            !spirv_is(i, SpvOpSampledImage))
+            return spirv_name(from, id);
+        id = i[3];
+    }
+}
+
+static const char *member_name(const struct spirv *from, uint32_t structure, uint32_t member)
+{
+    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
+    {
+        const uint32_t *i = from->words + at;
+        if (spirv_is(i, SpvOpMemberName) && i[1] == structure && i[2] == member)
+            return (const char *)(i + 3);
+    }
+    return NULL;
+}
+
+static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const char *name)
+{
+    char letter = letter_of(spirv_type(s->from, index)), mangled[40], text[160];
+    struct values values = {{index, count}, 2};
+    snprintf(text, sizeof text, "index @0%c of `%.60s`, which has @1u elements", letter, name);
+    snprintf(mangled, sizeof mangled, "diptych_index(%c1;u1;u1;u1;", letter);
+    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
+    sanitizer_call(s, mangled, &values);
+}
+
+/* The number of elements of what the chain's word indexes; 0: it needs no check. */
+static uint32_t put_count(struct sanitizer *s, const uint32_t *chain, uint32_t word,
+                          const uint32_t *type)
+{
+    const struct spirv *from = s->from;
+    uint32_t index, count = 0, constant = constant_of(from, chain[word], &index);
+    if (spirv_is(type, SpvOpTypeVector) || spirv_is(type, SpvOpTypeMatrix))
+        count = type[3];
+    else if (spirv_is(type, SpvOpTypeArray))
+        constant_of(from, type[3], &count);
+    if (count)
+        return constant && index < count ? 0 : sanitizer_number(s, count);
+    uint32_t member;
+    if (!spirv_is(type, SpvOpTypeRuntimeArray) || word != 5 ||
+        !constant_of(from, chain[4], &member))
+        return 0;
+    count = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpArrayLength, sanitizer_uint(s), count, chain[3],
+              member);
+    return count;
+}
+
+/* All indices of an access chain. */
+static void put_chain(struct sanitizer *s, const uint32_t *chain)
+{
+    const struct spirv *from = s->from;
+    const uint32_t *type = spirv_definition(from, spirv_type(from, chain[3])[3]);
+    const char *name = base_name(from, chain[3]);
+    for (uint32_t word = 4; word < spirv_length(chain); word++) {
+        uint32_t index, member;
+        if (spirv_is(type, SpvOpTypeStruct)) {
+            constant_of(from, chain[word], &member);
+            const char *own = member_name(from, type[1], member);
+            name = own ? own : name;
+            type = spirv_definition(from, type[2 + member]);
+            continue;
+        }
+        uint32_t count =
+            letter_of(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
+        (void)index;
+        if (count)
+            put_index(s, chain[word], count, name && *name ? name : "an array");
+        type = spirv_definition(from, type[2]);
+    }
+}
+
+/* v[i] of a vector that is no variable. */
+static void put_component(struct sanitizer *s, const uint32_t *instruction, uint32_t index)
+{
+    const char *name = base_name(s->from, instruction[3]);
+    if (is_constant(s->from, index))
+        return;
+    put_index(s, index, sanitizer_number(s, spirv_type(s->from, instruction[3])[3]),
+              name && *name ? name : "a vector");
+}
+
+/* ---- Texels ---------------------------------------------------------------------------------- */
+
+static uint32_t put_size(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t lod,
+                         uint32_t width)
+{
+    uint32_t size = s->edit.bound++, result_type = vector_type(s, int_type(s), width);
+    if (type[7] == 1 && !type[6] && type[3] != SpvDimBuffer && type[3] != SpvDimRect) {
+        uint32_t zero = spirv_declare(&s->edit, SpvOpConstant, int_type(s), (uint32_t[]){0}, 1);
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQuerySizeLod, result_type, size, image,
+                  lod ? lod : zero);
+    } else {
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQuerySize, result_type, size, image);
+    }
+    return size;
+}
+
+static const uint8_t dimensions[] = {[SpvDim1D] = 1,   [SpvDim2D] = 2,   [SpvDim3D] = 3,
+                                     [SpvDimCube] = 2, [SpvDimRect] = 2, [SpvDimBuffer] = 1};
+
+/* A texel of an image; `from`: what it was loaded from. */
+static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t pointer,
+                      uint32_t place, uint32_t lod)
+{
+    static const char *const texts[] = {
+        "texel @0i of `%.50s`, which has @3w texels",
+        "texel (@0i, @1i) of `%.50s`, which has @3w x @3h texels",
+        "texel (@0i, @1i, @2i) of `%.50s`, which has @3w x @3h texels"};
+    const char *base = base_name(s->from, pointer);
+    char name[64], text[160], mangled[48] = "diptych_texel(i1;i1;u1;u1;";
+    if (type[3] >= DT_ARRAY_COUNT(dimensions) || (type[3] == SpvDimCube && type[5]))
+        return;
+    uint32_t width = dimensions[type[3]] + type[5];
+    if (width > 3 || width > width_of(spirv_type(s->from, place)))
+        return;
+    if (type[3] == SpvDimCube) { /* without its face */
+        uint32_t part = s->edit.bound++;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, vector_type(s, int_type(s), 2), part,
+                  place, place, 0, 1);
+        place = part;
+    }
+    snprintf(name, sizeof name, "%s", base ? base : "an image");
+    char *end = strstr(name, "_image") ? strstr(name, "_image") : strstr(name, "_texture");
+    if (end && end != name)
+        *end = 0;
+    snprintf(text, sizeof text, texts[width - 1], name);
+    if (width > 1)
+        snprintf(mangled, sizeof mangled, "diptych_texel(vi%u;vi%u;u1;u1;", width, width);
+    struct values values = {{place, put_size(s, type, image, lod, width)}, 2};
+    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
+    sanitizer_call(s, mangled, &values);
+}
+
+static void put_image(struct sanitizer *s, const uint32_t *instruction)
+{
+    bool writes = spirv_is(instruction, SpvOpImageWrite);
+    uint32_t image = instruction[writes ? 1 : 3], lod = 0;
+    if (spirv_is(instruction, SpvOpImageFetch) && spirv_length(instruction) > 6 &&
+        (instruction[5] & 3) == SpvImageOperandsLodMask)
+        lod = instruction[6];
+    put_texel(s, spirv_type(s->from, image), image, image, instruction[writes ? 2 : 4], lod);
+}
+
+/* imageAtomic*(). */
+static void put_pointer(struct sanitizer *s, const uint32_t *instruction)
+{
+    uint32_t type = spirv_type(s->from, instruction[3])[3], image = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, type, image, instruction[3]);
+    put_texel(s, spirv_definition(s->from, type), image, instruction[3], instruction[4], 0);
+}
+
+/* ---- Loops ----------------------------------------------------------------------------------- */
+
+/* Variables that count turns, at the head of a function. */
+static void put_counters(struct sanitizer *s, const struct spirv_function *function)
+{
+    uint32_t label = 0, type = 0;
+    SPIRV_EACH(s->from, at, function->begin, function->end)
+    {
+        const uint32_t *i = s->from->words + at;
+        label = spirv_is(i, SpvOpLabel) ? i[1] : label;
+        if (!spirv_is(i, SpvOpLoopMerge))
+            continue;
+        type = spirv_declare(&s->edit, SpvOpTypePointer, 0,
+                             (uint32_t[]){SpvStorageClassFunction, sanitizer_uint(s)}, 2);
+        s->counters[label] = s->edit.bound++;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVariable, type, s->counters[label],
+                  SpvStorageClassFunction);
+    }
+}
+
+/* Before the branch into a loop. */
+static void put_start(struct sanitizer *s, const uint32_t *branch, size_t at)
+{
+    uint32_t counter = s->counters[branch[1]];
+    if (counter && s->from->definitions[branch[1]] > at)
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, sanitizer_number(s, 0));
+}
+
+/* In the header of a loop, before OpLoopMerge: counts a turn. Returns the condition of its end. */
+static uint32_t put_turn(struct sanitizer *s)
+{
+    uint32_t before = s->edit.bound++, turns = s->edit.bound++, counter = s->counters[s->label];
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), before, counter);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), turns, before,
+              sanitizer_number(s, 1));
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, turns);
+    struct values values = {{turns}, 1};
+    sanitizer_place(
+        s, &values,
+        sanitizer_site(s, "loop", "",
+                       "loops of more than 65,000 turns in one invocation: drivers end them"));
+    return sanitizer_call(s, "diptych_turn(u1;u1;u1;", &values);
+}
+
+/* A block behind a loop that glslang takes for one that never ends. */
+static void put_return(struct sanitizer *s, const struct spirv_function *function)
+{
+    uint32_t type = s->from->words[function->begin + 1];
+    if (spirv_is(spirv_definition(s->from, type), SpvOpTypeVoid)) {
+        spirv_put(&s->edit, &s->edit.code, SpvOpReturn, NULL, 0);
+        return;
+    }
+    uint32_t zero = spirv_declare(&s->edit, SpvOpConstantNull, type, NULL, 0);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpReturnValue, zero);
+}
+
+/* The header of a loop: its branch may leave the loop. Returns the words up to that branch, which is written, too. */
+static uint32_t put_header(struct sanitizer *s, const uint32_t *merge)
+{
+    const uint32_t *branch = merge + spirv_length(merge);
+    uint32_t over = spirv_is(branch, SpvOpBranch) ? put_turn(s) : 0;
+    spirv_copy(&s->edit, &s->edit.code, merge);
+    if (over)
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpBranchConditional, over, merge[1], branch[1]);
+    return over ? spirv_length(merge) : 0;
+}
+
+/* ---- The module ------------------------------------------------------------------------------ */
+
+static void put_before(struct sanitizer *s, const uint32_t *instruction)
+{
+    if (!(s->request->kinds & SANITIZE_INDEX))
+        return;
+    switch (spirv_opcode(instruction)) {
+    case SpvOpAccessChain:
+        put_chain(s, instruction);
+        break;
+    case SpvOpVectorExtractDynamic:
+        put_component(s, instruction, instruction[4]);
+        break;
+    case SpvOpVectorInsertDynamic:
+        put_component(s, instruction, instruction[5]);
+        break;
+    case SpvOpImageRead:
+    case SpvOpImageFetch:
+    case SpvOpImageWrite:
+        put_image(s, instruction);
+        break;
+    case SpvOpImageTexelPointer:
+        put_pointer(s, instruction);
+        break;
+    default:
+        break;
+    }
+}
+
+/* Returns the words up to the last instruction that is written. */
+static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function *function,
+                                size_t at)
+{
+    uint32_t more = 0;
+    const uint32_t *i = s->from->words + at;
+    bool loops = s->request->kinds & SANITIZE_LOOP;
+    const struct check *check = s->request->kinds & SANITIZE_ARITHMETIC ? check_of(s, i) : NULL;
+    uint32_t bad = check ? put_operands(s, check, i) : 0;
+    put_before(s, i);
+    if (s->request->kinds & SANITIZE_VARIABLE)
+        assigned_before(s, i);
+    if (spirv_is(i, SpvOpFunctionCall))
+        put_caller(s, i);
+    if (spirv_is(i, SpvOpKill) || spirv_is(i, SpvOpTerminateInvocation))
+        sanitizer_call(s, "diptych_flush(", &(struct values){.count = 0});
+    if (loops && spirv_is(i, SpvOpBranch))
+        put_start(s, i, at);
+    if (loops && spirv_is(i, SpvOpLoopMerge))
+        more = put_header(s, i);
+    else if (loops && spirv_is(i, SpvOpUnreachable))
+        put_return(s, function);
+    else
+        spirv_copy(&s->edit, &s->edit.code, i);
+    if (check)
+        put_result(s, check, i, bad);
+    if (s->request->kinds & SANITIZE_VARIABLE)
+        assigned_after(s, i);
+    return more;
+}
+
+/* One instruction of a function, and the next ones that belong to it; returns the offset of the last. */
+static size_t put_checked(struct sanitizer *s, const struct spirv_function *function, size_t at)
+{
+    const uint32_t *i = s->from->words + at;
+    bool first = spirv_is(i, SpvOpLabel) && !s->label;
+    if (s->label && !s->begun && !spirv_is(i, SpvOpVariable)) {
+        s->begun = true;
+        if (s->request->kinds & SANITIZE_VARIABLE)
+            assigned_reset(s, function);
+    }
+    at += put_instruction(s, function, at);
+    s->label = spirv_is(i, SpvOpLabel) ? i[1] : s->label;
+    if (first && s->request->kinds & SANITIZE_LOOP)
+        put_counters(s, function);
+    return at;
+}
+
+static void put_function(struct sanitizer *s, const struct spirv_function *function)
+{
+    const char *name = spirv_name(s->from, function->id);
+    bool check = name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_end(") != 0;
+    s->file = s->line = s->label = 0;
+    s->begun = false;
+    if (!check && s->request->kinds & SANITIZE_VARIABLE)
+        assigned_find(s, function);
+    SPIRV_EACH(s->from, at, function->begin, function->end)
+    {
+        const uint32_t *i = s->from->words + at;
+        if (spirv_is(i, SpvOpLine)) {
+            s->file = (uint32_t)atoi((const char *)(spirv_definition(s->from, i[1]) + 2));
+            s->line = i[2];
+        } else if (check) {
+            spirv_copy(&s->edit, &s->edit.code, i);
+        } else if (!spirv_is(i, SpvOpNoLine)) {
+            at = put_checked(s, function, at);
+        }
+    }
+}
+
+/* Without lines and sources; image queries are a capability. Since SPIR-V 1.4 an entry point lists all variables. */
+static void copy_front(struct sanitizer *s)
+{
+    const struct spirv *from = s->from;
+    struct spirv_edit *edit = &s->edit;
+    edit->front.count = SPIRV_HEADER;
+    SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityImageQuery);
+    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
+    {
+        const uint32_t *i = from->words + at;
+        bool twice = spirv_is(i, SpvOpCapability) && i[1] == SpvCapabilityImageQuery;
+        if (!twice && !spirv_is(i, SpvOpString) && !spirv_is(i, SpvOpSource) &&
+            !spirv_is(i, SpvOpSourceContinued) && !spirv_is(i, SpvOpModuleProcessed))
+            spirv_copy(edit, &edit->front, i);
+        if (spirv_is(i, SpvOpEntryPoint) && from->words[1] >= 0x10400 && !edit->failed) {
+            edit->front.data[edit->front.count - spirv_length(i)] += (uint32_t)s->variables.count
+                                                                     << 16;
+            spirv_append(edit, &edit->front, s->variables.data, s->variables.count);
+        }
+    }
+}
+
+/* glslang puts lines between constants, too. */
+static void drop_lines(struct spirv_words *words)
+{
+    size_t count = 0, length;
+    for (size_t at = 0; at < words->count; at += length) {
+        length = spirv_length(words->data + at);
+        if (spirv_is(words->data + at, SpvOpLine) || spirv_is(words->data + at, SpvOpNoLine))
+            continue;
+        memmove(words->data + count, words->data + at, length * sizeof *words->data);
+        count += length;
+    }
+    words->count = count;
+}
+
+bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request)
+{
+    struct sanitizer s = {.request = request,
+                          .from = module,
+                          .glsl = spirv_glsl(module),
+                          .counters = calloc(module->words[3], sizeof *s.counters)};
+    spirv_edit_begin(&s.edit, module);
+    s.edit.failed |= !s.counters || !assigned_begin(&s);
+    if (!s.edit.failed) {
+        spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
+                     module->declarations - module->annotations);
+        for (uint32_t i = 0; i < module->function_count; i++)
+            put_function(&s, &module->functions[i]);
+        drop_lines(&s.edit.declarations);
+        copy_front(&s);
+    }
+    free(s.seen.data);
+    free(s.ids);
+    free(s.variables.data);
+    free(s.counters);
+    return spirv_edit_end(&s.edit, module);
+}

@@ -1,0 +1,17 @@
+/* The instrumentation of --sanitize; see sanitize.c. Called by compile.c. */
+#ifndef DIPTYCH_GEN_SPIRV_SANITIZE_H
+#define DIPTYCH_GEN_SPIRV_SANITIZE_H
+
+#include "../sanitize.h"
+#include "module.h"
+
+/* The module comes from glslang with OpLine, and has the functions of templates/glsl/sanitize.glsl. Operations of the kinds
+ * get calls of them; OpLine goes. `add` takes a site and returns its index. False when out of memory. */
+struct sanitize_request {
+    unsigned kinds; /* mask of enum sanitize_kind */
+    uint32_t (*add)(void *user, const struct sanitize_site *site);
+    void *user;
+};
+bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request);
+
+#endif

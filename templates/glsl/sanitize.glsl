@@ -1,0 +1,315 @@
+/* Checks of --sanitize. gen/spirv/sanitize.c calls them before the operations of a body; the generator appends this file to
+ * each stage, with diptych_place() and diptych_extent(). A check computes with integers alone or compares, so it changes no
+ * result.
+ *
+ * site: where the author wrote it, what: which operation. Both are indices of model->sites; they differ where a generated
+ * function, like NAME_store(), holds the operation and the author calls it. */
+
+/* The call of a generated function that runs. */
+uint diptych_caller = 0u;
+
+/* Per site 200 words: count, ~(least invocation), records, frame + 1, two extents, 0, 0; then 16 records of 12 words:
+ * ~invocation, what, four values. */
+layout(std430, @layout@) coherent buffer Diptych_reports {
+    uint diptych_reports[];
+};
+
+/* What an invocation has found: for each quarter of the operations the first one, and how often. Drivers inline every check, so
+ * a check only selects; diptych_flush() reports, once, behind the body. */
+struct Diptych_found {
+    uint site, what, times; /* site + 1; 0: nothing */
+    uint a, b, c, d;
+};
+Diptych_found diptych_found[4] = Diptych_found[4](Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u), Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u),
+                                                  Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u), Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u));
+
+bool diptych_note(const bool bad, const uint site, const uint what)
+{
+    uint quarter = what & 3u;
+    bool fresh = all(bvec2(bad, diptych_found[quarter].site == 0u));
+    diptych_found[quarter].site = mix(diptych_found[quarter].site, site + 1u, fresh);
+    diptych_found[quarter].what = mix(diptych_found[quarter].what, what, fresh);
+    diptych_found[quarter].times += uint(all(bvec2(bad, diptych_found[quarter].what == what)));
+    return fresh;
+}
+
+bool diptych_told(const bool bad, const uint a, const uint b, const uint site, const uint what)
+{
+    bool fresh = diptych_note(bad, site, what);
+    diptych_found[what & 3u].a = mix(diptych_found[what & 3u].a, a, fresh);
+    diptych_found[what & 3u].b = mix(diptych_found[what & 3u].b, b, fresh);
+    return bad;
+}
+
+/* Counts. An invocation of the first frame that is less than all before leaves a record; the host takes the least one's. There
+ * is no lock: Mesa 22's llvmpipe loses lanes behind a loop that waits. */
+void diptych_report(const uint key, const Diptych_found found)
+{
+    uint slot = 200u * (found.site - 1u), now = frame.index + 1u;
+    uvec3 extent = diptych_extent();
+    if (found.site == 0u)
+        return;
+    atomicAdd(diptych_reports[slot], found.times);
+    uint first = atomicCompSwap(diptych_reports[slot + 3u], 0u, now);
+    if ((first != 0u && first != now) || key <= atomicMax(diptych_reports[slot + 1u], key))
+        return;
+    uint record = slot + 8u + 12u * (atomicAdd(diptych_reports[slot + 2u], 1u) % 16u);
+    diptych_reports[slot + 4u] = extent.x;
+    diptych_reports[slot + 5u] = extent.y;
+    diptych_reports[record] = key;
+    diptych_reports[record + 1u] = found.what;
+    diptych_reports[record + 2u] = found.a;
+    diptych_reports[record + 3u] = found.b;
+    diptych_reports[record + 4u] = found.c;
+    diptych_reports[record + 5u] = found.d;
+}
+
+void diptych_flush()
+{
+    uvec3 place = diptych_place(), extent = diptych_extent();
+    uint key = ~((place.z * extent.y + place.y) * extent.x + place.x);
+    diptych_report(key, diptych_found[0]);
+    diptych_report(key, diptych_found[1]);
+    diptych_report(key, diptych_found[2]);
+    diptych_report(key, diptych_found[3]);
+}
+
+bool diptych_told(const bool bad, const float a, const float b, const uint site, const uint what)
+{
+    return diptych_told(bad, floatBitsToUint(a), floatBitsToUint(b), site, what);
+}
+
+/* ---- Indices --------------------------------------------------------------------------------- */
+
+void diptych_index(const uint i, const uint count, const uint site, const uint what)
+{
+    diptych_told(i >= count, i, count, site, what);
+}
+
+void diptych_index(const int i, const uint count, const uint site, const uint what)
+{
+    diptych_told(uint(i) >= count, uint(i), count, site, what);
+}
+
+/* d: width and height in half a word each. */
+void diptych_texel(const ivec3 p, const ivec3 size, const uint site, const uint what)
+{
+    bool fresh = diptych_note(any(greaterThanEqual(uvec3(p), uvec3(size))), site, what);
+    diptych_found[what & 3u].a = mix(diptych_found[what & 3u].a, uint(p.x), fresh);
+    diptych_found[what & 3u].b = mix(diptych_found[what & 3u].b, uint(p.y), fresh);
+    diptych_found[what & 3u].c = mix(diptych_found[what & 3u].c, uint(p.z), fresh);
+    diptych_found[what & 3u].d = mix(diptych_found[what & 3u].d, uint(size.x | size.y << 16), fresh);
+}
+
+void diptych_texel(const ivec2 p, const ivec2 size, const uint site, const uint what)
+{
+    diptych_texel(ivec3(p, 0), ivec3(size, 1), site, what);
+}
+
+void diptych_texel(const int p, const int size, const uint site, const uint what)
+{
+    diptych_texel(ivec3(p, 0, 0), ivec3(size, 1, 1), site, what);
+}
+
+/* ---- Integers -------------------------------------------------------------------------------- */
+
+bool diptych_divide(const int a, const int b, const uint site, const uint what)
+{
+    return diptych_told(any(bvec2(b == 0, all(bvec2(b == -1, uint(a) == 0x80000000u)))), uint(a), uint(b), site, what);
+}
+
+bool diptych_divide(const uint a, const uint b, const uint site, const uint what)
+{
+    return diptych_told(b == 0u, a, b, site, what);
+}
+
+bool diptych_modulo(const int a, const int b, const uint site, const uint what)
+{
+    return diptych_told(any(bvec2(b <= 0, a < 0)), uint(a), uint(b), site, what);
+}
+
+bool diptych_modulo(const uint a, const uint b, const uint site, const uint what)
+{
+    return diptych_told(b == 0u, a, b, site, what);
+}
+
+bool diptych_shift(const uint count, const uint site, const uint what)
+{
+    return diptych_told(count >= 32u, count, 0u, site, what);
+}
+
+bool diptych_shift(const int count, const uint site, const uint what)
+{
+    return diptych_shift(uint(count), site, what);
+}
+
+bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
+{
+    return diptych_told(any(bvec4(offset < 0, bits < 0, offset > 32, bits > 32 - offset)), uint(offset), uint(bits), site, what);
+}
+
+bool diptych_clamp(const int low, const int high, const uint site, const uint what)
+{
+    return diptych_told(low > high, uint(low), uint(high), site, what);
+}
+
+bool diptych_clamp(const uint low, const uint high, const uint site, const uint what)
+{
+    return diptych_told(low > high, low, high, site, what);
+}
+
+/* ---- Floats ---------------------------------------------------------------------------------- */
+
+bool diptych_finite(const float x)
+{
+    return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u;
+}
+
+bool diptych_finite(const vec2 x)
+{
+    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec2(0x7f800000u)));
+}
+
+bool diptych_finite(const vec3 x)
+{
+    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec3(0x7f800000u)));
+}
+
+bool diptych_finite(const vec4 x)
+{
+    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec4(0x7f800000u)));
+}
+
+bool diptych_nan(const float x)
+{
+    return (floatBitsToUint(x) & 0x7fffffffu) > 0x7f800000u;
+}
+
+/* Results of an operation, and whether its operands are finite and in its domain. */
+void diptych_made(const float result, const bool finite, const uint site, const uint what)
+{
+    diptych_told(all(bvec2(finite, !diptych_finite(result))), result, 0.0, site, what);
+}
+
+void diptych_made(const vec2 result, const bool finite, const uint site, const uint what)
+{
+    diptych_made(mix(result.x, result.y, diptych_finite(result.x)), finite, site, what);
+}
+
+void diptych_made(const vec3 result, const bool finite, const uint site, const uint what)
+{
+    diptych_made(mix(result.x, mix(result.y, result.z, diptych_finite(result.y)), diptych_finite(result.x)), finite, site, what);
+}
+
+void diptych_made(const vec4 result, const bool finite, const uint site, const uint what)
+{
+    diptych_made(mix(result.xy, result.zw, bvec2(diptych_finite(result.xy))), finite, site, what);
+}
+
+bool diptych_to_int(const float x, const uint site, const uint what)
+{
+    return diptych_told(!all(bvec2(x >= -2147483648.0, x < 2147483648.0)), x, 0.0, site, what);
+}
+
+bool diptych_to_uint(const float x, const uint site, const uint what)
+{
+    return diptych_told(!all(bvec2(x >= 0.0, x < 4294967296.0)), x, 0.0, site, what);
+}
+
+bool diptych_sqrt(const float x, const uint site, const uint what)
+{
+    return diptych_told(x < 0.0, x, 0.0, site, what);
+}
+
+bool diptych_positive(const float x, const uint site, const uint what)
+{
+    return diptych_told(x <= 0.0, x, 0.0, site, what);
+}
+
+bool diptych_pow(const float x, const float y, const uint site, const uint what)
+{
+    return diptych_told(any(bvec2(x < 0.0, all(bvec2(x == 0.0, y <= 0.0)))), x, y, site, what);
+}
+
+bool diptych_unit(const float x, const uint site, const uint what)
+{
+    return diptych_told(abs(x) > 1.0, x, 0.0, site, what);
+}
+
+bool diptych_acosh(const float x, const uint site, const uint what)
+{
+    return diptych_told(x < 1.0, x, 0.0, site, what);
+}
+
+bool diptych_atanh(const float x, const uint site, const uint what)
+{
+    return diptych_told(abs(x) >= 1.0, x, 0.0, site, what);
+}
+
+bool diptych_atan(const float y, const float x, const uint site, const uint what)
+{
+    return diptych_told(vec2(x, y) == vec2(0.0), y, x, site, what);
+}
+
+bool diptych_smoothstep(const float low, const float high, const uint site, const uint what)
+{
+    return diptych_told(low >= high, low, high, site, what);
+}
+
+bool diptych_clamp(const float low, const float high, const uint site, const uint what)
+{
+    return diptych_told(low > high, low, high, site, what);
+}
+
+bool diptych_mix(const float x, const float y, const float a, const uint site, const uint what)
+{
+    return diptych_told(any(bvec3(diptych_nan(x), diptych_nan(y), diptych_nan(a))), 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const float x, const uint site, const uint what)
+{
+    return diptych_told(x == 0.0, 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const vec2 x, const uint site, const uint what)
+{
+    return diptych_told(x == vec2(0.0), 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const vec3 x, const uint site, const uint what)
+{
+    return diptych_told(x == vec3(0.0), 0u, 0u, site, what);
+}
+
+bool diptych_normalize(const vec4 x, const uint site, const uint what)
+{
+    return diptych_told(x == vec4(0.0), 0u, 0u, site, what);
+}
+
+/* ---- Variables ------------------------------------------------------------------------------- */
+
+/* Bits of the components that have values, and of those that are read. */
+void diptych_assigned(const uint bits, const uint wanted, const uint site, const uint what)
+{
+    diptych_note((bits & wanted) != wanted, site, what);
+}
+
+/* All bits where there are none. */
+uint diptych_none(const uint bits)
+{
+    return mix(0u, 0xffffffffu, bits == 0u);
+}
+
+/* ---- Loops ----------------------------------------------------------------------------------- */
+
+/* Turns of all loops of the invocation. */
+uint diptych_turns = 0u;
+
+/* Whether the loop, which begins a turn, has run for long enough to be ended. Mesa 22's llvmpipe ends loops, without a word,
+ * after 65,535 turns of all loops of a shader: what takes nearly as many is told. */
+bool diptych_turn(const uint turns, const uint site, const uint what)
+{
+    diptych_turns++;
+    diptych_told(diptych_turns == 65000u, turns, 0u, site, what);
+    return turns > 1048576u;
+}

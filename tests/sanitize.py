@@ -1,0 +1,185 @@
+#!/usr/bin/env python3
+"""For sanitize_test.sh: `make FOLDER` writes wrong.yaml, whose bodies are undefined in the line that ends with `// here`, and
+fine.yaml, whose bodies come near but are not. `found FILE.json` checks the findings of wrong.yaml against the messages below,
+`silent FILE.json` those of fine.yaml, `equal DUMP DUMP` that two dumps have the same bits."""
+import json
+import os
+import re
+import sys
+
+HEAD = """pipeline: {name}
+params:
+  zero: {{value: 0.0, live: true}}
+  one: {{value: 1.0, live: true}}
+buffers:
+  taps: {{of: float, count: 8}}
+  cells: {{of: Cell, count: 4}}
+{buffers}structs:
+  Cell: {{weight: float, parts: {{type: float, count: 4}}}}
+images:
+  grid: {{format: rgba32f, size: [8, 4]}}
+  stack: {{format: r32ui, size: [4, 4], layers: 2}}
+passes:
+  - {{name: fill, dispatch: 8, writes: [taps], shader: fill.glsl}}
+  - {{name: cells, dispatch: 4, writes: [cells], shader: cells.glsl}}
+  - {{name: paint, dispatch: grid, writes: [grid], shader: paint.glsl}}
+  - {{name: stack, dispatch: stack, writes: [stack], shader: stack.glsl}}
+{passes}"""
+PASS = ("  - {{name: {0}, dispatch: 64, reads: [taps, cells, grid], updates: [stack], "
+        "writes: [{{name: out_{0}, as: result}}], shader: {0}.glsl}}\n")
+FILES = {
+    "fill": "void main() { int i = invocation().x; if (i < 8) taps[i] = float(i + 1); }\n",
+    "cells": "void main() { int i = invocation().x;\n"
+             "    if (i < 4) cells[i] = Cell(1.0, float[4](1.0, 2.0, 3.0, 4.0)); }\n",
+    "paint": "void main() { ivec2 p = invocation().xy; if (all(lessThan(p, grid_size()))) grid_store(p, vec4(p, 1, 1)); }\n",
+    "stack": "void main() { ivec3 p = invocation(); if (p.x < 4 && p.y < 4) stack_store(p, uvec4(p.z)); }\n",
+}
+START = "    int i = invocation().x; /* 0 to 63 */\n    int null = int(zero); float x = float(i);\n"
+
+
+def body(code, functions=""):
+    return f"{functions}void main() {{\n{START}    float r = 0.0;\n    {code}\n    result[i] = r;\n}}\n"
+
+
+# What the line says, the column that it names (the text from there on), the message, the least invocation.
+WRONG = [
+    # indices
+    ("r = taps[i / 4];", "taps", "index 8 of `taps`, which has 8 elements", 32),
+    ("float a[5] = float[5](x, 1.0, 2.0, 3.0, 4.0); r = a[i % 7];", "a[i %", "index 5 of `a`, which has 5 elements", 5),
+    ("vec3 v = vec3(x); r = v[i / 16];", "v[i", "index 3 of `v`, which has 3 elements", 48),
+    ("mat2 m = mat2(x); r = m[i - 1].x;", "m[i", "index -1 of `m`, which has 2 elements", 0),
+    ("r = cells[i % 4].parts[i / 8];", "parts", "index 4 of `parts`, which has 4 elements", 32),
+    ("r = cells[i / 8].weight;", "cells", "index 4 of `cells`, which has 4 elements", 32),
+    ("r = grid(ivec2(i, 0)).x;", "grid", "texel (8, 0) of `grid`, which has 8 x 4 texels", 8),
+    ("r = grid(ivec2(0, 3 - i)).x;", "grid", "texel (0, -1) of `grid`, which has 8 x 4 texels", 4),
+    ("stack_store(ivec3(0, 0, i / 32 + 1), uvec4(1)); r = 1.0;", "stack_store",
+     "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
+    ("scratch[i / 8] = x; r = 1.0;", "scratch", "index 4 of `scratch`, which has 4 elements", 32, "shared float scratch[4];\n"),
+    # arithmetic of integers
+    ("r = float(7 / (i - 3));", "/ (", "7 / 0", 3),
+    ("int least = null - 2147483647 - 1; r = float(least / (i - 5));", "/ (i", "-2147483648 / -1", 4),
+    ("r = float((i - 3) % 5);", "% 5", "-3 % 5", 0),
+    ("r = float(7u % uint(i - 2));", "% uint", "7 % 0", 2),
+    ("r = float(1 << i);", "<< i", "a shift by 32 of 32 bits", 32),
+    ("r = float(-8 >> i - 1);", ">> i", "a shift by -1 of 32 bits", 0),
+    ("r = float(bitfieldExtract(i, i, 8));", "bitfieldExtract", "8 bits from bit 25 of 32", 25),
+    ("r = float(clamp(i, i, 50));", "clamp", "clamp from 51 to 50", 51),
+    # arithmetic of floats
+    ("r = float(int(x * 1e8));", "int(x", "2.20000000e+09 as an int", 22),
+    ("r = float(uint(x - 1.0));", "uint(", "-1 as a uint", 0),
+    ("r = 1.0 / (x - 4.0);", "/ (", "`/` of finite numbers makes inf", 4),
+    ("r = (x * 1e36) * 1e1;", "* 1e1", "`*` of finite numbers makes inf", 35),
+    ("r = exp(x * 3.0);", "exp", "`exp` of finite numbers makes inf", 30),
+    ("r = sqrt(3.0 - x);", "sqrt", "sqrt(-1)", 4),
+    ("r = log(x);", "log", "log(0)", 0),
+    ("r = pow(x - 2.0, 0.5);", "pow", "pow(-2, 0.5)", 0),
+    ("r = asin(x / 32.0);", "asin", "asin(1.03125)", 33),
+    ("r = atan(x, x);", "atan", "atan(0, 0)", 0),
+    ("r = normalize(vec3(x, 0.0, zero)).y;", "normalize", "normalize of zero", 0),
+    ("r = smoothstep(x, 32.0, 5.0);", "smoothstep", "smoothstep from 32 to 32", 32),
+    ("r = clamp(5.0, x, 32.0);", "clamp", "clamp from 33 to 32", 33),
+    ("r = mat2(x * 1e36, 1.0, 1.0, 1.0)[0].x * one; r = dot(vec2(r), vec2(r));", "dot", "`dot` of finite numbers makes inf", 1),
+    # loops
+    ("for (int k = 0; k >= 0; k += null) if (i != 5) break;", "for", "loops of more than 65,000 turns", 5),
+    ("while (true) if (i < 63) break;", "while", "loops of more than 65,000 turns", 63),
+    ("int k = 0; do { k += null; r += 1.0; } while (k < i - 62);", "do", "loops of more than 65,000 turns", 63),
+    ("for (;;) { if (x < 60.0) break; r += one; }", "for", "loops of more than 65,000 turns", 60),
+    ("for (int k = 0; k < 300; k++) for (int n = 0; n < 300 * int(i == 9); n++) r += one;", "for (int n",
+     "loops of more than 65,000 turns", 9),
+    ("uint k = 1u; while (k != 0u) { k += uint(i / 32); if (i < 32) break; }", "while", "loops of more than 65,000 turns", 32),
+    # variables
+    ("float u; if (i > 3) u = x; r = u;", "u;", "`u` is read before it has a value", 0, "", 2),
+    ("vec3 u; u.xy = vec2(x); r = u.x + u.z;", "u.z", "`u` is read before it has a value", 0),
+    ("float u; f(u);\n    r = u;", "u;", "`u` is read before it has a value", 0, "void f(out float o) { if (invocation().x > 63) o = 1.0; }\n"),
+    ("r = f(x);", "o -=", "`o` is read before it has a value", 0, "float f(float v) { float o;\n    o -= v; // here\n    return o; }\n"),
+    ("Cell c, d; d = c; // here\n    r = d.weight;", "c; //", "`c` is read before it has a value", 0),
+    ("int n; for (int k = 0; k < 3; k++) n += k; r = float(n);", "n +=", "`n` is read before it has a value", 0),
+    ("r = g;", "g;", "`g` is read before it has a value", 0, "float g;\n"),
+]
+FINE = [
+    "r = taps[i / 8];", "float a[7] = float[7](x, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0); r = a[i % 7];", "vec4 v = vec4(x); r = v[i / 16];",
+    "mat2 m = mat2(x); r = m[i & 1].x;", "r = cells[i % 4].parts[i / 16];", "r = i < 8 ? taps[i] : 0.0;",
+    "r = grid(ivec2(i % 8, i / 16)).x;", "if (i < 8) r = grid(ivec2(i, 0)).x;",
+    "stack_store(ivec3(i % 4, i / 4 % 4, i / 32), uvec4(1)); r = 1.0;",
+    "r = float(7 / (i - 64));", "r = float(-2147483647 / (i - 5 == 0 ? 1 : i - 5));", "r = float((i + 3) % 5);", "r = float(-7 / 2);",
+    "r = float(7u % uint(i + 1));", "r = float(1 << (i & 31));", "r = float(-8 >> i / 2);",
+    "r = float(bitfieldExtract(i, i / 2, 1));", "r = float(clamp(i, 50, 50));", "r = float(int(x * 3.4e7));",
+    "r = float(uint(x - zero));", "r = 1.0 / (x + 1.0);", "r = (x * 1e36) * 1.0;", "r = exp(x);", "r = sqrt(63.0 - x);",
+    "r = log(x + 1.0);", "r = pow(x, 0.5);", "r = asin(x / 64.0);", "r = atan(x, 1.0);", "r = normalize(vec3(x, 1.0, zero)).y;",
+    "r = smoothstep(x, 64.0, 5.0);", "r = clamp(5.0, x, 63.0);", "r = uintBitsToFloat(0x7f800000u) * one;",
+    "r = isnan(uintBitsToFloat(0x7fc00000u + uint(i))) ? 1.0 : 2.0;",
+    "for (int k = 0; k < 1000; k++) r += one;", "for (;;) { if (r > x) break; r += one; }",
+    "for (int k = 0; k < 30; k++) for (int n = 0; n < 30; n++) r += one;", "while (r < x) r += one;",
+    "do r += one; while (r < x);", "int k = 60000; while (k-- > 0) if (i > k) break; r = float(k);",
+    "float u; if (i > 3) u = x; else u = 1.0; r = u;", "float u; if (i > 3) u = x; r = i > 3 ? u : 1.0;",
+    "vec3 u; u.xy = vec2(x); r = u.x + u.y; vec2 w = u.yx; r += w.x;",
+    "float best; bool found = false; for (int k = 0; k < 4; k++) if (!found || taps[k] > best) { best = taps[k]; found = true; } r = best;",
+    "float a[4]; for (int k = 0; k < 4; k++) a[k] = x; r = a[i % 4];",
+    "Cell c; c.weight = x; Cell d = c; r = d.weight;",
+]
+
+
+def write_spec(folder, name, bodies):
+    buffers = "".join(f"  out_{key}: {{of: float, count: 64}}\n" for key in bodies)
+    with open(os.path.join(folder, name + ".yaml"), "w", encoding="utf-8") as file:
+        file.write(HEAD.format(name=name, buffers=buffers, passes="".join(PASS.format(key) for key in bodies)))
+    for key, text in {**FILES, **bodies}.items():
+        with open(os.path.join(folder, key + ".glsl"), "w", encoding="utf-8") as file:
+            file.write(text)
+
+
+def wrong_body(row):
+    functions = row[4] if len(row) > 4 else ""
+    return body(row[0] if "// here" in functions + row[0] else row[0] + " // here", functions)
+
+
+def make(folder):
+    write_spec(folder, "wrong", {f"w{i}": wrong_body(row) for i, row in enumerate(WRONG)})
+    write_spec(folder, "fine", {f"f{i}": body(code) for i, code in enumerate(FINE)})
+
+
+def place(row):
+    """Line, and column of the text that the message names; the sixth of a row: which one of equal texts."""
+    lines = wrong_body(row).split("\n")
+    line = next(i for i, text in enumerate(lines) if text.endswith("// here"))
+    column = -1
+    for _ in range(row[5] if len(row) > 5 else 1):
+        column = re.compile(r"(?<!\w)" + re.escape(row[1])).search(lines[line], column + 1).start()
+    return line + 1, column + 1
+
+
+def found(path):
+    with open(path, encoding="utf-8") as file:
+        findings = json.load(file)["undefined"]
+    bad = 0
+    for i, row in enumerate(WRONG):
+        own = [f for f in findings if f["pass"] == f"w{i}"]
+        told = [(f["line"], f["column"], f["message"], f["invocation"][0]) for f in own]
+        wanted = (*place(row), row[2], row[3])
+        number = re.sub(r"(\d)e\+0", r"\1e+0", wanted[2]).replace("2.20000000e+09", "2.2e+09")
+        right = [t for t in told if t[:2] == wanted[:2] and t[2].startswith(number) and t[3] == wanted[3]]
+        if len(told) != 1 or not right:
+            print(f"{row[0]}\n  wanted {wanted}\n  found {told}")
+            bad += 1
+    strange = [f for f in findings if not f["pass"].startswith("w")]
+    print(f"{len(WRONG) - bad} of {len(WRONG)} found, {len(strange)} beside them")
+    return bad or strange
+
+
+def silent(path):
+    with open(path, encoding="utf-8") as file:
+        findings = json.load(file)["undefined"]
+    for finding in findings:
+        print(finding, FINE[int(finding["pass"][1:])] if finding["pass"].startswith("f") else "")
+    return findings
+
+
+def equal(a, b):
+    names = sorted(n for n in os.listdir(a) if n != "manifest.json")
+    differ = [n for n in names if open(os.path.join(a, n), "rb").read() != open(os.path.join(b, n), "rb").read()]
+    print(len(names), "files,", differ)
+    return not names or names != sorted(n for n in os.listdir(b) if n != "manifest.json") or differ
+
+
+if __name__ == "__main__":
+    sys.exit(1 if {"make": make, "found": found, "silent": silent, "equal": equal}[sys.argv[1]](*sys.argv[2:]) else 0)

@@ -1,0 +1,31 @@
+#!/usr/bin/env bash
+# --sanitize finds undefined behaviour of bodies that are wrong in one place, there, on every driver; bodies that come near stay
+# silent and keep their bits. TAP.
+. "$(dirname "$0")/tap.sh"
+. "$root/tests/drivers.sh"
+tool() { /usr/bin/python3 "$root/tests/sanitize.py" "$@"; }
+tool make "$work" || exit 1
+
+# shellcheck disable=SC2317 # called through check
+finds() { # backend
+    "$diptych" render --spec "$work/wrong.yaml" --size 16x16 --backend "$1" --dump "$work/dump" --sanitize --json "$work/found.json"
+    [ $? = 1 ] && tool found "$work/found.json"
+}
+# shellcheck disable=SC2317
+silent() { # backend
+    "$diptych" render --spec "$work/fine.yaml" --size 16x16 --backend "$1" --dump "$work/checked" --sanitize --json "$work/silent.json"
+    local status=$?
+    tool silent "$work/silent.json" && [ $status = 0 ] &&
+        "$diptych" render --spec "$work/fine.yaml" --size 16x16 --backend "$1" --dump "$work/plain" &&
+        tool equal "$work/plain" "$work/checked"
+}
+
+for backend in gl vk@llvmpipe "${strangers[@]}"; do
+    check "$backend finds each undefined operation in its line" finds "$backend"
+    check "$backend is silent about what comes near, and changes no bit" silent "$backend"
+done
+[ ${#strangers[@]} -gt 0 ] || skip "another driver finds each undefined operation in its line" "$no_strangers"
+
+check_status 2 "an unknown kind is refused" "$diptych" compare --spec "$work/fine.yaml" --size 16x16 --sanitize=index,numbers
+check "the message names it" grep -q 'unknown kind "numbers"; there are index, arithmetic' "$work/output"
+finish
