@@ -77,3 +77,7 @@ os.makedirs("link"); os.symlink("../plain/00.gbuffer.depth.npy", "link/gbuffer.d
 os.makedirs("fortran"); np.save("fortran/gbuffer.depth.npy", np.asfortranarray(depth))
 arrays("short", gbuffer__depth=depth)
 os.truncate("short/00.gbuffer.depth.npy", 200)
+
+big = rng.random((1024, 1024), np.float32)
+arrays("big", a__b=big)
+arrays("other_big", a__b=rng.random((1024, 1024), np.float32))

@@ -275,27 +275,35 @@ static void try_pairs(struct asked *asked, struct trial best[WHY_MOST], const st
 
 /* ---- Samples ----------------------------------------------------------------------------------- */
 
-/* Differing elements, at most MOST_SAMPLES, evenly; how many there are of MOST_COUNTED evenly spread. */
+/* One in `one_in`, a power of two, without a rhythm that tiles could have. */
+static bool is_drawn(uint64_t element, uint64_t one_in)
+{
+    return !((element * 0x9e3779b97f4a7c15u >> 40) & (one_in - 1));
+}
+
+/* Differing elements, at most MOST_SAMPLES. Returns how many there are, of MOST_COUNTED evenly spread. */
 static uint64_t sample_differing(struct asked *asked, uint64_t elements, bool fine,
                                  uint64_t *samples)
 {
-    uint64_t step = elements / MOST_COUNTED + 1, found = 0, keep_each = 1;
-    uint32_t unknown = 0;
+    uint64_t step = (elements / MOST_COUNTED + 1) | 1, found = 0, one_in = 1;
+    uint32_t unknown = 0, count = 0;
     double error = 0;
-    asked->differing_count = 0;
     for (uint64_t i = 0; i < elements; i += step) {
         if (!is_wrong(asked, NULL, i, fine, &error, &unknown))
             continue;
-        if (found++ % keep_each)
-            continue;
-        if (asked->differing_count == MOST_SAMPLES) { /* thin out: every second stays */
-            for (uint32_t k = 0; k < MOST_SAMPLES / 2; k++)
-                samples[k] = samples[2 * k];
-            asked->differing_count = MOST_SAMPLES / 2;
-            keep_each *= 2;
+        found++;
+        while (count == MOST_SAMPLES) {
+            uint32_t kept = 0;
+            one_in *= 2;
+            for (uint32_t k = 0; k < count; k++)
+                if (is_drawn(samples[k], one_in))
+                    samples[kept++] = samples[k];
+            count = kept;
         }
-        samples[asked->differing_count++] = i;
+        if (is_drawn(i, one_in))
+            samples[count++] = i;
     }
+    asked->differing_count = count;
     return found * step < elements ? found * step : elements;
 }
 
@@ -455,7 +463,7 @@ static char *describe(const struct asked *asked, const struct why_question *ques
 static uint64_t count_left(struct asked *asked, const struct trial *trial,
                            const struct tally *tally)
 {
-    uint64_t step = tally->elements / MOST_COUNTED + 1, left = 0;
+    uint64_t step = (tally->elements / MOST_COUNTED + 1) | 1, left = 0;
     uint32_t unknown = 0;
     double error = 0;
     if (trial->fault->share)
