@@ -574,7 +574,7 @@ bool why_find(struct why *why, const struct why_question *question)
         good = look(why, &asked, question, samples);
     }
     for (int i = 0; i < 2 * WHY_RELATIVES; i++)
-        free((void *)(uintptr_t)asked.relatives[i / WHY_RELATIVES][i % WHY_RELATIVES].data);
+        free(asked.relatives[i / WHY_RELATIVES][i % WHY_RELATIVES].data);
     free(components);
     free(samples);
     free(transposed);

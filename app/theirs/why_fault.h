@@ -9,7 +9,7 @@ enum { FAULT_NUMBERS = 4 };
 
 /* A copy, or a relative of one. */
 struct copy {
-    const uint8_t *data;
+    uint8_t *data;
     size_t size;
     uint32_t extent[3];
 };

@@ -846,6 +846,7 @@ static double other_than_tiles(const struct asked *asked, const struct fault *fa
 
 /* ---- The table --------------------------------------------------------------------------------- */
 
+/* NOLINTBEGIN(bugprone-macro-parentheses): parts of strings and of initializers */
 #define SHIFT(label, words, x, y)                                                                  \
     {                                                                                              \
         .name = label, .text = "after a shift of " words, .at = shifted, .p = { x, y }             \
@@ -877,6 +878,8 @@ static double other_than_tiles(const struct asked *asked, const struct fault *fa
             outof                                                                                  \
         }                                                                                          \
     }
+
+/* NOLINTEND(bugprone-macro-parentheses) */
 
 const struct fault faults[] = {
     {.name = "flip_y",
