@@ -43,6 +43,7 @@ more_holes = holes.copy(); more_holes[4, 4] = np.nan
 arrays("nan2", gbuffer__depth=more_holes)
 arrays("size", a__b=depth.reshape(1, 6, 8, 1))
 arrays("size2", a__b=depth[:, :4].reshape(1, 6, 4, 1))
+arrays("half", a__b=depth[::2, ::2].reshape(1, 3, 4, 1))
 arrays("alone", other__thing=depth)
 
 rgba = np.concatenate([radiance - 1, np.ones((6, 8, 1), np.float32)], 2)
@@ -76,3 +77,7 @@ os.makedirs("link"); os.symlink("../plain/00.gbuffer.depth.npy", "link/gbuffer.d
 os.makedirs("fortran"); np.save("fortran/gbuffer.depth.npy", np.asfortranarray(depth))
 arrays("short", gbuffer__depth=depth)
 os.truncate("short/00.gbuffer.depth.npy", 200)
+
+big = rng.random((1024, 1024), np.float32)
+arrays("big", a__b=big)
+arrays("other_big", a__b=rng.random((1024, 1024), np.float32))

@@ -41,7 +41,11 @@ check "NaN in one is not" says 1 'where nan2 is NaN|where second is NaN|NaN' nan
 check "a contract allows a difference" says 0 'within' plain ulp9 --contracts loose.yaml
 check "... none is there by default" says 1 'first pass' plain ulp9
 check "a wrong contract is told with its place" says 2 'wrong.yaml:2:.*did you mean' plain plain --contracts wrong.yaml
-check "other sizes differ" says 1 '8x6x1 against 4x6x1' size size2
+check "other sizes differ" says 1 '8x6x1 against 4x6x1 texels' size size2
+
+check "noise has no reason" says 1 "^first pass" big other_big
+check "... and none is given" sh -c "! grep ^why said"
+check "half the size may be a mip" says 1 'one mip off, or half the resolution' size half
 
 for bad in no_entries no_format no_file outside long fields version nothing link fortran short; do
     check "refused: $bad" says 2 "error: .*$bad" "$bad" plain

@@ -120,6 +120,8 @@ pipeline = diptych.open('$installed/share/diptych/templates/ssvp.yaml', scene='$
 pipeline.render()
 pipeline.render('display')['display'].tofile('$work/display.raw')" && cmp "$work/display.raw" "$work"/vk/*.display.raw
 }
+check "the headers of the tap are installed" cc -std=c99 -fsyntax-only -include stdio.h -include vulkan/vulkan.h "-I$installed/include/diptych" \
+    -x c "$installed/include/diptych/diptych_tap_vk.h"
 if /usr/bin/python3 -c 'import numpy' 2>"$work/output"; then
     check "the installed Python module renders, too" python_renders
 else

@@ -101,6 +101,9 @@ FAULTS = [
     ("border", light, edge(light, y == H - 1, 0.1)), ("border", ids, edge(ids, (x == W - 1) | (y == H - 1), 0)), ("border", display, edge(display, (x == 0) | (y == 0) | (x == W - 1) | (y == H - 1), 7)),
     ("border", depth, edge(depth, x == 0, 0.9)), ("rest", ids, edge(ids, (x >= 80) | (y >= 48), 0)), ("tile_edges", light, edge(light, (x % 16 == 0) & (noise < 0.7), 0.3)),
     ("tile_edges", depth, edge(depth, ((x % 32 == 0) | (y % 32 == 0)), 0.3)), ("tiles", light, np.where(tile[:, :, None], light * f32(0.3) + noise[:, :, None], light)), ("clear", cleared, np.where(cleared == 0, picture(3, seed=9), cleared)),
+    ("flip_y", display, display[::-1, :, ::-1]), ("mirror_x", light / 3, srgb(light / 3)[:, ::-1]), ("flip_y", depth, (1 - depth)[::-1]),
+    ("srgb", rgba, np.concatenate([srgb(rgba[:, :, :3]), rgba[:, :, 3:]], 2)), ("srgb", code(rgba), code(np.concatenate([srgb(rgba[:, :, :3]), rgba[:, :, 3:]], 2))),
+    ("factor", rgba, rgba * np.array([2, 2, 2, 1], f32)), ("factor", display, code(display / f32(255) * 2)), ("offset", ids, ids + 5), ("tone", rgba * 4, np.concatenate([rgba[:, :, :3] * 4 / (1 + rgba[:, :, :3] * 4), rgba[:, :, 3:] * 4], 2)),
     ("layer_alone", layers, edge(layers, 5, 0.25 + layers[5] * layers[4])),
 ]
 

@@ -201,6 +201,18 @@ static bool convert_images(struct match *match, struct dt_bytes copies[2])
     return true;
 }
 
+/* What is often wrong where sizes differ. */
+static const char *size_hint(const uint32_t *a, const uint32_t *b)
+{
+    if (a[0] == b[1] && a[1] == b[0] && a[0] != a[1])
+        return ": width and height in each other's place?";
+    if (a[2] != b[2])
+        return "";
+    bool finer = (a[0] == b[0] / 2 && a[1] == b[1] / 2) || (b[0] == a[0] / 2 && b[1] == a[1] / 2);
+    bool near = a[0] - b[0] + 1 <= 2 && a[1] - b[1] + 1 <= 2;
+    return finer ? ": one mip off, or half the resolution?" : near ? ": an odd size rounded?" : "";
+}
+
 static bool same_extent(const struct match *match, const struct dt_bytes copies[2])
 {
     bool buffer = match->sides[0]->what.kind == DT_BUFFER;
@@ -219,8 +231,8 @@ bool dumps_convert(struct match *match, struct dt_bytes copies[2])
     if (!same_extent(match, copies)) {
         const uint32_t *a = copies[0].extent, *b = copies[1].extent;
         return refuse(match, buffer ? format_string("%u elements against %u", a[0], b[0])
-                                    : format_string("%ux%ux%u against %ux%ux%u texels", a[0], a[1],
-                                                    a[2], b[0], b[1], b[2]));
+                                    : format_string("%ux%ux%u against %ux%ux%u texels%s", a[0],
+                                                    a[1], a[2], b[0], b[1], b[2], size_hint(a, b)));
     }
     return buffer ? convert_buffers(match, copies) : convert_images(match, copies);
 }

@@ -259,7 +259,7 @@ static bool has_16_bits(const struct theirs *theirs, const struct their_entry *e
     return deep;
 }
 
-static bool take_floats(struct their_entry *entry, float *texels, struct dt_bytes *bytes)
+static void take_floats(struct their_entry *entry, float *texels, struct dt_bytes *bytes)
 {
     bool deep = entry->what.format == DT_FORMAT_RGBA16;
     size_t count = (size_t)entry->extent[0] * entry->extent[1] * 4;
@@ -269,7 +269,6 @@ static bool take_floats(struct their_entry *entry, float *texels, struct dt_byte
         double value = (double)texels[i];
         their_store(NUMBER_UNORM16, value, bytes->data + 2 * i);
     }
-    return true;
 }
 
 bool their_picture(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes)
@@ -295,7 +294,7 @@ bool their_picture(const struct theirs *theirs, struct their_entry *entry, struc
     if (good && codes) {
         bytes->data = codes;
         bytes->size = (size_t)entry->extent[0] * entry->extent[1] * 4;
-    } else if (good) {
+    } else if (good && texels) {
         take_floats(entry, texels, bytes);
     }
     memcpy(bytes->extent, entry->extent, sizeof bytes->extent);

@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "theirs/why_fault.h"
 
-enum { FEW = 4, MOST_SAMPLES = 2048, MOST_COUNTED = 4 << 20 };
+enum { FEW = 4, GLANCE = 127, MOST_SAMPLES = 2048, MOST_COUNTED = 4 << 20 };
 #define MOST_SLACK 14.0 /* codes: as steep as sRGB at black */
 
 /* Beyond what two results that are equal but for rounding differ by. */
@@ -27,7 +27,10 @@ static double tolerance(const struct asked *asked, enum number_kind kind, double
 }
 
 struct trial {
-    const struct fault *fault, *inner; /* inner: a map applied to what `fault` gives, or NULL */
+    const struct fault *fault;
+    const struct fault
+        *inner;  /* a map of what `fault` gives, or an order of its channels; may be NULL */
+    bool colour; /* a map leaves alpha as it is */
     int side;
     double fit[FAULT_NUMBERS];
     double cost;
@@ -65,12 +68,19 @@ static double predict(const struct asked *asked, const struct trial *trial, stru
                       double *slack)
 {
     const struct fault *fault = trial->fault, *map = trial->inner;
+    bool kept = trial->colour && place.component == 3;
+    if (map && map->channels) {
+        if (!(map->p[place.component % FAULT_NUMBERS] < asked->count))
+            return NAN;
+        place.component = (uint32_t)map->p[place.component % FAULT_NUMBERS];
+        map = NULL;
+    }
     double value =
         fault->at ? fault->at(asked, fault, place) : copy_number(asked, asked->from, place);
     uint32_t one = number_one(asked->components[place.component].kind);
     *slack = 0;
     map = map ? map : fault->map ? fault : NULL;
-    if (!map)
+    if (!map || kept)
         return value;
     double step = one ? 0.5 / one : fabs(value) * 0x1p-23;
     *slack = fabs(map->map(asked, map, value + step) - map->map(asked, map, value - step));
@@ -118,8 +128,10 @@ static bool is_wrong(const struct asked *asked, const struct trial *trial, uint6
 struct tally {
     uint64_t before, elements; /* of all */
     bool fine;
-    bool few;     /* less than FEW numbers differ */
-    double error; /* of the differing samples without a fault */
+    bool few;         /* less than FEW numbers differ */
+    bool constant[2]; /* nearly all differing elements of that copy have the same numbers */
+    double error;     /* of the differing samples without a fault */
+    double glance;    /* the same of the first of them */
 };
 
 static void try_where(const struct asked *asked, struct trial *trial, const struct tally *tally)
@@ -143,8 +155,13 @@ static void try_values(const struct asked *asked, struct trial *trial, const str
 {
     uint32_t wrong = 0, broken = 0, unknown = 0, ignored = 0;
     double error = 0, other = 0;
-    for (uint32_t i = 0; i < asked->differing_count; i++)
+    for (uint32_t i = 0; i < asked->differing_count; i++) {
         wrong += is_wrong(asked, trial, asked->differing[i], tally->fine, &error, &unknown);
+        if (i == GLANCE && wrong + unknown > i && error > tally->glance * 0.7) {
+            trial->cost = 9; /* most faults are far off */
+            return;
+        }
+    }
     if (unknown > asked->differing_count / 4 * 3) {
         trial->cost = 9;
         return;
@@ -174,12 +191,14 @@ static void run_trial(struct asked *asked, struct trial *trial, const struct tal
     trial->cost = 9;
     set_side(asked, trial->side);
     memcpy(asked->fit, fault->p, sizeof asked->fit);
-    if (fault->fit && !fault->fit(asked, fault))
+    if ((fault->applies && !fault->applies(asked, fault)) ||
+        (trial->inner && trial->inner->applies && !trial->inner->applies(asked, trial->inner)) ||
+        (fault->fit && !fault->fit(asked, fault)))
         return;
     if (!fault->share && tally->few)
         return; /* much explains a number or two */
-    if (trial->inner && trial->inner->fit)
-        return;
+    if (!fault->share && !fault->where && tally->constant[!trial->side])
+        return; /* and one value everywhere */
     memcpy(trial->fit, asked->fit, sizeof trial->fit);
     if (fault->where) {
         try_where(asked, trial, tally);
@@ -217,13 +236,29 @@ static void keep(struct trial best[WHY_MOST], const struct trial *trial)
     best[at] = *trial;
 }
 
+/* With and without alpha, which colour spaces and exposures leave alone. */
+static void try_both(struct asked *asked, struct trial best[WHY_MOST], struct trial *trial,
+                     const struct tally *tally)
+{
+    bool map = trial->fault->map || (trial->inner && trial->inner->map);
+    for (int colour = 0; colour < (map && asked->image && asked->count == 4 ? 2 : 1); colour++) {
+        trial->colour = colour;
+        run_trial(asked, trial, tally);
+        keep(best, trial);
+    }
+}
+
+static bool is_inner(const struct fault *fault)
+{
+    return (fault->map && !fault->fit) || fault->channels;
+}
+
 static void try_all(struct asked *asked, struct trial best[WHY_MOST], const struct tally *tally)
 {
     for (uint32_t i = 0; i < fault_count; i++)
         for (int side = 0; side < (faults[i].symmetric ? 1 : 2); side++) {
             struct trial trial = {.fault = &faults[i], .side = side};
-            run_trial(asked, &trial, tally);
-            keep(best, &trial);
+            try_both(asked, best, &trial, tally);
         }
 }
 
@@ -232,39 +267,56 @@ static void try_pairs(struct asked *asked, struct trial best[WHY_MOST], const st
 {
     for (uint32_t i = 0; i < fault_count; i++)
         for (uint32_t k = 0; faults[i].at && !faults[i].fit && k < fault_count; k++)
-            for (int side = 0; faults[k].map && side < 2; side++) {
+            for (int side = 0; is_inner(&faults[k]) && !faults[i].channels && side < 2; side++) {
                 struct trial trial = {.fault = &faults[i], .inner = &faults[k], .side = side};
-                if (faults[k].fit)
-                    continue;
-                run_trial(asked, &trial, tally);
-                keep(best, &trial);
+                try_both(asked, best, &trial, tally);
             }
 }
 
 /* ---- Samples ----------------------------------------------------------------------------------- */
 
-/* Differing elements, at most MOST_SAMPLES, evenly; how many there are of MOST_COUNTED evenly spread. */
+/* One in `one_in`, a power of two, without a rhythm that tiles could have. */
+static bool is_drawn(uint64_t element, uint64_t one_in)
+{
+    return !((element * 0x9e3779b97f4a7c15u >> 40) & (one_in - 1));
+}
+
+/* Differing elements, at most MOST_SAMPLES. Returns how many there are, of MOST_COUNTED evenly spread. */
 static uint64_t sample_differing(struct asked *asked, uint64_t elements, bool fine,
                                  uint64_t *samples)
 {
-    uint64_t step = elements / MOST_COUNTED + 1, found = 0, keep_each = 1;
-    uint32_t unknown = 0;
+    uint64_t step = (elements / MOST_COUNTED + 1) | 1, found = 0, one_in = 1;
+    uint32_t unknown = 0, count = 0;
     double error = 0;
-    asked->differing_count = 0;
     for (uint64_t i = 0; i < elements; i += step) {
         if (!is_wrong(asked, NULL, i, fine, &error, &unknown))
             continue;
-        if (found++ % keep_each)
-            continue;
-        if (asked->differing_count == MOST_SAMPLES) { /* thin out: every second stays */
-            for (uint32_t k = 0; k < MOST_SAMPLES / 2; k++)
-                samples[k] = samples[2 * k];
-            asked->differing_count = MOST_SAMPLES / 2;
-            keep_each *= 2;
+        found++;
+        while (count == MOST_SAMPLES) {
+            uint32_t kept = 0;
+            one_in *= 2;
+            for (uint32_t k = 0; k < count; k++)
+                if (is_drawn(samples[k], one_in))
+                    samples[kept++] = samples[k];
+            count = kept;
         }
-        samples[asked->differing_count++] = i;
+        if (is_drawn(i, one_in))
+            samples[count++] = i;
     }
+    asked->differing_count = count;
     return found * step < elements ? found * step : elements;
+}
+
+static void shuffle(uint64_t *samples, uint32_t count)
+{
+    uint64_t state = 1;
+    for (uint32_t i = count; i-- > 1;) {
+        state = state * 6364136223846793005u + 1442695040888963407u;
+        uint32_t other = (uint32_t)((state >> 33) % (i + 1));
+        uint64_t kept = samples[i];
+        samples[i] = samples[other];
+        samples[other] = kept;
+    }
 }
 
 static void sample_all(struct asked *asked, uint64_t elements, uint64_t *samples)
@@ -276,6 +328,22 @@ static void sample_all(struct asked *asked, uint64_t elements, uint64_t *samples
         samples[asked->all_count++] =
             elements <= MOST_SAMPLES ? i % elements : (state >> 20) % elements;
     }
+}
+
+/* Of the differing samples, at least nine of ten as the first or the last. */
+static bool is_constant(const struct asked *asked, const struct copy *copy)
+{
+    uint32_t count = asked->differing_count, like[2] = {0};
+    for (int k = 0; k < 2; k++)
+        for (uint32_t i = 0; i < count; i++) {
+            uint64_t pattern = asked->differing[k ? count - 1 : 0];
+            bool same = true;
+            for (uint32_t c = 0; c < asked->count && same; c++)
+                same = copy_number(asked, copy, place_of(asked, pattern, c)) ==
+                       copy_number(asked, copy, place_of(asked, asked->differing[i], c));
+            like[k] += same;
+        }
+    return count > 1 && (like[0] * 10 > count * 9 || like[1] * 10 > count * 9);
 }
 
 /* Of the differing samples. */
@@ -395,7 +463,7 @@ static char *describe(const struct asked *asked, const struct why_question *ques
 static uint64_t count_left(struct asked *asked, const struct trial *trial,
                            const struct tally *tally)
 {
-    uint64_t step = tally->elements / MOST_COUNTED + 1, left = 0;
+    uint64_t step = (tally->elements / MOST_COUNTED + 1) | 1, left = 0;
     uint32_t unknown = 0;
     double error = 0;
     if (trial->fault->share)
@@ -415,7 +483,7 @@ static bool tell(struct why *why, struct asked *asked, const struct why_question
                  struct trial *best, const struct tally *tally)
 {
     for (int i = 0; i < WHY_MOST && best[i].fault; i++) {
-        if (i && best[i].cost > 0.1 + 2 * best[0].cost)
+        if (i && best[i].cost > 0.05 + 1.3 * best[0].cost)
             break;
         if (i && !strcmp(best[i].fault->name, best[0].fault->name))
             continue; /* the same from the other copy */
@@ -451,9 +519,15 @@ static bool look(struct why *why, struct asked *asked, const struct why_question
         tally.before = sample_differing(asked, tally.elements, true, samples);
     if (!tally.before)
         return true;
-    for (uint32_t i = 0; i < asked->differing_count; i++)
+    shuffle(samples, asked->differing_count);
+    for (uint32_t i = 0; i < asked->differing_count; i++) {
         is_wrong(asked, NULL, asked->differing[i], tally.fine, &tally.error, &unknown);
+        if (i <= GLANCE)
+            tally.glance = tally.error;
+    }
     tally.few = differing_numbers(asked) < FEW;
+    for (int i = 0; i < 2; i++)
+        tally.constant[i] = is_constant(asked, &asked->copies[i]);
     try_all(asked, best, &tally);
     if (!tally.few && (!best[0].fault || best[0].cost > 0.15))
         try_pairs(asked, best, &tally);
@@ -500,7 +574,7 @@ bool why_find(struct why *why, const struct why_question *question)
         good = look(why, &asked, question, samples);
     }
     for (int i = 0; i < 2 * WHY_RELATIVES; i++)
-        free((void *)(uintptr_t)asked.relatives[i / WHY_RELATIVES][i % WHY_RELATIVES].data);
+        free(asked.relatives[i / WHY_RELATIVES][i % WHY_RELATIVES].data);
     free(components);
     free(samples);
     free(transposed);

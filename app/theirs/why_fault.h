@@ -9,7 +9,7 @@ enum { FAULT_NUMBERS = 4 };
 
 /* A copy, or a relative of one. */
 struct copy {
-    const uint8_t *data;
+    uint8_t *data;
     size_t size;
     uint32_t extent[3];
 };
@@ -50,8 +50,10 @@ struct fault {
     double (*at)(const struct asked *asked, const struct fault *fault, struct place place);
     bool (*where)(const struct asked *asked, const struct fault *fault, struct place place);
     double (*share)(const struct asked *asked, const struct fault *fault);
-    bool (*fit)(struct asked *asked, const struct fault *fault); /* false: it does not apply */
+    bool (*applies)(struct asked *asked, const struct fault *fault); /* NULL: always */
+    bool (*fit)(struct asked *asked, const struct fault *fault);     /* false: it does not apply */
     double p[FAULT_NUMBERS];
+    bool channels;  /* p is the channel of `from` that each of `to` has */
     bool symmetric; /* the same from either copy */
     double doubt;   /* 0 to 0.5: added to its cost, for faults that fit much */
 };
