@@ -354,10 +354,17 @@ static bool blends_apart(const struct pass *pass)
     return apart;
 }
 
+/* Whether all its stages write the buffer of --sanitize. */
+static bool reports(const struct pass *pass)
+{
+    const struct access *last = pass->access_count ? &pass->accesses[pass->access_count - 1] : NULL;
+    return last && last->resource && last->resource->internal;
+}
+
 static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
                         struct dt_panel *panel)
 {
-    const size_t most = DT_ARRAY_COUNT(capabilities) + 7;
+    const size_t most = DT_ARRAY_COUNT(capabilities) + 8;
     struct dt_need *needs = table(l, l->from->pass_count * most, sizeof *needs);
     for (uint32_t p = 0; p < l->from->pass_count && !l->failed; p++) {
         const struct pass *pass = l->from->order[p];
@@ -369,6 +376,7 @@ static void lower_needs(struct lowering *l, const struct pass_shaders *shaders,
         } others[] = {
             {"samplerAnisotropy", filters_anisotropic(pass)},
             {"fragmentStoresAndAtomics", pass_draws(pass) && stores(pass)},
+            {"vertexPipelineStoresAndAtomics", pass_draws(pass) && reports(pass)},
             {"independentBlend", blends_apart(pass)},
             {"fullDrawIndexUint32", scene},
             {"largePoints", pass->topology == DT_POINTS},

@@ -26,6 +26,7 @@ static const struct {
     {FEATURE(core.features, drawIndirectFirstInstance), false},
     {FEATURE(core.features, samplerAnisotropy), false},
     {FEATURE(core.features, fragmentStoresAndAtomics), false},
+    {FEATURE(core.features, vertexPipelineStoresAndAtomics), false}, /* --sanitize */
     {FEATURE(core.features, geometryShader), false},
     {FEATURE(core.features, sampleRateShading), false},
     {FEATURE(core.features, imageCubeArray), false},

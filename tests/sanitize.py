@@ -175,10 +175,10 @@ def silent(path):
 
 
 def equal(a, b):
-    names = sorted(n for n in os.listdir(a) if n != "manifest.json")
-    differ = [n for n in names if open(os.path.join(a, n), "rb").read() != open(os.path.join(b, n), "rb").read()]
-    print(len(names), "files,", differ)
-    return not names or names != sorted(n for n in os.listdir(b) if n != "manifest.json") or differ
+    names, others = (sorted(n for n in os.listdir(folder) if n != "manifest.json") for folder in (a, b))
+    differ = [n for n in names if n in others and open(os.path.join(a, n), "rb").read() != open(os.path.join(b, n), "rb").read()]
+    print(len(names), "files,", len(others), "files, different:", differ)
+    return not names or names != others or differ
 
 
 if __name__ == "__main__":

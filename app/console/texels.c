@@ -269,11 +269,26 @@ static uint32_t image_components(const struct dt_resource *resource, struct comp
     return channels;
 }
 
+/* Whether a list of a pass has the resource; the buffer of --sanitize is in none. */
+static bool is_listed(const struct dt_pipeline *pipeline, uint32_t resource)
+{
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        const struct dt_pass *pass = &pipeline->passes[i];
+        for (uint32_t j = 0; j < pass->write_count; j++)
+            if (pass->writes[j] == resource)
+                return true;
+        for (uint32_t j = 0; j < pass->read_count; j++)
+            if (pass->reads[j] == resource)
+                return true;
+    }
+    return false;
+}
+
 uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
 {
     const struct dt_resource *what = &pipeline->resources[resource];
     uint32_t all = what->kind == DT_IMAGE ? (1u << what->mips) - 1 : 1;
-    uint32_t mask = what->history ? all : 0;
+    uint32_t mask = what->history && is_listed(pipeline, resource) ? all : 0;
     for (uint32_t i = 0; i < pass; i++) {
         const struct dt_pass *writer = &pipeline->passes[i];
         for (uint32_t j = 0; j < writer->write_count; j++)
