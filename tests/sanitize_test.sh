@@ -15,7 +15,7 @@ finds() { # backend
 silent() { # backend
     "$diptych" render --spec "$work/fine.yaml" --size 16x16 --backend "$1" --dump "$work/checked" --sanitize --json "$work/silent.json"
     local status=$?
-    tool silent "$work/silent.json" && [ $status = 0 ] &&
+    tool silent "$work/silent.json" && [ "$status" = 0 ] &&
         "$diptych" render --spec "$work/fine.yaml" --size 16x16 --backend "$1" --dump "$work/plain" &&
         tool equal "$work/plain" "$work/checked"
 }
@@ -35,6 +35,7 @@ check "an unknown kind is refused" refused
 # shellcheck disable=SC2317
 compared() {
     timeout 60 "$diptych" compare --spec "$work/wrong.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize=index,loop >"$work/compared"
+# shellcheck disable=SC2016
     [ $? = 1 ] && grep -qF 'w0.glsl:5:9: undefined: index 8 of `taps`, which has 8 elements' "$work/compared" &&
         grep -qF '  pass w0, invocation (32, 0, 0), 32 times; first in frame 0; gl, vk@llvmpipe' "$work/compared" &&
         ! grep -q 'sqrt' "$work/compared"
