@@ -1,6 +1,5 @@
 /* Files for the command line: read whole, write whole or not at all, folders, and a content hash.
- * Called by pipeline, dump and the verbs. Functions that return bool or a pointer and take a log
- * have logged the error when they fail. */
+ * Functions that return bool or a pointer and take a log have logged the error when they fail. */
 #ifndef DIPTYCH_FILES_H
 #define DIPTYCH_FILES_H
 

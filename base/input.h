@@ -1,5 +1,5 @@
 /* Reads files that a user names: regular files alone, so that no device and no pipe makes a
- * program wait. Called by reader.c, by gen/diag.c and by base/files.c. */
+ * program wait. */
 #ifndef DIPTYCH_SCENES_INPUT_H
 #define DIPTYCH_SCENES_INPUT_H
 

@@ -1,5 +1,4 @@
-/* "Did you mean": the name that a misspelled word most likely stands for. Called by readers of
- * specs, scene files and command lines; it is in this folder because all of them may use it. */
+/* "Did you mean": the name that a misspelled word most likely stands for. */
 #ifndef DIPTYCH_SCENES_NEAREST_H
 #define DIPTYCH_SCENES_NEAREST_H
 

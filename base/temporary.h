@@ -1,5 +1,4 @@
-/* Names of files and folders that are written beside their final place and renamed there. Called by
- * image.c, gen/output.c, base/files.c and app/console/folder.c. */
+/* Names of files and folders that are written beside their final place and renamed there. */
 #ifndef DIPTYCH_SCENES_TEMPORARY_H
 #define DIPTYCH_SCENES_TEMPORARY_H
 

@@ -1,5 +1,4 @@
-/* A growing piece of text. Called by every emitter; failures are remembered in the text and
- * reported by output.c. */
+/* A growing piece of text. */
 #include "base/text.h"
 
 #include <stdarg.h>

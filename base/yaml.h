@@ -1,6 +1,5 @@
 /* YAML documents and messages that point into them: one parser setting, one set of limits, one
- * form of message for specs, scenes, motions and outlines. Called by reader.c and by
- * gen/read_document.c; gen/diag.c prints with yaml_print. */
+ * form of message for specs, scenes, motions and outlines. */
 #ifndef DIPTYCH_SCENES_YAML_H
 #define DIPTYCH_SCENES_YAML_H
 

@@ -1,7 +1,6 @@
 /* Lifetimes of resources, and which resources share memory: slots of device memory for Vulkan,
- * shared textures for OpenGL. Called by plan.c when the order of execution and the accesses are
- * known. Resources with history live for ever and share no memory, nor do those with `keep`;
- * outputs live to the end of the frame. */
+ * shared textures for OpenGL. Resources with history live for ever and share no memory, nor do
+ * those with `keep`; outputs live to the end of the frame. */
 #include <string.h>
 
 #include "expr.h"

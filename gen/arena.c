@@ -1,5 +1,4 @@
-/* The model's allocator: blocks that are freed together. Called by every stage that adds to the
- * model. */
+/* The model's allocator: blocks that are freed together. */
 #include "diag.h"
 
 #include <stdarg.h>

@@ -1,5 +1,5 @@
-/* Pass bodies: their files, and what the plan asks of them. Also the warnings about declarations that
- * nothing names. Called by check.c. */
+/* Pass bodies: their files, and what the plan asks of them. Also the warnings about declarations
+ * that nothing names. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Content from outside fits what it is for: no pass writes it, files hold what their buffers and
- * images are made of. Called by check.c after check_references. */
+ * images are made of. */
 #include "check.h"
 #include "plan.h"
 #include "base/npy.h"

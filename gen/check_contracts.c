@@ -1,4 +1,4 @@
-/* Contracts: each fits its resource, and the margins of `flips` are valid. Called by check.c. */
+/* Contracts: each fits its resource, and the margins of `flips` are valid. */
 #include <inttypes.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* Names: each is declared once, none is reserved in GLSL, C or the generated code, and every
- * reference is resolved. Called by check.c. */
+ * reference is resolved. */
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>

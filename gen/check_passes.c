@@ -1,5 +1,5 @@
 /* Passes: formats, samplers and sizes that their accesses need, targets that fit together,
- * conflicting accesses, ranges and dispatch sizes. Called by check.c after names and sizes. */
+ * conflicting accesses, ranges and dispatch sizes. */
 #include <inttypes.h>
 #include <string.h>
 

@@ -1,5 +1,5 @@
 /* Numbers: parameters within their ranges, constants without cycles, sizes and counts at several
- * frame sizes, assertions. Called by check.c. */
+ * frame sizes, assertions. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* What the shaders of a pass need of a device's limits, from their SPIR-V. Called by lower.c. */
+/* What the shaders of a pass need of a device's limits, from their SPIR-V. */
 #include <spirv/unified1/spirv.h>
 
 #include "lower.h"

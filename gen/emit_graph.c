@@ -1,6 +1,6 @@
 /* NAME.dot: the pass graph for Graphviz, which does the layout. A box for each pass, in order of
  * execution: its barriers, its dispatch or draw, the resources that it writes, and their readers.
- * Arrows lead from a pass to the passes that use its results. Called by main. */
+ * Arrows lead from a pass to the passes that use its results. */
 #include <inttypes.h>
 #include <limits.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /* NAME.h: the C declarations of a pipeline. Structs with explicit padding and asserted offsets,
- * baked parameters as constants, the live block, the indices of resources and passes. Called by
- * main. */
+ * baked parameters as constants, the live block, the indices of resources and passes. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
-/* NAME_lifetimes.dot: which resources share memory, for Graphviz. One table: a column for each pass
- * in order of execution, a row for each resource, filled during its lifetime; rows grouped by slot
- * of memory. Below it: the barriers between resources that share memory. Called by main. */
+/* NAME_lifetimes.dot: which resources share memory, for Graphviz. One table: a column for each
+ * pass in order of execution, a row for each resource, filled during its lifetime; rows grouped by
+ * slot of memory. Below it: the barriers between resources that share memory. */
 #include <inttypes.h>
 
 #include "dot.h"

@@ -1,5 +1,5 @@
 /* The reflection, first half of NAME.c: sizes, parameters, resources, passes. Printed from the
- * tables of lower.h. Called by emit_panel.c. */
+ * tables of lower.h. */
 #include <inttypes.h>
 #include <string.h>
 

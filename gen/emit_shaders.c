@@ -1,5 +1,5 @@
-/* NAME_gl_shaders.c and NAME_vk_shaders.c: a backend's shaders as packed SPIR-V, for OpenGL also as
- * GLSL if asked for. Not in the panel's file, because most edits change only a shader. Called by main.c. */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c: a backend's shaders as packed SPIR-V, for OpenGL also
+ * as GLSL if asked for. Not in the panel's file, because most edits change only a shader. */
 #include "emit_c.h"
 #include "spirv/passes.h"
 

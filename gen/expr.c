@@ -1,6 +1,5 @@
 /* Integer expressions: parsed with the place of every part, resolved against the model, evaluated
- * with overflow checks, and printed as C or GLSL. Called by read (parse), check (resolve, evaluate)
- * and the emitters (text). */
+ * with overflow checks, and printed as C or GLSL. */
 #include "expr.h"
 
 #include <ctype.h>

@@ -1,7 +1,7 @@
-/* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names of
- * parameters and constants, components (tile.x), frame.width, frame.height; and lut.width,
- * lut.height and kernel.count of resources with a `file`. 64-bit, overflow and division by zero are
- * errors. Called by read (parse), check (resolve, fold) and the emitters (C and GLSL text). */
+/* Integer expressions of the spec: + - * / % ( ) comparisons && || ! ?:, min max ceil_div, names
+ * of parameters and constants, components (tile.x), frame.width, frame.height; and lut.width,
+ * lut.height and kernel.count of resources with a `file`. 64-bit, overflow and division by zero
+ * are errors. */
 #ifndef DIPTYCH_GEN_EXPR_H
 #define DIPTYCH_GEN_EXPR_H
 

@@ -1,4 +1,4 @@
-/* Rounds numbers as image formats do. Called by lower.c. */
+/* Rounds numbers as image formats do. */
 #include "plan.h"
 
 #include <math.h>

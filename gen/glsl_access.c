@@ -1,6 +1,5 @@
-/* Resources of a pass in GLSL: blocks, images and textures with their bindings, and the
- * functions with which a body reads and writes them. Called by emit_glsl.c; plan.c chose the kinds
- * and bindings. */
+/* Resources of a pass in GLSL: blocks, images and textures with their bindings, and the functions
+ * with which a body reads and writes them. */
 #include "glsl.h"
 #include "plan.h"
 

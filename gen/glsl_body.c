@@ -1,6 +1,6 @@
-/* The author's text of one stage, unchanged: #line, then the file. glslang decides on #if, #include
- * and macros. Only the body of a pass with ranges goes through glslang's preprocessor first, since
- * glsl_range.c must see its loops. Called by emit_glsl.c. */
+/* The author's text of one stage, unchanged: #line, then the file. glslang decides on #if,
+ * #include and macros. Only the body of a pass with ranges goes through glslang's preprocessor
+ * first, since glsl_range.c must see its loops. */
 #include "glsl.h"
 
 #include <ctype.h>

@@ -1,6 +1,5 @@
 /* Library pieces: templates/glsl/NAME.glsl is a list of definitions with an empty line between
- * them, and a stage gets those that it uses. Also the table of the files that bodies come from.
- * Called by emit_glsl.c and glsl_body.c. */
+ * them, and a stage gets those that it uses. Also the table of the files that bodies come from. */
 #include "glsl.h"
 
 #include <ctype.h>

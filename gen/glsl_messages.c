@@ -1,7 +1,7 @@
-/* What glslang says of a shader, in the words of the spec's author: at the line of the body, with the
- * list that lacks a name. Also what can be done about it: a name that the body declares itself, and
- * that the generator or GLSL has too, gets another one by a macro in front of the body. Called by
- * shaders.c after a shader has not compiled. */
+/* What glslang says of a shader, in the words of the spec's author: at the line of the body, with
+ * the list that lacks a name. Also what can be done about it: a name that the body declares
+ * itself, and that the generator or GLSL has too, gets another one by a macro in front of the
+ * body. */
 #include "glsl.h"
 #include "plan.h"
 

@@ -1,7 +1,6 @@
-/* Expands `for (Type v : range) { ... }`. CPU drivers read a small array that all invocations share
- * twenty times faster from shared memory at literal indices than in a loop over a buffer. If the
- * plan says so and the generator knows the count, the loop becomes such reads. Called by
- * emit_glsl.c with the complete body. */
+/* Expands `for (Type v : range) { ... }`. CPU drivers read a small array that all invocations
+ * share twenty times faster from shared memory at literal indices than in a loop over a buffer. If
+ * the plan says so and the generator knows the count, the loop becomes such reads. */
 #include "glsl.h"
 #include "plan.h"
 

@@ -1,6 +1,5 @@
 /* Byte offsets by the rules of the OpenGL specification, section 7.6.2.2: std430 for structs in
- * storage buffers, std140 for the uniform block of the parameters. Called by load.c and vary.c
- * between check and plan; the emitted C asserts the results. */
+ * storage buffers, std140 for the uniform block of the parameters. */
 #include "plan.h"
 #include "formats.h"
 #include "stages.h"

@@ -1,6 +1,6 @@
-/* The planned model as the tables that runtimes take (templates/c/panel.h), and what each pass does
- * as steps: calls of verbs. emit_panel.c and emit_pipeline.c print both as C; app/spec/play.c
- * executes them; graph and needs read the steps. Called by load.c. */
+/* The planned model as the tables that runtimes take (templates/c/panel.h), and what each pass
+ * does as steps: calls of verbs. emit_panel.c and emit_pipeline.c print both as C; app/spec/play.c
+ * executes them; graph and needs read the steps. */
 #ifndef DIPTYCH_GEN_LOWER_H
 #define DIPTYCH_GEN_LOWER_H
 

@@ -1,5 +1,4 @@
-/* --needs: what the passes need of a Vulkan device, against what profiles promise. Called by
- * main.c. */
+/* --needs: what the passes need of a Vulkan device, against what profiles promise. */
 #include "lower.h"
 
 #include <inttypes.h>

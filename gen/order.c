@@ -1,5 +1,5 @@
 /* The order of execution: finds the dependencies between passes, then sorts them topologically and
- * stably. Called by plan.c; reports cycles, reads before a write, and unordered writers. */
+ * stably. */
 #include <string.h>
 
 #include "plan.h"

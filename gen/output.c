@@ -1,6 +1,6 @@
-/* Writes a set of files: first every file under a temporary name, then renames all. An error before
- * the renames changes no file. Unchanged files are not written, so that ninja rebuilds nothing.
- * Called by main.c. */
+/* Writes a set of files: first every file under a temporary name, then renames all. An error
+ * before the renames changes no file. Unchanged files are not written, so that ninja rebuilds
+ * nothing. */
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>

@@ -1,6 +1,5 @@
-/* The plan: makes the decisions that both backends share: order, kinds of access, bindings, ranges,
- * lifetimes, memory slots, barriers. Called by load.c and vary.c after layout; the emitters read
- * the result. */
+/* The plan: makes the decisions that both backends share: order, kinds of access, bindings,
+ * ranges, lifetimes, memory slots, barriers. */
 #include "plan.h"
 #include "expr.h"
 #include "sanitize.h"

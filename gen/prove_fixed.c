@@ -1,5 +1,5 @@
-/* What the fixed functions of a draw leave open: the standards let a driver blend, cover and encode
- * in more than one way. The part of --prove that no shader has. Called by shaders.c.
+/* What the fixed functions of a draw leave open: the standards let a driver blend, cover and
+ * encode in more than one way. The part of --prove that no shader has.
  *
  * Sources: Vulkan 1.3, chapters "The Framebuffer" (blending; sRGB conversion may err by 0.6 of a
  * code), "Rasterization" (points, lines, depth bias), "Primitive Clipping"; OpenGL 4.6, chapters 14

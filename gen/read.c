@@ -1,5 +1,5 @@
-/* YAML -> model. Called by load.c and vary.c. A section is read after the sections whose names it
- * may use, in any order of the file. */
+/* YAML -> model. A section is read after the sections whose names it may use, in any order of the
+ * file. */
 #include <stdlib.h>
 #include <string.h>
 

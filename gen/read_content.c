@@ -1,5 +1,5 @@
 /* Content from outside: finds the file that a buffer or image names, and takes the size from its
- * header. The content itself is read by those who run the pipeline. Called by read_resources.c. */
+ * header. The content itself is read by those who run the pipeline. */
 #include <string.h>
 
 #include "read.h"

@@ -1,6 +1,6 @@
 /* `cull` of a scene draw, as a map: the draw becomes passes that list the triangles to keep, an
  * indirect draw of the lists, and a draw of the whole scene for layers whose list has no room. The
- * passes are a group in templates/cull/cull.yaml. Called by read_group.c. */
+ * passes are a group in templates/cull/cull.yaml. */
 #include <string.h>
 
 #include "read.h"

@@ -1,4 +1,4 @@
-/* Nodes of the documents: their locations, and `--set`, which replaces some. Called by read.c. */
+/* Nodes of the documents: their locations, and `--set`, which replaces some. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Checks maps of the document against the table: known keys, required keys, valid values. Then
- * gives typed access. Called by the readers of the sections. */
+ * gives typed access. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

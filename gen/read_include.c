@@ -1,5 +1,5 @@
 /* The documents of a spec: the spec and the files that it includes. Each is parsed once, depth
- * first. Called by read.c and, for `--set`, by read_document.c. read_group.c adds instances. */
+ * first. read_group.c adds instances. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Parameters and constants of a spec. Called by read.c. */
+/* Parameters and constants of a spec. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* Passes of a spec. Called by read.c after the sections that passes may name. */
+/* Passes of a spec. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

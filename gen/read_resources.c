@@ -1,5 +1,4 @@
-/* Structs, buffers, images, samplers, metrics, interleaves and contracts of a spec. Called by
- * read.c. */
+/* Structs, buffers, images, samplers, metrics, interleaves and contracts of a spec. */
 #include <stdlib.h>
 #include <string.h>
 

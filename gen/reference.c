@@ -1,5 +1,4 @@
-/* The reference of the spec language as Markdown, from the table that the reader uses. Called by
- * main for --reference. */
+/* The reference of the spec language as Markdown, from the table that the reader uses. */
 #include <string.h>
 
 #include "stages.h"

@@ -1,6 +1,6 @@
-/* The chapter of the reference on pass bodies: every name that the generator supplies to GLSL.
- * Called by reference.c. The names come from emit_glsl.c, glsl_access.c, glsl_body.c and
- * templates/glsl; tests/language.py compares this table with them. */
+/* The chapter of the reference on pass bodies: every name that the generator supplies to GLSL. The
+ * names come from emit_glsl.c, glsl_access.c, glsl_body.c and templates/glsl; tests/language.py
+ * compares this table with them. */
 #include "stages.h"
 
 struct body_name {

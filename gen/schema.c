@@ -1,6 +1,5 @@
 /* A JSON Schema (draft 2020-12) of the spec language, from the table that the reader uses. Editors
- * use it to complete and to check. It checks only the syntax of names, expressions and numbers.
- * Called by main for --schema. */
+ * use it to complete and to check. It checks only the syntax of names, expressions and numbers. */
 #include <string.h>
 
 #include "stages.h"

@@ -1,7 +1,7 @@
-/* Compiled shaders in a folder; see shader_cache.h. A file NAME.spv holds the SPIR-V of one shader.
- * NAME is the hash of its inputs: GLSL, backend, stage, exactness, target, versions of the compiler
- * and of our rewriting. The head of the file has a hash of the content, so a damaged, truncated or
- * foreign file is a miss, and is replaced. Called by shaders.c. */
+/* Compiled shaders in a folder; see shader_cache.h. A file NAME.spv holds the SPIR-V of one
+ * shader. NAME is the hash of its inputs: GLSL, backend, stage, exactness, target, versions of the
+ * compiler and of our rewriting. The head of the file has a hash of the content, so a damaged,
+ * truncated or foreign file is a miss, and is replaced. */
 #include "shader_cache.h"
 
 #include "body_files.h"

@@ -1,7 +1,7 @@
-/* All shaders of a pipeline: GLSL and SPIR-V for every pass, backend and stage. Called by load.c,
- * and by vary.c to test that they compile. One thread emits the text, since that changes the model.
- * Meanwhile others compile the shaders that are not in the cache. Most of OpenGL's are made of
- * Vulkan's, which takes no time: their GLSL is for people, and for drivers that take text. */
+/* All shaders of a pipeline: GLSL and SPIR-V for every pass, backend and stage. One thread emits
+ * the text, since that changes the model. Meanwhile others compile the shaders that are not in the
+ * cache. Most of OpenGL's are made of Vulkan's, which takes no time: their GLSL is for people, and
+ * for drivers that take text. */
 #include "shader_cache.h"
 #include "spirv/cross.h"
 #include "watchdog.h"

@@ -1,6 +1,6 @@
-/* Warnings about names that a pass lists and its shaders do not use. What a module still holds behind
- * spirv_reach is used; names that leave no trace there, since they are constants or targets, count as
- * used where the body has the word. Called by shaders.c. */
+/* Warnings about names that a pass lists and its shaders do not use. What a module still holds
+ * behind spirv_reach is used; names that leave no trace there, since they are constants or
+ * targets, count as used where the body has the word. */
 #include <spirv/unified1/spirv.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* Draws random valid variations of a spec, as JSON. A draw has three steps: parameters; formats,
  * samplers, metrics, workgroups and ranges; the order of the passes. Each step uses the model of
  * the steps before. A draw that is invalid or needs too much memory is repeated, and listed with
- * the reason. Called by main.c for --variations. */
+ * the reason. */
 #include "vary.h"
 
 #include <inttypes.h>

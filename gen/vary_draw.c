@@ -1,7 +1,7 @@
 /* Draws the values that may vary in a spec: those that no pass body can notice, or that every body
  * must support. Parameters vary between min and max, words among the choices of the table, images
- * among formats with the same channels. Called by vary.c. Uses only integer and plain IEEE
- * arithmetic, so that a seed gives the same draws on every machine. */
+ * among formats with the same channels. Uses only integer and plain IEEE arithmetic, so that a
+ * seed gives the same draws on every machine. */
 #include <ctype.h>
 #include <math.h>
 #include <string.h>

@@ -1,6 +1,5 @@
 /* Linked programs as binaries of the driver: takes those of dt_gl_host.cache, gives those of
- * dt_gl_get_cache. A cache may be damaged or of another driver: then its programs are compiled.
- * Called by program.c and host.c. */
+ * dt_gl_get_cache. A cache may be damaged or of another driver: then its programs are compiled. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Creates an OpenGL 4.6 core context without a window (EGL surfaceless, zink, OSMesa) or with a
- * hidden one (GLFW). Called by runtime.c. */
+ * hidden one (GLFW). */
 #include "internal.h"
 
 #include <EGL/egl.h>

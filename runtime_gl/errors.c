@@ -1,4 +1,4 @@
-/* Error checks and messages. Called by every file of this folder. */
+/* Error checks and messages. */
 #include "internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
 /* The functions of diptych_gl.h: pipelines in a host's context, on top of the front. They save and
- * restore the context's state around OpenGL calls. Called by other programs. */
+ * restore the context's state around OpenGL calls. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,4 @@
-/* Creates the OpenGL objects of a panel: samplers, programs, resources, framebuffers. Called by the
- * front through gl_backend, with the context current. */
+/* Creates the OpenGL objects of a panel: samplers, programs, resources, framebuffers. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* Shows pictures and an overlay in the window of context "window". Textures are filled from the
  * pipeline's images or from memory, and drawn as triangles. Vertices count y from the top; nothing
- * else flips pictures. Called by the front for the app. */
+ * else flips pictures. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,4 @@
-/* Links programs from the embedded SPIR-V or GLSL. Called by panel.c at create, and by
- * present.c. */
+/* Links programs from the embedded SPIR-V or GLSL. */
 #include "internal.h"
 
 #include <stdlib.h>

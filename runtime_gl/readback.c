@@ -1,6 +1,5 @@
-/* Copies buffers and images to memory and back, tightly packed, row 0 first. Called by the front;
- * the writing half also for hosts. Relies on the fixed state of state.c: no row padding, no pixel
- * buffer bound. */
+/* Copies buffers and images to memory and back, tightly packed, row 0 first. Relies on the fixed
+ * state of state.c: no row padding, no pixel buffer bound. */
 #include "internal.h"
 
 #include <stdlib.h>

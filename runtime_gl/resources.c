@@ -1,5 +1,4 @@
-/* Buffers, images, samplers, and the table that translates dt_format. Called by panel.c for a
- * pipeline's resources, and by scene.c, host.c and present.c. */
+/* Buffers, images, samplers, and the table that translates dt_format. */
 #include "internal.h"
 
 #include <stdlib.h>

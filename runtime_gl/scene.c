@@ -1,5 +1,5 @@
 /* Uploads a scene: vertices, indices and materials as buffers, textures as one sRGB array with its
- * mips. Called by the front for the app; host.c calls gl_scene_describe. */
+ * mips. */
 #include "internal.h"
 
 static bool upload_buffers(struct dt_gl_runtime *rt, const struct dt_scene *scene)

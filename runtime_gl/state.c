@@ -1,6 +1,5 @@
 /* Checks a context's features, sets the state that passes rely on, saves and restores a host's
- * state. Called by context.c for the app's own context, by the front and host.c around work in a
- * host's. */
+ * state. */
 #include "internal.h"
 
 #include <stdio.h>

@@ -1,5 +1,4 @@
-/* Instance, device, queue and command buffers of the app's own runtime. Called by runtime.c at open
- * and close. */
+/* Instance, device, queue and command buffers of the app's own runtime. */
 #include "internal.h"
 
 #include <stdio.h>

@@ -1,5 +1,4 @@
-/* Required features and stored properties of a physical device. Called by context.c, which searches
- * a device, and by host.c, which gets one. */
+/* Required features and stored properties of a physical device. */
 #include "internal.h"
 
 #include <stdio.h>

@@ -1,5 +1,4 @@
-/* Names of VkResult values with advice, and object names for the validation layers. Called by every
- * file of this folder. */
+/* Names of VkResult values with advice, and object names for the validation layers. */
 #include "internal.h"
 
 #include <string.h>

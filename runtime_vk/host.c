@@ -1,5 +1,5 @@
 /* The functions of diptych_vk.h: pipelines on a host's device, recorded into the host's command
- * buffers. Checks arguments that the front does not know. Called by other programs. */
+ * buffers. Checks arguments that the front does not know. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,6 +1,5 @@
 /* Creates the Vulkan objects of a panel: samplers, programs with their descriptor sets, resources
- * and the memory that they share; also the built-in objects. Called by the front through
- * vk_backend. */
+ * and the memory that they share; also the built-in objects. */
 #include "internal.h"
 
 #include <stdlib.h>

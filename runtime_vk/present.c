@@ -1,7 +1,6 @@
 /* Shows pictures and an overlay in a window. The swapchain is recreated whenever the window
  * changes. Textures are filled from the pipeline's images or from memory, and drawn as triangles.
- * Vertices count y from the top; nothing else flips pictures. Called by context.c, runtime.c and
- * the front. */
+ * Vertices count y from the top; nothing else flips pictures. */
 #include "internal.h"
 
 #include <GLFW/glfw3.h>

@@ -1,5 +1,5 @@
-/* Copies buffers and images to the host and back, tightly packed. Called by the front, between
- * frames and by observers between passes. Restores the layout of every image. */
+/* Copies buffers and images to the host and back, tightly packed. Restores the layout of every
+ * image. */
 #include "internal.h"
 
 #include <stdlib.h>

@@ -1,5 +1,4 @@
-/* Buffers, images, memory, samplers, and bytes that fill them. Called by panel.c, scene.c and
- * present.c. */
+/* Buffers, images, memory, samplers, and bytes that fill them. */
 #include "internal.h"
 
 #include <stdlib.h>

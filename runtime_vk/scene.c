@@ -1,5 +1,4 @@
-/* Uploads a scene: vertices, indices and materials as buffers, all textures as one array image.
- * Called by the front. */
+/* Uploads a scene: vertices, indices and materials as buffers, all textures as one array image. */
 #include "internal.h"
 
 #include <string.h>

@@ -1,5 +1,5 @@
-/* The verbs of a frame as Vulkan commands: labels and timestamps around passes, barriers, dispatches,
- * draws and clears. Called by the front while a frame is recorded, into rt->frame_commands. */
+/* The verbs of a frame as Vulkan commands: labels and timestamps around passes, barriers,
+ * dispatches, draws and clears. */
 #include "internal.h"
 
 #include <string.h>

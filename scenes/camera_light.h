@@ -1,5 +1,4 @@
-/* Keys of a camera and of a light: names, ranges, rules, and conversion to the scene's structs.
- * Called by scene.c, and by motion.c for keyframes. */
+/* Keys of a camera and of a light: names, ranges, rules, and conversion to the scene's structs. */
 #ifndef DIPTYCH_SCENES_CAMERA_LIGHT_H
 #define DIPTYCH_SCENES_CAMERA_LIGHT_H
 

@@ -1,5 +1,5 @@
 /* Work that reads files of strangers, in a child process: libraries may crash, hang or take all
- * memory there. Called by scene.c, and by the files whose work it is. */
+ * memory there. */
 #ifndef DIPTYCH_SCENES_CHILD_H
 #define DIPTYCH_SCENES_CHILD_H
 

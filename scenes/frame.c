@@ -1,6 +1,5 @@
 /* Camera and light matrices of a scene: everything in struct dt_frame that depends on the scene
- * and the aspect ratio. Called by the app once per frame. Right-handed, clip space with y up and
- * depth 0..1. */
+ * and the aspect ratio. Right-handed, clip space with y up and depth 0..1. */
 #include "mesh.h"
 #include "scene.h"
 

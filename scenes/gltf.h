@@ -1,6 +1,6 @@
 /* A glTF 2.0 file while it is imported. gltf_file.c reads the container and answers for keys,
  * gltf_data.c decodes accessors, gltf_material.c and gltf_views.c take materials, cameras and
- * lights, gltf.c takes the triangles. Called by mesh.c.
+ * lights, gltf.c takes the triangles.
  *
  * The first error is logged and sets `failed`; every later call answers with a fallback. Errors
  * name the file, the place in its JSON and the number that is wrong. */

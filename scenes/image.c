@@ -1,5 +1,5 @@
-/* Implements image.h: PNG of up to 8 bits by libpng; everything else by the OpenImageIO shim, which it finds and
- * loads. Writes files by temporary name and rename. Called by texture.c and by the app. */
+/* Implements image.h: PNG of up to 8 bits by libpng; everything else by the OpenImageIO shim,
+ * which it finds and loads. Writes files by temporary name and rename. */
 #include "image.h"
 
 #include "child.h"

@@ -1,7 +1,6 @@
 /* C interface to image files. libpng writes PNG, and reads PNG of up to 8 bits. OpenImageIO reads
- * everything else; it is loaded on first use, from a shared object beside the executable, since its
- * 260 libraries cost a quarter of a second. Called by scenes (textures) and by the app (pictures;
- * those of light by app/console/hdr.h). */
+ * everything else; it is loaded on first use, from a shared object beside the executable, since
+ * its 260 libraries cost a quarter of a second. */
 #ifndef DIPTYCH_IMAGE_H
 #define DIPTYCH_IMAGE_H
 

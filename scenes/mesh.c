@@ -1,5 +1,5 @@
 /* Mesh files to one flat triangle list: nodes flattened, normals completed, degenerate triangles
- * dropped, equal vertices welded. gltf.c and mesh_assimp.c read the files. Called by scene.c. */
+ * dropped, equal vertices welded. gltf.c and mesh_assimp.c read the files. */
 #include "mesh.h"
 
 #include "diptych_scene.h"

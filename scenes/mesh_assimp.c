@@ -1,4 +1,4 @@
-/* Mesh files through assimp's C interface: materials, texture names, triangles. Called by mesh.c. */
+/* Mesh files through assimp's C interface: materials, texture names, triangles. */
 #include "mesh.h"
 
 #include "child.h"

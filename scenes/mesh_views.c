@@ -1,5 +1,4 @@
-/* Cameras and lights of a mesh file, for scene files without their own. Called by mesh_assimp.c, and
- * the checks by gltf_views.c. */
+/* Cameras and lights of a mesh file, for scene files without their own. */
 #include "camera_light.h"
 #include "mesh.h"
 

@@ -1,5 +1,4 @@
-/* Camera and light that move from frame to frame, read from a file of keyframes. Called by scene.c
- * and by the verbs that run many frames. */
+/* Camera and light that move from frame to frame, read from a file of keyframes. */
 #ifndef DIPTYCH_MOTION_H
 #define DIPTYCH_MOTION_H
 

@@ -1,5 +1,4 @@
-/* Indices of OBJ files, which assimp checks without saying which one is wrong, or passes over. Called
- * by mesh_assimp.c. */
+/* Indices of OBJ files, which assimp checks without saying which one is wrong, or passes over. */
 #include "mesh.h"
 
 #include "base/input.h"

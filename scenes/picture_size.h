@@ -1,6 +1,5 @@
-/* What the header of a picture says, without an image library: its size, which a spec needs to know,
- * its colour space, and kinds that no reader here reads right. Called by gen, by the app and by
- * image.c. */
+/* What the header of a picture says, without an image library: its size, which a spec needs to
+ * know, its colour space, and kinds that no reader here reads right. */
 #ifndef DIPTYCH_SCENES_PICTURE_SIZE_H
 #define DIPTYCH_SCENES_PICTURE_SIZE_H
 

@@ -1,5 +1,4 @@
-/* YAML files of this folder, read with a compiler's diagnostics, all of them in one run. Called by
- * scene.c and motion.c. */
+/* YAML files of this folder, read with a compiler's diagnostics, all of them in one run. */
 #ifndef DIPTYCH_SCENES_READER_H
 #define DIPTYCH_SCENES_READER_H
 

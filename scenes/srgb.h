@@ -1,5 +1,4 @@
-/* sRGB codes from 0 to 1 and linear light (IEC 61966-2-1). Called by readers and writers of images;
- * also from C++. */
+/* sRGB codes from 0 to 1 and linear light (IEC 61966-2-1). */
 #ifndef DIPTYCH_SCENES_SRGB_H
 #define DIPTYCH_SCENES_SRGB_H
 

@@ -1,5 +1,4 @@
-/* The textures of a mesh as one array: one size, full mip chain, averaged in linear light.
- * Called by scene.c. */
+/* The textures of a mesh as one array: one size, full mip chain, averaged in linear light. */
 #include "image.h"
 #include "mesh.h"
 #include "picture_size.h"

@@ -1,5 +1,5 @@
 /* compare --bisect: runs the guilty pass on both sides again, finds the region that differs, and
- * writes a folder with all that `replay` needs to run the pass alone. Called by compare. */
+ * writes a folder with all that `replay` needs to run the pass alone. */
 #ifndef DIPTYCH_BISECT_H
 #define DIPTYCH_BISECT_H
 

@@ -1,6 +1,6 @@
 /* Finds the pass that causes a difference. In a second run, the second side gets the first side's
  * inputs before every pass: whatever it then writes differently is the pass's own error; other
- * differences are inherited. Called by compare when two sides differ. */
+ * differences are inherited. */
 #ifndef DIPTYCH_BLAME_H
 #define DIPTYCH_BLAME_H
 

@@ -1,5 +1,5 @@
-/* The pictures that `compare` writes, of the frame in which an image differs most: for --pictures a strip
- * per image that differs, for --html those of every image. Called by compare.c. */
+/* The pictures that `compare` writes, of the frame in which an image differs most: for --pictures
+ * a strip per image that differs, for --html those of every image. */
 #include "compare/compare.h"
 
 #include <ctype.h>

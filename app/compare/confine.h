@@ -1,6 +1,6 @@
-/* A replay runs shaders that may come from anyone, in drivers on the CPU with the rights of the process.
- * bubblewrap takes these away: files but what drivers need and the folder itself, to read; the
- * network; the environment but what drivers read. Called by main. */
+/* A replay runs shaders that may come from anyone, in drivers on the CPU with the rights of the
+ * process. bubblewrap takes these away: files but what drivers need and the folder itself, to
+ * read; the network; the environment but what drivers read. */
 #ifndef DIPTYCH_CONFINE_H
 #define DIPTYCH_CONFINE_H
 

@@ -1,4 +1,4 @@
-/* Fills a text template from JSON. Called by report and compare, for their pages.
+/* Fills a text template from JSON.
  *
  *   {{name}}               the text or number of that name, escaped for HTML
  *   {{#name}}…{{/name}}    once for each item of a list; once inside an object, or when a value is true or a text

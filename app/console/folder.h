@@ -1,5 +1,5 @@
 /* A folder that appears whole or not at all: written under another name beside its place and
- * renamed. Called by whatever writes folders with a manifest.json. */
+ * renamed. */
 #ifndef DIPTYCH_FOLDER_H
 #define DIPTYCH_FOLDER_H
 

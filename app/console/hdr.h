@@ -1,5 +1,5 @@
 /* Pictures of linear light in files. OpenEXR, which loads in a millisecond, writes and reads EXR;
- * scenes/image.h reads everything else. Called by render, reference, metrics, flicker, inputs. */
+ * scenes/image.h reads everything else. */
 #ifndef DIPTYCH_HDR_H
 #define DIPTYCH_HDR_H
 

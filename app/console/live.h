@@ -1,5 +1,5 @@
-/* The live parameters of a pipeline, in a block of dt_pipeline.live_size bytes: found by name, written
- * from text, read as numbers. Called by the window, and for the manifests of dumps. */
+/* The live parameters of a pipeline, in a block of dt_pipeline.live_size bytes: found by name,
+ * written from text, read as numbers. */
 #ifndef DIPTYCH_LIVE_H
 #define DIPTYCH_LIVE_H
 

@@ -1,5 +1,4 @@
-/* File names of a sequence: frame_%04d.exr gives frame_0007.exr for frame 7. Called by render and
- * flicker. */
+/* File names of a sequence: frame_%04d.exr gives frame_0007.exr for frame 7. */
 #ifndef DIPTYCH_NUMBERED_H
 #define DIPTYCH_NUMBERED_H
 

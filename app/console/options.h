@@ -1,5 +1,4 @@
-/* The options of all verbs in one table, read by base/command.h. Called by main, which hands the result
- * to the verb. */
+/* The options of all verbs in one table, read by base/command.h. */
 #ifndef DIPTYCH_OPTIONS_H
 #define DIPTYCH_OPTIONS_H
 

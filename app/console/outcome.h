@@ -1,6 +1,6 @@
 /* --json: the result of a verb, or its errors, in one shape: {"verb", "format": 1, "exit_status",
- * "errors": [...]} and the verb's own keys. An error, warning or note has "severity" and "message",
- * and if it has a place, "file", "line" and "column". Called by main, after the verb. */
+ * "errors": [...]} and the verb's own keys. An error, warning or note has "severity" and
+ * "message", and if it has a place, "file", "line" and "column". */
 #ifndef DIPTYCH_OUTCOME_H
 #define DIPTYCH_OUTCOME_H
 

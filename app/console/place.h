@@ -1,5 +1,4 @@
-/* Parses diagnostics in compiler format, `file:line:column: error: text`, which editors follow.
- * Called by console.c, which prints them without a prefix, and by the writers of JSON errors. */
+/* Parses diagnostics in compiler format, `file:line:column: error: text`, which editors follow. */
 #ifndef DIPTYCH_PLACE_H
 #define DIPTYCH_PLACE_H
 

@@ -1,4 +1,4 @@
-/* Words for /bin/sh and for ninja files. Called by the verbs that write commands. */
+/* Words for /bin/sh and for ninja files. */
 #ifndef DIPTYCH_QUOTE_H
 #define DIPTYCH_QUOTE_H
 

@@ -1,5 +1,4 @@
-/* Median and spread of measurements, and of the values of pictures. Called by timings, bench, and the
- * image metrics. */
+/* Median and spread of measurements, and of the values of pictures. */
 #ifndef DIPTYCH_SPREAD_H
 #define DIPTYCH_SPREAD_H
 

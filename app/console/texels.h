@@ -1,5 +1,4 @@
-/* What lies in the bytes of a resource: names, sizes and numbers of types and formats. Called by
- * render, dump, picture, compare and pipeline. */
+/* What lies in the bytes of a resource: names, sizes and numbers of types and formats. */
 #ifndef DIPTYCH_TEXELS_H
 #define DIPTYCH_TEXELS_H
 

@@ -1,4 +1,4 @@
-/* Programs that the command line runs: the generator, the C compiler, ninja. Called by pipeline.c, sweep.c and steps*.c. */
+/* Programs that the command line runs: the generator, the C compiler, ninja. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 

@@ -1,5 +1,4 @@
-/* Bytes of a pass, estimated from the pipeline's reflection. Called by the
- * files of bench. */
+/* Bytes of a pass, estimated from the pipeline's reflection. */
 #ifndef DIPTYCH_BENCH_WORK_H
 #define DIPTYCH_BENCH_WORK_H
 

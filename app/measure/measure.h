@@ -1,6 +1,6 @@
 /* A grid of measurements: at each point, a scene with some values set, the times of all passes and
  * the error against a path-traced reference. Plans the steps, reads their results, and writes them
- * as CSV, one row per point and backend. Called by sweep_grid.c and report*.c. */
+ * as CSV, one row per point and backend. */
 #ifndef DIPTYCH_MEASURE_H
 #define DIPTYCH_MEASURE_H
 

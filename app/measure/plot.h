@@ -1,5 +1,4 @@
-/* Line plots by gnuplot, as SVG that follows a dark page, with the script and its data beside.
- * Called by report_plots.c and sweep_grid.c. */
+/* Line plots by gnuplot, as SVG that follows a dark page, with the script and its data beside. */
 #ifndef DIPTYCH_PLOT_H
 #define DIPTYCH_PLOT_H
 

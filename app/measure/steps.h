@@ -1,6 +1,6 @@
 /* A folder of measurements. Each step is a diptych command and an edge of a ninja file in the
  * folder; steps run one at a time. ninja continues an interrupted run and repeats only what has
- * changed. Called by report*.c, sweep_grid.c and measure.c. */
+ * changed. */
 #ifndef DIPTYCH_STEPS_H
 #define DIPTYCH_STEPS_H
 

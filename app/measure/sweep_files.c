@@ -1,5 +1,5 @@
 /* The files of a sweep: list of commands, ninja file with an edge per run, and the script that
- * starts one run. Called by sweep.c. */
+ * starts one run. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

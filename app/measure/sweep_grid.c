@@ -1,6 +1,5 @@
-/* `diptych sweep --measure`: times and errors over a grid of values, scenes, sizes and backends, as
- * CSV and plots. measure.h plans and reads; this file has the points, the plots and the table.
- * Called by sweep.c. */
+/* `diptych sweep --measure`: times and errors over a grid of values, scenes, sizes and backends,
+ * as CSV and plots. measure.h plans and reads; this file has the points, the plots and the table. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

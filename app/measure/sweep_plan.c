@@ -1,5 +1,5 @@
 /* Plans the runs of a sweep: random variations of a spec, made by the generator, or a grid over
- * values. Called by sweep.c. */
+ * values. */
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -1,4 +1,4 @@
-/* What came out of a sweep: the results of its runs as a table, JSON and CSV. Called by sweep.c. */
+/* What came out of a sweep: the results of its runs as a table, JSON and CSV. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

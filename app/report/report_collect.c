@@ -1,6 +1,6 @@
-/* `diptych report --collect DIR`: one page of what the `run` of a bundle left in a folder: devices,
- * verdicts and times. Of each run, a pipeline in a scene, run has RUN.bench.json by bench and, with two
- * devices or more, RUN.json by compare. Called by report.c. */
+/* `diptych report --collect DIR`: one page of what the `run` of a bundle left in a folder:
+ * devices, verdicts and times. Of each run, a pipeline in a scene, run has RUN.bench.json by bench
+ * and, with two devices or more, RUN.json by compare. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>

@@ -13,7 +13,7 @@
  *   published: {by, device, scene, size, stages: {NAME: [ms of each value of the sweep]}, total: [...],
  *               figures: {pictures: ..., errors: ..., times: ...}, own_error: {metric: ..., values: [...]}}
  *
- * Only pictures, sweep and reference must be there. Called by report.c. */
+ * Only pictures, sweep and reference must be there. */
 #include <errno.h>
 #include <libfyaml.h>
 #include <math.h>

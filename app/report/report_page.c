@@ -1,4 +1,4 @@
-/* The page of a report: what templates/report/report.html is filled with. Called by report.c. */
+/* The page of a report: what templates/report/report.html is filled with. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 /* Plots of a report: error over the sweep, for all scenes; frame time over the sweep, per scene;
- * change from frame to frame, per motion. Called by report.c. */
+ * change from frame to frame, per motion. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,4 +1,4 @@
-/* The steps of a report. Called by report.c. */
+/* The steps of a report. */
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,4 +1,4 @@
-/* Numbers and tables of a report's page, as JSON for its template. Called by report_page.c. */
+/* Numbers and tables of a report's page, as JSON for its template. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,4 @@
-/* Difference of two copies of a resource under its contract, as text and as JSON. Called by
- * compare. */
+/* Difference of two copies of a resource under its contract, as text and as JSON. */
 #ifndef DIPTYCH_DIFFERENCE_H
 #define DIPTYCH_DIFFERENCE_H
 

@@ -1,5 +1,4 @@
-/* --dump: what every pass produced, as raw little-endian files and a manifest.json. Called by
- * render, from its observer. */
+/* --dump: what every pass produced, as raw little-endian files and a manifest.json. */
 #ifndef DIPTYCH_DUMP_H
 #define DIPTYCH_DUMP_H
 

@@ -1,4 +1,4 @@
-/* Reads a folder of render --dump as one side of a comparison. Called by compare --against. */
+/* Reads a folder of render --dump as one side of a comparison. */
 #ifndef DIPTYCH_DUMP_READER_H
 #define DIPTYCH_DUMP_READER_H
 

@@ -1,5 +1,4 @@
-/* Edges of what a draw of triangles left: where another rasterizer may see another triangle. Called by
- * blame. */
+/* Edges of what a draw of triangles left: where another rasterizer may see another triangle. */
 #ifndef DIPTYCH_EDGES_H
 #define DIPTYCH_EDGES_H
 

@@ -1,4 +1,4 @@
-/* Pictures of image resources: what -o and --show write. Called by render. */
+/* Pictures of image resources: what -o and --show write. */
 #ifndef DIPTYCH_PICTURE_H
 #define DIPTYCH_PICTURE_H
 

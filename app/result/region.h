@@ -1,6 +1,5 @@
 /* Where two copies of a resource break their contract: the number of failing elements, their
- * bounding box, and the smallest failing region, found by halving the box. Called by bisect and
- * replay. */
+ * bounding box, and the smallest failing region, found by halving the box. */
 #ifndef DIPTYCH_REGION_H
 #define DIPTYCH_REGION_H
 

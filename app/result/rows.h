@@ -1,5 +1,5 @@
 /* Rows of a comparison, in order: for each pass, the resources and mips that it writes, and those
- * that are defined before it. Called by compare, blame and replay. */
+ * that are defined before it. */
 #ifndef DIPTYCH_ROWS_H
 #define DIPTYCH_ROWS_H
 

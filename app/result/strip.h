@@ -1,5 +1,4 @@
-/* A picture of a difference: first copy, second copy and their difference, side by side. Called by
- * compare for --pictures. */
+/* A picture of a difference: first copy, second copy and their difference, side by side. */
 #ifndef DIPTYCH_STRIP_H
 #define DIPTYCH_STRIP_H
 

@@ -1,5 +1,5 @@
-/* `render --capture`: a frame as a file for RenderDoc. RenderDoc must be loaded before OpenGL and Vulkan
- * are, so the program starts again with it. Called by render. */
+/* `render --capture`: a frame as a file for RenderDoc. RenderDoc must be loaded before OpenGL and
+ * Vulkan are, so the program starts again with it. */
 #ifndef DIPTYCH_CAPTURE_H
 #define DIPTYCH_CAPTURE_H
 

@@ -1,5 +1,4 @@
-/* One backend with one pipeline and one scene: open, upload, create, resize, frames, close. Called
- * by the verbs; use a session from one thread. */
+/* One backend with one pipeline and one scene: open, upload, create, resize, frames, close. */
 #ifndef DIPTYCH_SESSION_H
 #define DIPTYCH_SESSION_H
 

@@ -1,5 +1,5 @@
 /* One side of a comparison: backend, driver and device, or a dump, from --backend, --against and
- * the options that refine them. Called by render and compare; a session opens a side. */
+ * the options that refine them. */
 #ifndef DIPTYCH_SIDE_H
 #define DIPTYCH_SIDE_H
 

@@ -1,5 +1,5 @@
 /* Where the bytes of one side come from while a comparison walks through the passes: a worker that
- * runs them, or a dump in which they lie. Called by compare and blame. */
+ * runs them, or a dump in which they lie. */
 #ifndef DIPTYCH_SOURCE_H
 #define DIPTYCH_SOURCE_H
 

@@ -1,4 +1,4 @@
-/* Milliseconds per pass over several frames. Called by render. */
+/* Milliseconds per pass over several frames. */
 #ifndef DIPTYCH_TIMINGS_H
 #define DIPTYCH_TIMINGS_H
 

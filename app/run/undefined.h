@@ -1,4 +1,4 @@
-/* What --sanitize found: undefined behaviour of shaders, at places in the author's files. Called by render and compare. */
+/* What --sanitize found: undefined behaviour of shaders, at places in the author's files. */
 #ifndef DIPTYCH_UNDEFINED_H
 #define DIPTYCH_UNDEFINED_H
 

@@ -1,7 +1,7 @@
 /* Runs one side of a comparison in its own process: a driver gets its own environment, does not
  * disturb another, and may crash alone. The process is forked before any driver is opened and
- * shares pipeline and scene. The parent steps it from stop to stop; bytes go through shared memory.
- * Called by compare, blame, replay and bench from one thread. */
+ * shares pipeline and scene. The parent steps it from stop to stop; bytes go through shared
+ * memory. */
 #ifndef DIPTYCH_WORKER_H
 #define DIPTYCH_WORKER_H
 

@@ -1,5 +1,5 @@
 /* Content from outside: the pictures and arrays that the spec (`file`) or --input names, as the
- * bytes that a runtime takes. Called by the verbs that run a pipeline, after pipeline_load. */
+ * bytes that a runtime takes. */
 #ifndef DIPTYCH_INPUTS_H
 #define DIPTYCH_INPUTS_H
 

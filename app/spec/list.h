@@ -1,4 +1,4 @@
-/* The parameters, resources and passes of a pipeline as JSON. Called by the verb list and by players. */
+/* The parameters, resources and passes of a pipeline as JSON. */
 #ifndef DIPTYCH_LIST_H
 #define DIPTYCH_LIST_H
 

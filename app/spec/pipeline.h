@@ -1,5 +1,4 @@
-/* From a spec and its --set overrides to a pipeline in memory, ready for either runtime. Called by the
- * verbs. */
+/* From a spec and its --set overrides to a pipeline in memory, ready for either runtime. */
 #ifndef DIPTYCH_PIPELINE_H
 #define DIPTYCH_PIPELINE_H
 

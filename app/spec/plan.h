@@ -1,5 +1,5 @@
 /* A spec, read, checked and planned in this process, ready to be played: the one file of the app's
- * headers that stands for gen/, whose own names stay behind it. Called by pipeline.c. */
+ * headers that stands for gen/, whose own names stay behind it. */
 #ifndef DIPTYCH_PLAN_BUILD_H
 #define DIPTYCH_PLAN_BUILD_H
 

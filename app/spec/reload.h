@@ -1,5 +1,5 @@
-/* Watches the files that a pipeline was made from, and makes it anew when one of them is saved: on a
- * thread of its own, so that frames go on meanwhile. Called by view. */
+/* Watches the files that a pipeline was made from, and makes it anew when one of them is saved: on
+ * a thread of its own, so that frames go on meanwhile. */
 #ifndef DIPTYCH_RELOAD_H
 #define DIPTYCH_RELOAD_H
 

@@ -1,6 +1,5 @@
 /* Dumps of anybody's renderer: folders with a manifest.json, as `render --dump` and diptych_tap.h
- * write them, or with pictures and arrays alone, named PASS.RESOURCE.png, .exr or .npy. Called by
- * dumps.c. */
+ * write them, or with pictures and arrays alone, named PASS.RESOURCE.png, .exr or .npy. */
 #ifndef DIPTYCH_THEIRS_H
 #define DIPTYCH_THEIRS_H
 

@@ -1,5 +1,5 @@
-/* Why two copies of a resource differ: tries what usually is wrong between two renderers. why.c tries,
- * why_table.c has the faults. Called by dumps.c. */
+/* Why two copies of a resource differ: tries what usually is wrong between two renderers. why.c
+ * tries, why_table.c has the faults. */
 #ifndef DIPTYCH_WHY_H
 #define DIPTYCH_WHY_H
 

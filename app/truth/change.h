@@ -1,5 +1,5 @@
 /* How much pictures of the same surfaces change from one frame to the next, while camera and light
- * move. Called by flicker.
+ * move.
  *
  * Be E(t, p) what pixel p shows in frame t, of irradiance in W/m2 per channel, and x(t, p) the point
  * of the scene at its centre. The pixel of frame t + 1 is compared where that point was seen before:

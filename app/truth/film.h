@@ -1,6 +1,5 @@
 /* Sums of the path tracer per pixel, in double, in order of the samples; their noise; and the
- * checkpoint file from which a later run continues. Called by tracer, which adds, and by
- * reference. */
+ * checkpoint file from which a later run continues. */
 #ifndef DIPTYCH_FILM_H
 #define DIPTYCH_FILM_H
 

@@ -1,4 +1,4 @@
-/* FLIP: how different two images look when one flips between them, per pixel. Called by metrics.
+/* FLIP: how different two images look when one flips between them, per pixel.
  *
  * Andersson, Nilsson, Akenine-Moller, Oskarsson, Astrom, Fairchild: FLIP: A Difference Evaluator for
  * Alternating Images, High Performance Graphics 2020 (LDR); Andersson, Nilsson, Shirley,

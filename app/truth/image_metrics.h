@@ -1,5 +1,4 @@
-/* How far a picture is from its reference, in numbers. Called by metrics; sweeps and
- * reports take the names. */
+/* How far a picture is from its reference, in numbers. */
 #ifndef DIPTYCH_IMAGE_METRICS_H
 #define DIPTYCH_IMAGE_METRICS_H
 

@@ -1,5 +1,5 @@
 /* Ray queries on a scene's triangles, by Embree (version 3 or 4): closest hits with materials, and
- * shadows. Called by tracer, from any number of threads. */
+ * shadows. */
 #ifndef DIPTYCH_RAYS_H
 #define DIPTYCH_RAYS_H
 

@@ -1,5 +1,5 @@
 /* Random numbers of the path tracer: a function of seed, pixel, sample and dimension only, so that
- * threads and order of work do not change them. Called by tracer. */
+ * threads and order of work do not change them. */
 #ifndef DIPTYCH_SEQUENCE_H
 #define DIPTYCH_SEQUENCE_H
 

@@ -1,4 +1,4 @@
-/* Moves the camera of the window, and saves it to the scene file. Called by view. */
+/* Moves the camera of the window, and saves it to the scene file. */
 #ifndef DIPTYCH_CAMERA_H
 #define DIPTYCH_CAMERA_H
 

@@ -1,6 +1,6 @@
 /* The panel over the picture: times, parameters, the image shown, errors. C interface to Dear
  * ImGui: build describes the panel anew in every frame, and the window's runtime draws its
- * triangles. Called by view. */
+ * triangles. */
 #ifndef DIPTYCH_OVERLAY_H
 #define DIPTYCH_OVERLAY_H
 

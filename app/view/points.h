@@ -1,4 +1,4 @@
-/* Elements of buffers as points over a picture. Called by view. */
+/* Elements of buffers as points over a picture. */
 #ifndef DIPTYCH_POINTS_H
 #define DIPTYCH_POINTS_H
 

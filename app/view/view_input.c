@@ -1,5 +1,5 @@
 /* Keys and mouse of the window: held keys move the camera, pressed keys become wishes that view.c
- * carries out between frames. Called by view.c. */
+ * carries out between frames. */
 #include "view/view.h"
 
 #include <math.h>

@@ -5,9 +5,7 @@
  *   points:                   elements of buffers over the picture, a list of
  *     - name: TEXT
  *       of: [{buffer: NAME, position: FIELD, color: FIELD, label: index|BUFFER, where: FIELD,
- *             radius: PIXELS}, ...]                  only buffer and position must be there
- *
- * Called by view.c and view_reload.c. */
+ *             radius: PIXELS}, ...]                  only buffer and position must be there */
 #include "view/view.h"
 
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* Content of the overlay, and the summary at the end: times of every pass, live parameters, the
- * shown image, and errors of a reload. Called by view.c. */
+ * shown image, and errors of a reload. */
 #include "view/view.h"
 
 #include <cjson/cJSON.h>

@@ -1,6 +1,6 @@
 /* Pictures of a frame: read from each side, converted to codes if necessary, and laid out in the
  * window. The display output of a single side, or of the first of two side by side, stays on the
- * device that has the window. Called by view.c. */
+ * device that has the window. */
 #include "view/view.h"
 
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Replaces the pipeline by a newly made one, between two frames. The old one stays when a driver
- * refuses the new one. Called by view.c. */
+ * refuses the new one. */
 #include "view/view.h"
 
 #include <stdio.h>

@@ -1,5 +1,5 @@
 /* Reopens a lost device: a pass ran too long, or another program's work brought the driver down.
- * The window closes with its device and reopens at its place. Called by view.c. */
+ * The window closes with its device and reopens at its place. */
 #include "view/view.h"
 
 /* Fewest frames between two unrelated losses; with fewer, the pipeline is the likely cause. */

@@ -1,5 +1,5 @@
-/* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Called by shaders.c.
- * Messages of glslang are reported at the line of the original file. */
+/* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Messages of glslang are
+ * reported at the line of the original file. */
 #include "../diag.h"
 #include "../glsl.h"
 #include "../plan.h"

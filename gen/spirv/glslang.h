@@ -1,5 +1,6 @@
-/* glslang's C++ interface, and spirv-val, behind C functions that throw nothing. glslang's C interface
- * reads every shader twice: it cannot parse what it has not preprocessed into text before. Called by compile.c and glsl_body.c. */
+/* glslang's C++ interface, and spirv-val, behind C functions that throw nothing. glslang's C
+ * interface reads every shader twice: it cannot parse what it has not preprocessed into text
+ * before. */
 #ifndef DIPTYCH_GEN_GLSLANG_H
 #define DIPTYCH_GEN_GLSLANG_H
 

@@ -1,6 +1,6 @@
 /* Marks the loops that drivers must not unroll. CPU drivers unroll every short loop of constant
- * length. With many operations per iteration, that multiplies the compile time but does not shorten
- * the frame. Called by spirv.c with a finished module. */
+ * length. With many operations per iteration, that multiplies the compile time but does not
+ * shorten the frame. */
 #include "passes.h"
 
 #include <spirv/unified1/spirv.h>

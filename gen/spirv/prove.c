@@ -1,5 +1,5 @@
 /* Which operations of a SPIR-V module the standards leave open: a driver may give other bits than
- * the next one. Called by spirv.c on every module of an exact pipeline.
+ * the next one.
  *
  * Sources: the Vulkan specification, "Precision of Individual Operations" in the appendix "Vulkan
  * Environment for SPIR-V", and GLSL 4.60, section 4.7.1, for OpenGL. What either leaves open is

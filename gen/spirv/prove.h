@@ -1,4 +1,4 @@
-/* The proof that a shader is exact; see prove.c. Called by compile.c. */
+/* The proof that a shader is exact; see prove.c. */
 #ifndef DIPTYCH_GEN_PROVE_H
 #define DIPTYCH_GEN_PROVE_H
 

@@ -1,4 +1,4 @@
-/* The instrumentation of --sanitize; see sanitize.c. Called by compile.c. */
+/* The instrumentation of --sanitize; see sanitize.c. */
 #ifndef DIPTYCH_GEN_SPIRV_SANITIZE_H
 #define DIPTYCH_GEN_SPIRV_SANITIZE_H
 

@@ -1,7 +1,6 @@
 /* The layer above every backend: shared runtime state; checks of arguments, states and limits with
- * common messages; the walk over a panel's tables. A backend implements struct dt_backend; struct
- * gl_runtime and struct dt_vk_runtime begin with a struct dt_core. Called by the app through struct
- * dt_runtime, by other programs through diptych_gl.h and diptych_vk.h. */
+ * common messages; the walk over a panel's tables. A backend implements struct dt_backend;
+ * struct dt_gl_runtime and struct dt_vk_runtime begin with a struct dt_core. */
 #ifndef DIPTYCH_FRONT_H
 #define DIPTYCH_FRONT_H
 
