@@ -579,14 +579,14 @@ static void dumps_replace_only_dumps(void **state)
 static void mips_hold_something_once_written(void **state)
 {
     (void)state;
-    static const uint16_t first[] = {0, 1}, second[] = {0};
+    static const uint16_t first[] = {0, 1}, second[] = {0}, before[] = {2};
     static const uint16_t mips_1_and_2[] = {2 | 4};
     static const struct dt_resource resources[] = {
         {.name = "pyramid", .kind = DT_IMAGE, .mips = 3},
         {.name = "buffer", .kind = DT_BUFFER},
         {.name = "kept", .kind = DT_IMAGE, .mips = 3, .history = true}};
     static const struct dt_pass passes[] = {
-        {.name = "p", .writes = first, .write_count = 2},
+        {.name = "p", .reads = before, .read_count = 1, .writes = first, .write_count = 2},
         {.name = "q", .writes = second, .write_count = 1, .write_mips = mips_1_and_2}};
     const struct dt_pipeline info = {.resources = resources, .passes = passes, .pass_count = 2};
     assert_int_equal(resource_mips(&info, 0, 0), 1);

@@ -14,7 +14,7 @@ for spec in "${specs[@]}"; do
     "$build/diptych-gen" "templates/$spec.yaml" -o "$work/hosts" >/dev/null || exit
     echo "#include \"$spec.h\"" >>"$work/hosts/all.h"
 done
-printf '#include <%s.h>\n' diptych panel limit diptych_gl diptych_vk diptych_scene diptych_play >>"$work/hosts/all.h"
+printf '#include <%s.h>\n' diptych panel diptych_gl diptych_vk diptych_scene diptych_play >>"$work/hosts/all.h"
 printf '#ifdef _WIN32\n#include <windows.h>\n#endif\n#include "all.h"\n' >"$work/hosts/all.c"
 cp "$work/hosts/all.c" "$work/hosts/all.cpp"
 

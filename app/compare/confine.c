@@ -55,7 +55,8 @@ static void free_command(struct command *command)
 /* Of files that a variable lists, such as VK_DRIVER_FILES: their folders. */
 static void add_listed(struct command *command, const char *variable)
 {
-    char *copy = strdup(getenv(variable) ? getenv(variable) : ""), *rest = copy;
+    const char *value = getenv(variable);
+    char *copy = strdup(value ? value : ""), *rest = copy;
     for (char *file; rest && (file = strsep(&rest, ":"));) {
         char *real = *file ? realpath(file, NULL) : NULL, *slash = real ? strrchr(real, '/') : NULL;
         if (slash && slash > real) {

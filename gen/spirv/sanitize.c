@@ -115,7 +115,7 @@ static uint32_t find_variable(const struct spirv *from, const char *name)
 static uint32_t count_word(struct sanitizer *s, const char *word)
 {
     uint32_t hash = 2166136261u ^ s->file * 31 ^ s->line * 16777619u;
-    for (; *word; word++)
+    for (; word && *word; word++)
         hash = (hash ^ (unsigned char)*word) * 16777619u;
     for (size_t i = 0; i < s->seen.count; i += 2)
         if (s->seen.data[i] == hash)
