@@ -190,7 +190,7 @@ versions_agree() {
 check "all say the same version" versions_agree
 # shellcheck disable=SC2317
 has_prefix() { # every tag of the headers begins with dt_, or with tap_
-    ! cat "$installed"/include/diptych/*.h | cc -fpreprocessed -dD -E -P -x c - | grep -oE '\b(struct|enum) [a-z_]+' | grep -vE ' (dt|tap)_'
+    ! cat "$installed"/include/diptych/*.h | cc -fpreprocessed -dD -E -P -x c - | grep -oE '\b(struct|enum) [a-z_]+' | grep -vE ' (dt_.*|tap(_.*)?)$'
 }
 check "names of structs and enums have the prefix of the project" has_prefix
 
