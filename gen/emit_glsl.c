@@ -1,5 +1,5 @@
 /* The complete GLSL of one stage of one pass for one backend. shaders.c calls it for every stage;
- * spirv.c compiles the result, and the OpenGL runtime can take it as text. glsl.h explains the
+ * spirv/compile.c compiles the result, and the OpenGL runtime can take it as text. glsl.h explains the
  * parts. */
 #include "glsl.h"
 #include "formats.h"
