@@ -8,25 +8,13 @@
 #include <string.h>
 
 #include "base/input.h"
+#include "base/log.h"
 #include "base/nearest.h"
 
 #define MOST_OVERLAY_BYTES ((size_t)1 << 20)
 
-/* Logs an error; returns false. */
-static bool fail(const struct dt_log *log, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-static bool fail(const struct dt_log *log, const char *format, ...)
-{
-    char *text = NULL;
-    va_list arguments;
-    va_start(arguments, format);
-    int length = vasprintf(&text, format, arguments);
-    va_end(arguments);
-    log->message(log->user, DT_ERROR, length < 0 ? "out of memory" : text);
-    if (length >= 0)
-        free(text);
-    return false;
-}
+/* Logs an error; false. */
+#define fail(log, ...) (report_error(log, __VA_ARGS__), false)
 
 /* The command without its options: "diptych render", "diptych-gen". */
 static const char *command_name(const struct command_line *command, char name[64])
@@ -90,11 +78,11 @@ static bool unknown_option(const struct command_line *command, const char *argum
         names[i] = takes(command, &command->rows[i]) ? command->rows[i].name : NULL;
     const char *hint = word && names ? nearest_name(word, names, command->row_count) : NULL;
     if (hint)
-        fail(log, "%sunknown option \"%s\"; did you mean \"%s\"?", error_prefix(command, prefix),
-             word, hint);
+        report_error(log, "%sunknown option \"%s\"; did you mean \"%s\"?",
+                     error_prefix(command, prefix), word, hint);
     else
-        fail(log, "%sunknown option \"%s\"; see %s --help", error_prefix(command, prefix),
-             word ? word : argument, command_name(command, name));
+        report_error(log, "%sunknown option \"%s\"; see %s --help", error_prefix(command, prefix),
+                     word ? word : argument, command_name(command, name));
     free(word);
     free(names);
     return false;
