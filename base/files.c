@@ -40,15 +40,7 @@ char *file_read(const char *path, size_t *size, const struct dt_log *log)
 
 static bool write_and_close(int descriptor, const char *data, size_t size)
 {
-    bool good = true;
-    while (good && size) {
-        ssize_t written = write(descriptor, data, size);
-        good = written > 0 || (written < 0 && errno == EINTR);
-        if (written > 0) {
-            data += written;
-            size -= (size_t)written;
-        }
-    }
+    bool good = write_all(descriptor, data, size);
     int error = errno;
     if (close(descriptor) != 0)
         return false;

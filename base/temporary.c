@@ -56,3 +56,18 @@ void temporary_sweep(const char *path, int (*remove)(const char *path))
     }
     free(folder);
 }
+
+bool write_all(int descriptor, const void *bytes, size_t length)
+{
+    const char *data = bytes;
+    while (length) {
+        ssize_t done = write(descriptor, data, length);
+        if (done < 0 && errno == EINTR)
+            continue;
+        if (done <= 0)
+            return false;
+        data += done;
+        length -= (size_t)done;
+    }
+    return true;
+}

@@ -4,8 +4,11 @@
 #include <errno.h>
 #include <string.h>
 
-#include "sanitize.h"
-#include "shader_cache.h"
+#include "check/check.h"
+#include "plan/plan.h"
+#include "plan/sanitize.h"
+#include "read/read.h"
+#include "spirv/shader_cache.h"
 
 static bool read(struct spec *spec, const struct spec_request *request, struct diag *diag)
 {

@@ -1,9 +1,9 @@
-/* All stages from a spec to tables (stages.h) in one call: for main.c, which writes the tables as
+/* All stages from a spec to tables in one call: for main.c, which writes the tables as
  * C, and for the app, which executes them. */
 #ifndef DIPTYCH_GEN_LOAD_H
 #define DIPTYCH_GEN_LOAD_H
 
-#include "lower.h"
+#include "lower/lower.h"
 
 struct spec_request {
     const char *path;

@@ -1,5 +1,5 @@
 /* diptych-gen: reads one pipeline spec; writes GLSL, SPIR-V, C and a graph. This file has the
- * command line and runs the stages (stages.h). Exit status: 0 done, 1 the spec is wrong, 2 another
+ * command line and runs the stages (load.h). Exit status: 0 done, 1 the spec is wrong, 2 another
  * failure (usage, files, memory). */
 #include <errno.h>
 #include <inttypes.h>
@@ -12,7 +12,11 @@
 
 #include "base/command.h"
 #include "load.h"
-#include "watchdog.h"
+#include "print/output.h"
+#include "print/print.h"
+#include "spirv/compile.h"
+#include "spirv/watchdog.h"
+#include "vary.h"
 
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
 enum { GENERATED_COLUMNS = 100 };

@@ -2,13 +2,15 @@
  * samplers, metrics, workgroups and ranges; the order of the passes. Each step uses the model of
  * the steps before. A draw that is invalid or needs too much memory is repeated, and listed with
  * the reason. */
-#include "vary.h"
+#include "vary_draw.h"
 
 #include <inttypes.h>
 #include <string.h>
 
-#include "plan.h"
-#include "shader_cache.h"
+#include "check/check.h"
+#include "plan/plan.h"
+#include "read/read.h"
+#include "spirv/shader_cache.h"
 
 enum { MOST_ATTEMPTS = 1000 };
 

@@ -1,30 +1,21 @@
-/* The draws of one variation. Internal to vary.c and vary_draw.c. */
+/* --variations: random valid variations of a spec. */
 #ifndef DIPTYCH_GEN_VARY_H
 #define DIPTYCH_GEN_VARY_H
 
-#include "stages.h"
+#include "base/text.h"
+#include "model/diag.h"
 
-/* The overrides drawn so far, "PATH=VALUE" each, and the state of the random numbers. */
-struct draws {
-    const struct vary_request *request;
-    struct shader_cache *cache; /* NULL: none */
-    struct arena *arena;        /* of the overrides */
-    uint64_t state;
-    const char **sets; /* those drawn; take() in vary.c adds those of the request */
-    size_t set_count, capacity;
-    bool out_of_memory;
+struct vary_request {
+    const char *spec, *templates_dir;
+    const char *const *sets; /* apply to every variation; values that they set are not drawn */
+    size_t set_count;
+    uint32_t count;
+    uint64_t seed;
+    uint64_t bytes;    /* most that the resources of a variation may take together */
+    const char *cache; /* folder of compiled shaders; NULL: none */
 };
-
-/* Starts a draw without overrides. Seed, variation and attempt alone decide the random numbers. */
-void draws_start(struct draws *draws, uint32_t variation, uint32_t attempt);
-
-/* Draw in this order; each function needs a model with the overrides so far, draw_order a planned
- * one. */
-void draw_params(struct draws *draws, const struct pipeline *pipeline);
-void draw_details(struct draws *draws, const struct pipeline *pipeline);
-void draw_order(struct draws *draws, const struct model *model);
-bool draw_fast(struct draws *draws); /* whether the variation gets a twin that is not exact */
-void draw_frame(struct draws *draws, const struct pipeline *pipeline, uint32_t frame[2]);
-uint32_t draw_frame_count(struct draws *draws, const struct pipeline *pipeline);
+/* `count` valid variations of a spec, as JSON; the same for the same seed on every machine. False when the
+ * spec itself is wrong (reported) or a variation cannot be found. */
+bool vary(const struct vary_request *request, struct text *out, struct diag *diag);
 
 #endif

@@ -6,9 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-#include "plan.h"
-#include "table.h"
-#include "vary.h"
+#include "plan/plan.h"
+#include "read/table.h"
+#include "vary_draw.h"
 
 /* ---- Random numbers -------------------------------------------------------------------------- */
 

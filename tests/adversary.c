@@ -3,7 +3,7 @@
  * unit in the last place, linear filters by a weight step, and stores round either way.
  * Rasterization stays unchanged: derivatives, levels of detail, interpolation. ADVERSARY=FILE gets
  * a line for each module: numbers of open operations, samplings and stores. For adversary_test.sh;
- * independent of the tables in gen/prove.c. */
+ * independent of the tables in gen/spirv/prove.c. */
 #include <dlfcn.h>
 #include <stdbool.h>
 #include <stdint.h>

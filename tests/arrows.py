@@ -5,37 +5,43 @@ import os
 import re
 import sys
 
-# A room of the application may include itself and all rooms of the steps before its own.
-ROOMS = [["console"], ["result"], ["theirs"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["report", "view", "bundle"]]
+# A room of the generator or of the application may include itself and all rooms of the steps before its own.
+GEN = [["model"], ["read"], ["check"], ["plan"], ["glsl"], ["spirv"], ["lower"], ["print"]]
+APP = [["console"], ["result"], ["theirs"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["report", "view", "bundle"]]
 # A folder may include itself and these.
 BELOW = {
     "templates": [],
     "base": ["templates"],
     "scenes": ["templates", "base"],
-    "gen": ["templates", "base", "scenes"],
     "runtime_gl": ["templates"],
     "runtime_vk": ["templates"],
-    "app": ["templates", "base", "scenes", "gen", "runtime_gl", "runtime_vk"],
 }
-for step in ROOMS:
-    lower = BELOW["app"] + [room for room in BELOW if room.startswith("app/")]
-    BELOW.update({"app/" + room: lower for room in step})
-BELOW["app"] = list(BELOW)  # app/main.c
+
+
+def add_rooms(folder, steps, below):
+    for step in steps:
+        BELOW.update({f"{folder}/{room}": list(below) for room in step})
+        below += [f"{folder}/{room}" for room in step]
+    BELOW[folder] = below
+
+
+add_rooms("gen", GEN, ["templates", "base", "scenes"])  # and gen/main.c, load.c, vary.c
+add_rooms("app", APP, ["templates", "base", "scenes", "runtime_gl", "runtime_vk", "gen"] + [room for room in BELOW if room.startswith("gen/")])
 BELOW["tests"] = list(BELOW)
-SEARCHED = ["", "app/", "templates/c/"]  # the compiler's include folders, searched after the file's own folder
+SEARCHED = ["", "app/", "gen/", "templates/c/"]  # the compiler's include folders, searched after the file's own folder
 WITHOUT_GRAPHICS = ["templates", "base", "scenes", "gen"]
 GRAPHICS = re.compile(r"(vulkan|glad|GL|GLES\d*|EGL|KHR|GLFW)/|imgui")
 
 
 def place(path):
     folders = path.split("/")[:-1]
-    return "/".join(folders[:2]) if folders[0] == "app" else folders[0]
+    return "/".join(folders[:2]) if folders[0] in ("app", "gen") else folders[0]
 
 
 def wrong(path, included):
     """Why this file may not include that name, or None."""
     own = place(path)
-    if own in WITHOUT_GRAPHICS and GRAPHICS.match(included):
+    if own.split("/")[0] in WITHOUT_GRAPHICS and GRAPHICS.match(included):
         return f"{own} includes no header of a graphics API"
     for folder in [os.path.dirname(path) + "/"] + SEARCHED:
         if os.path.exists(folder + included):

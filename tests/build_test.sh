@@ -80,7 +80,7 @@ check "... and is linked" bash -c 'ar t build/obj/app.a | grep -Fx extra.o'
 sed -i '/extra[.]o/d' app/build.ninja
 check "without it ..." edges 4 4 'build/obj/app[/.]|build/diptych|build/libdiptych_play' ninja
 check "... it is not linked" bash -c '! ar t build/obj/app.a | grep -Fx extra.o'
-touch gen/plan.h
+touch gen/plan/plan.h
 check "a touched header concerns those that include it" \
     edges 3 140 'build/obj/gen[/.]|build/obj/app/build[/.]|build/diptych|build/libdiptych_play|GENERATE|build/obj/pipelines[/.]' ninja -n
 check "... the planner among them" grep -F 'CC build/obj/gen/plan.o' "$work/edges"

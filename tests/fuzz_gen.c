@@ -5,8 +5,9 @@
 
 #include "fuzz.h"
 #include "gen/load.h"
-#include "gen/watchdog.h"
-#include "gen/shader_cache.h"
+#include "gen/print/print.h"
+#include "gen/spirv/watchdog.h"
+#include "gen/spirv/shader_cache.h"
 
 static void load_spec(const char *name)
 {

@@ -13,8 +13,11 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "expr.h"
-#include "stages.h"
+#include "model/expr.h"
+#include "check/check.h"
+#include "print/output.h"
+#include "print/print.h"
+#include "read/read.h"
 
 static struct param params[] = {
     {.name = "n", .type = DT_TYPE_INT, .components = 1, .value = {8}},

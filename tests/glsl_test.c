@@ -12,10 +12,11 @@
 #include <cmocka.h>
 #include <spirv/unified1/spirv.h>
 
-#include "body_files.h"
-#include "expr.h"
+#include "read/body_files.h"
+#include "model/expr.h"
 #include "spirv/cross.h"
-#include "stages.h"
+#include "load.h"
+#include "spirv/compile.h"
 
 #define COUNT(a) (uint32_t)(sizeof(a) / sizeof((a)[0]))
 

@@ -60,7 +60,7 @@ def supplied_names():
     them, and definitions of templates/glsl. Leaves out names for the generator's own use."""
     own = {"NAME", "NAME_quads", "NAME_at", "NAME_length", "NAME_texels", "utextureBuffer", "Frame", "Live", "tile_gather_axis", "approximate_root_value", "f"}
     names = set()
-    for path in glob.glob("gen/*.c"):
+    for path in glob.glob("gen/*/*.c"):
         with open(path, encoding="utf-8") as file:
             text = file.read()
         names |= {name.replace("%s", "NAME") for name in re.findall(r'glsl_uses\(glsl, "([^"]*)"', text) if name != "%.*s"}

@@ -9,9 +9,10 @@
 
 #include <cmocka.h>
 
-#include "expr.h"
-#include "plan.h"
-#include "stages.h"
+#include "model/expr.h"
+#include "plan/plan.h"
+#include "check/check.h"
+#include "read/read.h"
 
 /* ---- A model in a few words ------------------------------------------------------------------ */
 

@@ -14,7 +14,7 @@
 
 #include "spec/play.h"
 #include "gen/load.h"
-#include "gen/members.h"
+#include "gen/lower/members.h"
 #include "gen/spirv/passes.h"
 #include "recorder.h"
 

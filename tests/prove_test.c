@@ -1,5 +1,5 @@
 /* Findings of the proof in single statements, compiled as they stand: one row for each open
- * operation in the tables of gen/prove.c. prove_test.sh has the exact operations. */
+ * operation in the tables of gen/spirv/prove.c. prove_test.sh has the exact operations. */
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

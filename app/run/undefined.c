@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "gen/sanitize.h"
+#include "gen/plan/sanitize.h"
 
 static bool is_same(const struct sanitize_report *a, const struct sanitize_report *b)
 {

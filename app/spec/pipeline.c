@@ -11,7 +11,7 @@
 #include "base/files.h"
 #include "console/live.h"
 #include "console/tool.h"
-#include "gen/sanitize.h"
+#include "gen/plan/sanitize.h"
 #include "spec/inputs.h"
 #include "base/nearest.h"
 

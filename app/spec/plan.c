@@ -10,11 +10,12 @@
 #include "base/files.h"
 #include "console/tool.h"
 #include "spec/play.h"
-#include "gen/body_files.h"
+#include "gen/read/body_files.h"
 #include "gen/load.h"
-#include "gen/sanitize.h"
+#include "gen/print/print.h"
+#include "gen/plan/sanitize.h"
 #include "gen/spirv/cross.h"
-#include "gen/watchdog.h"
+#include "gen/spirv/watchdog.h"
 
 struct plan {
     struct spec spec;

@@ -49,7 +49,7 @@ bool plan_choices(const struct plan *plan,
 
 /* The buffer that --sanitize adds; its index is that of no resource without it. */
 uint32_t plan_reports(const struct plan *plan);
-/* What its content tells; see sanitize_read in gen/sanitize.h. */
+/* What its content tells; see sanitize_read in gen/plan/sanitize.h. */
 struct sanitize_report;
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
                     struct sanitize_report **reports, uint32_t *count);

@@ -1,7 +1,7 @@
-/* Executes the tables and steps of gen/lower.h; see play.h. */
+/* Executes the tables and steps of gen/lower/lower.h; see play.h. */
 #include "spec/play.h"
 
-#include "gen/expr.h"
+#include "gen/model/expr.h"
 
 /* The tables whose reflection this is. */
 static const struct lowered *tables_of(const struct dt_pipeline *pipeline)

@@ -4,7 +4,7 @@
 #ifndef DIPTYCH_PLAY_H
 #define DIPTYCH_PLAY_H
 
-#include "gen/lower.h"
+#include "gen/lower/lower.h"
 
 /* Gives the tables their functions: extent, runs and record. Then tables->shaders may go to a runtime, for
  * as long as the model lives. */

@@ -1,11 +1,11 @@
 /* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Messages of glslang are
  * reported at the line of the original file. */
-#include "../diag.h"
-#include "../glsl.h"
-#include "../plan.h"
-#include "../stages.h"
+#include "model/diag.h"
+#include "glsl/glsl.h"
+#include "plan/plan.h"
+#include "compile.h"
 #include "exact.h"
-#include "glslang.h"
+#include "glsl/glslang.h"
 #include "link.h"
 #include "passes.h"
 #include "prove.h"
@@ -21,7 +21,6 @@
 
 /* ---- Start ----------------------------------------------------------------------------------- */
 
-/* glslang keeps its tables until the process ends. */
 bool spirv_init(void)
 {
     static atomic_bool started;
@@ -129,7 +128,7 @@ static bool compile(const struct model *model, const struct pass *pass, bool lin
                                     .minor = minor_version(shader),
                                     .lines = lines,
                                     .marked = !model->pipeline.fast,
-                                    .include = body_include,
+                                    .include = glsl_include,
                                     .user = shader->files};
     size_t count;
     uint32_t *words = glslang_compile(&job, &count, log);

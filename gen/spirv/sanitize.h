@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_GEN_SPIRV_SANITIZE_H
 #define DIPTYCH_GEN_SPIRV_SANITIZE_H
 
-#include "../sanitize.h"
+#include "plan/sanitize.h"
 #include "module.h"
 
 /* The module comes from glslang with OpLine, and has the functions of templates/glsl/sanitize.glsl. Operations of the kinds

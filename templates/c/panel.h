@@ -1,7 +1,7 @@
 /* One pipeline as tables, for every backend: how its resources are stored, what each pass binds and
  * draws into, which features it needs, and `record`, which records a frame by calling verbs.
  * diptych-gen writes these tables into NAME.c; the app fills them from a spec in memory
- * (gen/lower.h). The front (front.h) checks and walks them; a backend implements the verbs.
+ * (gen/lower/lower.h). The front (front.h) checks and walks them; a backend implements the verbs.
  * Independent of any graphics API.
  *
  * Tables refer to resources and passes by index in the pipeline's reflection (struct

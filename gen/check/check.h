@@ -1,0 +1,11 @@
+/* All checks that need no plan. */
+#ifndef DIPTYCH_GEN_CHECK_H
+#define DIPTYCH_GEN_CHECK_H
+
+#include "model/diag.h"
+
+/* Resolves names and expressions, and reports all that is wrong with the model. templates_dir: folder for
+ * shader bodies that are not in the spec's own folder. False when planning must not follow. */
+bool check_model(struct model *model, const char *templates_dir, struct diag *diag);
+
+#endif

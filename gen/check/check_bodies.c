@@ -1,0 +1,376 @@
+/* Pass bodies: their files, and what the plan asks of them. Also the warnings about declarations
+ * that nothing names. */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "read/body_files.h"
+#include "checks.h"
+#include "model/limits.h"
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+/* Reads a file that a pass names. key: the spec's word for the file; loc: of its name. */
+static const struct source *read_body(struct checker *c, const char *key, const char *name,
+                                      struct loc loc)
+{
+    const char *near = source_candidate(c->model, loc.source->path, name, strlen(name), 0);
+    const char *below = source_candidate(c->model, loc.source->path, name, strlen(name), 1);
+    const char *near_reason = "out of memory", *below_reason = near_reason;
+    const struct source *source = near ? source_read(c->model, near, &near_reason) : NULL;
+    if (!source && below)
+        source = source_read(c->model, below, &below_reason);
+    if (!source && !strcmp(near_reason, below_reason))
+        diag_error(c->diag, loc, "cannot read the %s `%s`; looked for `%s` and `%s`", key, name,
+                   near ? near : "?", below ? below : "?");
+    else if (!source)
+        diag_error(c->diag, loc, "cannot read the %s `%s`: `%s`: %s; `%s`: %s", key, name,
+                   near ? near : "?", near_reason, below ? below : "?", below_reason);
+    return source;
+}
+
+/* Two files, one after the other, as one that includes both. */
+static const struct source *join_bodies(struct checker *c, const struct pass *pass)
+{
+    struct source *body = arena_alloc(c->model->arena, sizeof *body);
+    if (!read_body(c, "shader", pass->more, pass->shader_loc) || !body)
+        return NULL;
+    body->path = pass->shader_loc.source->path;
+    body->text = arena_printf(c->model->arena, "#include \"%s\"\n#include \"%s\"\n", pass->shader,
+                              pass->more);
+    body->length = body->text ? strlen(body->text) : 0;
+    return body->text ? body : NULL;
+}
+
+/* The path of a body that an included file names, as the spec would write it: from the templates or
+ * from the spec's folder. */
+static const char *body_name(struct checker *c, const char *name, struct loc loc,
+                             const struct source *body)
+{
+    const char *folders[] = {source_candidate(c->model, "", "", 0, 1),
+                             source_candidate(c->model, c->pipeline->spec, "", 0, 0)};
+    if (!loc.source->included.source || !body)
+        return name;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(folders); i++)
+        if (folders[i] && !strncmp(body->path, folders[i], strlen(folders[i])))
+            return body->path + strlen(folders[i]);
+    return name;
+}
+
+enum { MAX_CALLS = 16 }; /* GLSL has no recursion; a limit for wrong bodies */
+
+/* ---- Identifiers ----------------------------------------------------------------------------- */
+
+static void add_token(struct checker *c, struct body *body, struct token token)
+{
+    if (body->count == body->capacity) {
+        size_t capacity = body->capacity ? 2 * body->capacity : 256;
+        struct token *tokens = realloc(body->tokens, capacity * sizeof *tokens);
+        if (!tokens) {
+            c->out_of_memory = true;
+            return;
+        }
+        body->tokens = tokens;
+        body->capacity = capacity;
+    }
+    body->tokens[body->count++] = token;
+}
+
+static void scan_file(struct checker *c, struct body *body, const char *at)
+{
+    int depth = 0;
+    char before = 0;
+    while (*at) {
+        unsigned char first = (unsigned char)*at;
+        const char *start = at++;
+        if (isalnum(first) || first == '_') {
+            while (isalnum((unsigned char)*at) || *at == '_' || (isdigit(first) && *at == '.'))
+                at++;
+            const char *next = at + strspn(at, " \t\n");
+            if (!isdigit(first))
+                add_token(c, body, (struct token){start, (int)(at - start), before, *next, depth});
+            before = isdigit(first) ? '0' : 'a';
+            continue;
+        }
+        depth += (first == '{') - (first == '}');
+        before = isspace(first) ? before : (char)first;
+    }
+}
+
+static bool token_is(const struct token *token, const char *name)
+{
+    return (size_t)token->length == strlen(name) &&
+           !memcmp(token->text, name, (size_t)token->length);
+}
+
+/* The place where the body declares a function of this name; NULL: it does not. */
+static const struct token *function_named(const struct body *body, const char *name, int length)
+{
+    for (size_t i = 1; i < body->count; i++)
+        if (body->tokens[i].before == 'a' && body->tokens[i].after == '(' &&
+            body->tokens[i].length == length &&
+            !memcmp(body->tokens[i].text, name, (size_t)length) &&
+            !token_is(&body->tokens[i - 1], "return") && !token_is(&body->tokens[i - 1], "else"))
+            return &body->tokens[i];
+    return NULL;
+}
+
+/* ---- What the plan asks ---------------------------------------------------------------------- */
+
+/* Whether the body depends on the workgroup's size: it uses shared memory, barriers, or built-ins
+ * of the workgroup or subgroup. */
+static bool minds_group(const struct body_files *files)
+{
+    static const char *const words[] = {"shared", "barrier", "groupMemoryBarrier",
+                                        "memoryBarrierShared"};
+    static const char *const prefixes[] = {"gl_Local", "gl_WorkGroup", "gl_NumWorkGroups",
+                                           "gl_Subgroup", "subgroup"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (body_mentions(files, words[i]))
+            return true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(prefixes); i++)
+        if (body_mentions_prefix(files, prefixes[i]))
+            return true;
+    return false;
+}
+
+static bool reads_image(const struct pass *pass, const struct token *token)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        const char *word = access_word(access);
+        size_t length = strlen(word);
+        if (access->resource && access->resource->kind == DT_IMAGE && token->before != '.' &&
+            !strncmp(token->text, word, length) &&
+            (token->length == (int)length || token->text[length] == '_'))
+            return true;
+    }
+    return false;
+}
+
+/* Whether the block behind the token reads an image, itself or in a function of the body. */
+static bool block_reads_images(const struct pass *pass, const struct body *body,
+                               const struct token *token, int calls)
+{
+    const struct token *end = body->tokens + body->count;
+    int depth = token->depth;
+    while (token < end && token->depth <= depth)
+        token++;
+    for (; token < end && token->depth > depth; token++) {
+        const struct token *function =
+            token->after == '(' ? function_named(body, token->text, token->length) : NULL;
+        if (reads_image(pass, token) ||
+            (function && calls < MAX_CALLS && block_reads_images(pass, body, function, calls + 1)))
+            return true;
+    }
+    return false;
+}
+
+/* Notes the ranges whose loops read images: their compile time grows fast when they are unrolled. */
+static void note_images(struct checker *c, struct pass *pass, struct body *body)
+{
+    for (uint32_t i = 0; pass->range_count && i < pass->files->count; i++)
+        scan_file(c, body, pass->files->list[i].code);
+    for (uint32_t i = 0; i < pass->range_count; i++)
+        for (size_t k = 0; k < body->count; k++)
+            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], pass->ranges[i].name) &&
+                block_reads_images(pass, body, &body->tokens[k], 0))
+                pass->ranges[i].reads_images = true;
+}
+
+/* Whether the body asks for the length of an array: of a buffer whose count is not fixed by the
+ * parameters it would be that of the limit, so plan.c reads such buffers as storage, except in a
+ * range with `storage: uniform`. */
+static void note_lengths(struct checker *c, struct pass *pass, const struct body *body)
+{
+    pass->asks_length = body_mentions_member(pass->files, "length");
+    for (size_t k = 1; k < body->count; k++) {
+        const struct token *word = &body->tokens[k - 1];
+        bool asks = body->tokens[k].before == '.' && token_is(&body->tokens[k], "length");
+        for (uint32_t i = 0; asks && i < pass->range_count; i++) {
+            const struct access *access = pass->ranges[i].access;
+            if (pass->ranges[i].storage == STORAGE_UNIFORM && access && access->resource &&
+                access->resource->count && !expr_is_literal(access->resource->count) &&
+                token_is(word, access_word(access)))
+                diag_error(c->diag, pass->ranges[i].loc,
+                           "`%s.length()`: the range `%s` has `storage: uniform`, and a uniform "
+                           "block has no length; use `%s_count`",
+                           access_word(access), pass->ranges[i].name, access_word(access));
+        }
+    }
+}
+
+static void check_body(struct checker *c, struct pass *pass, struct body *body)
+{
+    if (!pass->shader)
+        return;
+    pass->body = read_body(c, "shader", pass->shader, pass->shader_loc);
+    if (pass->body && pass->more)
+        pass->body = join_bodies(c, pass);
+    pass->files = pass->body ? body_files_read(c->model, pass->body) : NULL;
+    c->out_of_memory |= pass->body && !pass->files;
+    if (!pass->files)
+        return;
+    pass->shader =
+        pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
+    pass->minds_group = minds_group(pass->files);
+    note_images(c, pass, body);
+    note_lengths(c, pass, body);
+    pass->own_vertices = body_asks_for(pass->files, "VERTEX");
+    if (pass->kind == DT_PASS_DRAW_VERTICES && !pass->own_vertices)
+        diag_error(c->diag, pass->shader_loc,
+                   "the pass `%s` draws vertices, but its body has no part `#ifdef VERTEX`",
+                   pass->name);
+    if (pass->topology == DT_POINTS && !body_mentions(pass->files, "gl_PointSize"))
+        diag_error(c->diag, pass->shader_loc,
+                   "the pass `%s` draws points, but its body does not write gl_PointSize",
+                   pass->name);
+}
+
+void check_bodies(struct checker *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        check_body(c, &c->pipeline->passes[i], &c->bodies[i]);
+}
+
+/* Whether a GLSL expression of the spec contains the name as a whole word. */
+static bool text_mentions(const char *text, const char *name)
+{
+    return find_word(text, name);
+}
+
+/* ---- Unused declarations --------------------------------------------------------------------- */
+
+static bool in_bodies(const struct checker *c, const char *name)
+{
+    const char *dot = strrchr(name, '.'); /* bodies of an instance use the last part */
+    name = dot ? dot + 1 : name;
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct pass *pass = &c->pipeline->passes[i];
+        for (uint32_t k = 0; k < pass->define_count; k++)
+            if (pass->defines[k].param && !strcmp(pass->defines[k].param, name) &&
+                body_mentions(pass->files, pass->defines[k].name))
+                return true;
+        if (body_mentions(pass->files, name))
+            return true;
+    }
+    return false;
+}
+
+static bool is_named(const struct weight *weight, const char *name)
+{
+    return weight->param && !strcmp(weight->param, name);
+}
+
+static bool in_expressions(const struct checker *c, const char *name)
+{
+    for (size_t i = 0; i < c->expr_count; i++)
+        if (expr_mentions(c->exprs[i], name))
+            return true;
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        for (uint32_t k = 0; k < c->pipeline->passes[i].range_count; k++)
+            if (text_mentions(c->pipeline->passes[i].ranges[k].first, name))
+                return true;
+    for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
+        const struct metric *metric = &c->pipeline->metrics[i];
+        if (is_named(&metric->position, name) || is_named(&metric->normal, name))
+            return true;
+    }
+    for (const struct replaced *at = c->model->replaced; at; at = at->next)
+        if (text_mentions(at->text, name))
+            return true;
+    return false;
+}
+
+static bool lists(const struct pass *pass, const char *resource)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (!strcmp(pass->accesses[i].name, resource))
+            return true;
+    return false;
+}
+
+static bool accessed(const struct checker *c, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct pass *pass = &c->pipeline->passes[i];
+        if (lists(pass, resource->name) || pass->indirect_resource == resource ||
+            pass->index_resource == resource)
+            return true;
+    }
+    return false;
+}
+
+static bool used_in_passes(const struct checker *c, const char *name)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct pass *pass = &c->pipeline->passes[i];
+        for (uint32_t k = 0; k < pass->use_count; k++)
+            if (!strcmp(pass->uses[k], name))
+                return true;
+        for (uint32_t k = 0; k < pass->access_count; k++)
+            if (pass->accesses[k].sampler && !strcmp(pass->accesses[k].sampler, name))
+                return true;
+    }
+    return false;
+}
+
+static void warn_unused(struct checker *c, bool used, const char *kind, const char *name,
+                        struct loc loc)
+{
+    if (!used)
+        diag_warning(c->diag, loc, "the %s `%s` is not used", kind, name);
+}
+
+static bool struct_used(const struct checker *c, const struct structure *structure)
+{
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
+        if (c->pipeline->resources[i].structure == structure)
+            return true;
+    return in_bodies(c, structure->name);
+}
+
+static void check_metric_fields(struct checker *c, const struct metric *metric)
+{
+    const char *const names[] = {metric->position_field, metric->normal_field};
+    for (int i = 0; i < 2; i++) {
+        bool found = !strcmp(names[i], i ? "normal" : "position");
+        for (uint32_t s = 0; s < c->pipeline->struct_count; s++)
+            for (uint32_t f = 0; f < c->pipeline->structs[s].field_count; f++)
+                found |= !strcmp(c->pipeline->structs[s].fields[f].name, names[i]);
+        if (!found)
+            diag_warning(c->diag, metric->loc,
+                         "no struct has the field `%s` that the metric `%s` looks for", names[i],
+                         metric->name);
+    }
+}
+
+void check_unused(struct checker *c)
+{
+    const struct pipeline *p = c->pipeline;
+    for (uint32_t i = 0; i < p->param_count; i++)
+        warn_unused(c, in_expressions(c, p->params[i].name) || in_bodies(c, p->params[i].name),
+                    "parameter", p->params[i].name, p->params[i].loc);
+    for (uint32_t i = 0; i < p->constant_count; i++)
+        warn_unused(c,
+                    in_expressions(c, p->constants[i].name) || in_bodies(c, p->constants[i].name),
+                    "constant", p->constants[i].name, p->constants[i].loc);
+    for (uint32_t i = 0; i < p->struct_count; i++)
+        warn_unused(c, struct_used(c, &p->structs[i]), "struct", p->structs[i].name,
+                    p->structs[i].loc);
+    for (uint32_t i = 0; i < p->resource_count; i++)
+        warn_unused(c, accessed(c, &p->resources[i]),
+                    p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].name,
+                    p->resources[i].loc);
+    for (uint32_t i = 0; i < p->sampler_count; i++)
+        warn_unused(c, used_in_passes(c, p->samplers[i].name), "sampler", p->samplers[i].name,
+                    p->samplers[i].loc);
+    for (uint32_t i = 0; i < p->metric_count; i++) {
+        warn_unused(c, used_in_passes(c, p->metrics[i].name), "metric", p->metrics[i].name,
+                    p->metrics[i].loc);
+        check_metric_fields(c, &p->metrics[i]);
+    }
+    for (uint32_t i = 0; i < p->interleave_count; i++)
+        warn_unused(c, used_in_passes(c, p->interleaves[i].name), "interleave",
+                    p->interleaves[i].name, p->interleaves[i].loc);
+}

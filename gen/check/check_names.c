@@ -1,0 +1,797 @@
+/* Names: each is declared once, none is reserved in GLSL, C or the generated code, and every
+ * reference is resolved. */
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "checks.h"
+#include "formats.h"
+#include "read/table.h"
+
+/* ---- Reserved names -------------------------------------------------------------------------- */
+
+static const char *const reserved_words =
+    /* GLSL 4.60, sections 3.6 and 3.7, and GL_KHR_vulkan_glsl; more of them: is_glsl_type */
+    " active asm atomic_uint attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid "
+    " class coherent common const continue default discard do double dvec2 dvec3 dvec4 else enum "
+    " extern external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 "
+    " hvec3 hvec4 if in inline inout input int interface invariant isubpassInput isubpassInputMS "
+    " ivec2 ivec3 ivec4 layout long lowp mediump namespace noinline noperspective out output "
+    "packed "
+    " partition patch precise precision public readonly resource restrict return sample sampler "
+    " samplerShadow shared short sizeof smooth static struct subpassInput subpassInputMS "
+    " subroutine superp switch template this true typedef uint uniform union unsigned using "
+    " usubpassInput usubpassInputMS uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while "
+    " writeonly "
+    /* C23 */
+    " alignas alignof auto char constexpr nullptr register signed static_assert thread_local "
+    " typeof typeof_unqual _Alignas _Alignof _Atomic _BitInt _Bool _Complex _Decimal128 "
+    " _Decimal32 _Decimal64 _Generic _Imaginary _Noreturn _Static_assert _Thread_local "
+    /* C++20: its programs include the generated header */
+    " and and_eq bitand bitor catch char16_t char32_t char8_t co_await co_return co_yield compl "
+    " concept const_cast consteval constinit decltype delete dynamic_cast explicit export friend "
+    " import module mutable new noexcept not not_eq operator or or_eq private protected "
+    " reinterpret_cast requires static_cast throw try typeid typename virtual wchar_t xor xor_eq "
+    /* names and macros of the headers that generated C includes, and of compilers */
+    " NULL int16_t int32_t int64_t int8_t linux main offsetof size_t uint16_t uint32_t "
+    " uint64_t uint8_t unix ";
+
+/* Functions of GLSL that a declaration would hide. */
+static const char *const function_words =
+    " abs acos all any asin atan barrier ceil ceil_div clamp cos cross degrees determinant "
+    "distance dot equal exp exp2 floor"
+    " fma fract imageLoad imageSize imageStore inverse inversesqrt isinf isnan ldexp length lerp "
+    "log log2 max min mix mod modf"
+    " normalize not pow radians reflect refract round roundEven sign sin sqrt step smoothstep tan "
+    "texelFetch texture"
+    " textureLod transpose trunc ";
+
+/* Lower-case macros of <windows.h> and of the headers that it includes. is_windows_macro knows the
+ * numbered ones. */
+static const char *const windows_words =
+    " cdecl ctlFirst ctlLast environ errno exception_info far h_addr h_errno hyper near pascal "
+    "pshHelp s_addr s_host s_imp s_impno s_lh s_net small ";
+
+/* What the generator declares in every body. */
+static const char *const taken_words =
+    " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
+    "scene_textures"
+    " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material "
+    "vertex_triangle scene_objects scene_object SceneObject "
+    "dispatch_size invocation fullscreen_position"
+    " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL "
+    "VULKAN View Light Frame Live"
+    " SceneMaterial SceneVertex ";
+
+static bool in_words(const char *words, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = words; (at = strstr(at, name)); at++)
+        if (at[-1] == ' ' && at[length] == ' ')
+            return true;
+    return false;
+}
+
+static bool skip(const char **at, const char *prefix)
+{
+    size_t length = strlen(prefix);
+    bool there = !strncmp(*at, prefix, length);
+    *at += there ? length : 0;
+    return there;
+}
+
+/* Names such as mat2x3, usampler2DArray, iimageBuffer, textureCube. */
+static bool is_glsl_type(const char *name)
+{
+    static const char *const shapes[] = {"1D",     "2DRect", "2DMS", "2D",
+                                         "3DRect", "3D",     "Cube", "Buffer"};
+    const char *at = name + (*name == 'd');
+    if (skip(&at, "mat") && *at >= '2' && *at <= '4')
+        return !at[1] || (at[1] == 'x' && at[2] >= '2' && at[2] <= '4' && !at[3]);
+    at = name + (*name == 'i' && strncmp(name, "image", 5) != 0) + (*name == 'u');
+    if (!skip(&at, "sampler") && !skip(&at, "image") && !skip(&at, "texture"))
+        return false;
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+        if (skip(&at, shapes[i])) {
+            skip(&at, "Array");
+            skip(&at, "Shadow");
+            return !*at;
+        }
+    return false;
+}
+
+/* Macros of <stdint.h>, <limits.h> and diptych.h, such as INT32_MAX, UINT8_C, DT_ERROR. */
+static bool is_macro(const char *name)
+{
+    static const char *const ends[] = {"_MAX", "_MIN", "_C", "_WIDTH", "_BIT"};
+    size_t length = strlen(name);
+    if (!strncmp(name, "DT_", 3))
+        return true;
+    for (const char *at = name; *at; at++)
+        if (islower((unsigned char)*at))
+            return false;
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++)
+        if (length > strlen(ends[i]) && !strcmp(name + length - strlen(ends[i]), ends[i]))
+            return true;
+    return false;
+}
+
+/* <dlgs.h> has numbers for the controls of dialogs, such as rad1, stc32. */
+static bool is_windows_macro(const char *name)
+{
+    static const char *const controls[] = {"chx", "cmb", "ctl", "edt", "frm", "grp", "ico",
+                                           "lst", "psh", "rad", "rct", "scr", "stc"};
+    for (size_t i = 0; i < sizeof controls / sizeof *controls; i++) {
+        const char *at = name;
+        if (skip(&at, controls[i]) && isdigit((unsigned char)*at))
+            return !at[strspn(at, "0123456789")];
+    }
+    return in_words(windows_words, name);
+}
+
+static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
+{
+    enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
+    if (strlen(name) > MOST_NAME)
+        diag_error(c->diag, loc, "the name `%.20s...` has %zu characters; at most %d", name,
+                   strlen(name), MOST_NAME);
+    else if (!strncmp(name, "gl_", 3))
+        diag_error(c->diag, loc, "`%s`: names that start with gl_ belong to GLSL", name);
+    else if (strstr(name, "__"))
+        diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL",
+                   name);
+    else if (in_words(reserved_words, name) || is_glsl_type(name))
+        diag_error(c->diag, loc, "`%s` is a reserved word of GLSL, C or C++; choose another name",
+                   name);
+    else if (is_macro(name))
+        diag_error(c->diag, loc, "`%s` may be a macro of a C header; choose another name", name);
+    else if (*name == '_' && isupper((unsigned char)name[1]))
+        diag_error(c->diag, loc, "`%s`: C reserves names that start with _ and a capital", name);
+    else if (!scoped && in_words(function_words, name))
+        diag_error(c->diag, loc, "`%s` is a function of GLSL; choose another name", name);
+    else if (!scoped && in_words(taken_words, name))
+        diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
+}
+
+/* A member of a struct in the generated header, which has no prefix there. */
+static void check_member(struct checker *c, const char *name, struct loc loc)
+{
+    if (is_windows_macro(name))
+        diag_error(c->diag, loc, "`%s` is a macro of <windows.h>; choose another name", name);
+}
+
+/* ---- Declarations ---------------------------------------------------------------------------- */
+
+struct declaration {
+    const char *name, *kind;
+    struct loc loc;
+};
+
+static void declare(struct declaration *list, size_t *count, const char *name, const char *kind,
+                    struct loc loc)
+{
+    list[(*count)++] = (struct declaration){name, kind, loc};
+}
+
+/* The name of an instance's entry as bodies and C see it: second_views. */
+static const char *word_of(struct checker *c, const char *name)
+{
+    struct text word = {0};
+    if (!strchr(name, '.'))
+        return name;
+    text_add_word(&word, name);
+    name = arena_strndup(c->model->arena, word.data ? word.data : "?", word.data ? word.length : 1);
+    text_free(&word);
+    c->out_of_memory |= !name;
+    return name ? name : "?";
+}
+
+/* Everything that shares one scope in the generated GLSL. */
+static size_t collect(struct checker *c, struct declaration *list)
+{
+    const struct pipeline *p = c->pipeline;
+    size_t count = 0;
+    for (uint32_t i = 0; i < p->param_count; i++)
+        declare(list, &count, p->params[i].name, "parameter", p->params[i].loc);
+    for (uint32_t i = 0; i < p->constant_count; i++)
+        declare(list, &count, word_of(c, p->constants[i].name), "constant", p->constants[i].loc);
+    for (uint32_t i = 0; i < p->struct_count; i++)
+        declare(list, &count, p->structs[i].name, "struct", p->structs[i].loc);
+    for (uint32_t i = 0; i < p->resource_count; i++)
+        declare(list, &count, word_of(c, p->resources[i].name),
+                p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].loc);
+    for (uint32_t i = 0; i < p->sampler_count; i++)
+        declare(list, &count, p->samplers[i].name, "sampler", p->samplers[i].loc);
+    for (uint32_t i = 0; i < p->metric_count; i++)
+        declare(list, &count, p->metrics[i].name, "metric", p->metrics[i].loc);
+    for (uint32_t i = 0; i < p->interleave_count; i++)
+        declare(list, &count, p->interleaves[i].name, "interleave", p->interleaves[i].loc);
+    return count;
+}
+
+static bool comes_before(struct loc a, struct loc b)
+{
+    return a.source == b.source && (a.line < b.line || (a.line == b.line && a.column < b.column));
+}
+
+static void report_twice(struct checker *c, const struct declaration *a,
+                         const struct declaration *b)
+{
+    const struct declaration *first = comes_before(b->loc, a->loc) ? b : a,
+                             *second = first == a ? b : a;
+    diag_error(c->diag, second->loc, "the %s `%s` has the same name as a %s; rename one",
+               second->kind, second->name, first->kind);
+    diag_note(c->diag, first->loc, "first here");
+}
+
+/* Names that the generator derives from a declaration must not be declared as well. */
+static void check_derived(struct checker *c, const struct declaration *list, size_t count,
+                          const struct declaration *of)
+{
+    static const char *const suffixes[] = {
+        "_count", "_size",    "_store", "_sample", "_sample_lod", "_compare",    "_texture",
+        "_tile",  "_classes", "_class", "_split",  "_gather",     "_class_size", "_index"};
+    size_t length = strlen(of->name);
+    bool plain = !strcmp(of->kind, "parameter") || !strcmp(of->kind, "constant") ||
+                 !strcmp(of->kind, "struct");
+    for (size_t i = 0; !plain && i < count; i++) {
+        const char *name = list[i].name;
+        if (strncmp(name, of->name, length))
+            continue;
+        bool buffer = !strcmp(of->kind, "buffer"), image = !strcmp(of->kind, "image"),
+             sampler = !strcmp(of->kind, "sampler"), interleave = !strcmp(of->kind, "interleave");
+        for (size_t k = 0; k < sizeof suffixes / sizeof *suffixes; k++) {
+            bool applies = k == 0    ? buffer || sampler
+                           : k <= 6  ? image
+                           : k <= 12 ? interleave
+                                     : false;
+            if (applies && !strcmp(name + length, suffixes[k]))
+                diag_error(
+                    c->diag, list[i].loc,
+                    "`%s` is already a name in pass bodies, made from the %s `%s`; rename one",
+                    name, of->kind, of->name);
+        }
+    }
+}
+
+/* ---- Names in the generated C ---------------------------------------------------------------- */
+
+/* Parameters, constants, resources and passes become macros and enumerators in capitals, each kind
+ * with its own prefix. A vector parameter gives NAME_X, NAME_Y and so on. */
+struct capital {
+    const char *name;
+    char component; /* 0: none */
+    struct loc loc;
+};
+
+static char last_letter(const struct capital *capital)
+{
+    return capital->component ? capital->component : capital->name[strlen(capital->name) - 1];
+}
+
+/* Compares NAME, or NAME_x for a component, without case. */
+static bool same_capitals(const struct capital *a, const struct capital *b)
+{
+    size_t length_a = strlen(a->name), length_b = strlen(b->name);
+    size_t total = length_a + (a->component ? 2 : 0);
+    if (total != length_b + (b->component ? 2 : 0) || !total)
+        return false;
+    for (size_t i = 0; i + 1 < total; i++) {
+        int letter_a = i < length_a ? a->name[i] : '_', letter_b = i < length_b ? b->name[i] : '_';
+        if (toupper(letter_a) != toupper(letter_b))
+            return false;
+    }
+    return toupper(last_letter(a)) == toupper(last_letter(b));
+}
+
+/* Skips identical names, which check_names reports. */
+static void check_capitals(struct checker *c, const struct capital *list, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        for (size_t k = 0; k < i; k++) {
+            const struct capital *first = &list[k], *second = &list[i];
+            if (!strcmp(first->name, second->name) || !same_capitals(first, second))
+                continue;
+            if (comes_before(second->loc, first->loc)) {
+                first = &list[i];
+                second = &list[k];
+            }
+            diag_error(c->diag, second->loc,
+                       "`%s` and `%s` become one name in the generated C, which writes them in "
+                       "capitals; rename one",
+                       second->name, first->name);
+            diag_note(c->diag, first->loc, "`%s` is declared here", first->name);
+            k = i; /* once for each name */
+        }
+}
+
+static void check_all_capitals(struct checker *c)
+{
+    const struct pipeline *p = c->pipeline;
+    size_t most = 4 * p->param_count + p->constant_count + p->resource_count + p->pass_count;
+    struct capital *list = arena_alloc(c->model->arena, (most + 1) * sizeof *list);
+    if (!list) {
+        c->out_of_memory = true;
+        return;
+    }
+    size_t count = 0;
+    for (uint32_t i = 0; i < p->param_count; i++)
+        for (uint32_t k = 0; k < p->params[i].components && k < 4; k++)
+            list[count++] = (struct capital){
+                p->params[i].name, p->params[i].components > 1 ? "xyzw"[k] : 0, p->params[i].loc};
+    check_capitals(c, list, count);
+    count = 0;
+    for (uint32_t i = 0; i < p->constant_count; i++)
+        list[count++] = (struct capital){word_of(c, p->constants[i].name), 0, p->constants[i].loc};
+    check_capitals(c, list, count);
+    count = 0;
+    for (uint32_t i = 0; i < p->resource_count; i++)
+        list[count++] = (struct capital){word_of(c, p->resources[i].name), 0, p->resources[i].loc};
+    check_capitals(c, list, count);
+    count = 0;
+    for (uint32_t i = 0; i < p->pass_count; i++)
+        list[count++] = (struct capital){word_of(c, p->passes[i].name), 0, p->passes[i].loc};
+    check_capitals(c, list, count);
+}
+
+/* The generated C has a struct NAME_live beside `struct NAME_Vpl`. */
+static void check_tag(struct checker *c, const struct structure *structure)
+{
+    if (!strcmp(structure->name, "live"))
+        diag_error(c->diag, structure->loc,
+                   "`%s` is taken: the generated C has a struct of that name", structure->name);
+}
+
+static void check_fields(struct checker *c, const struct structure *structure)
+{
+    for (uint32_t i = 0; i < structure->field_count; i++) {
+        check_word(c, structure->fields[i].name, structure->fields[i].loc, true);
+        check_member(c, structure->fields[i].name, structure->fields[i].loc);
+    }
+}
+
+/* ---- Words of one pass ----------------------------------------------------------------------- */
+
+/* Checks the `as` name of an access against the pass's other accesses and its ranges. Mips and
+ * layers of an image may have a name each. */
+static void check_word_once(struct checker *c, const struct pass *pass, uint32_t index)
+{
+    const struct access *access = &pass->accesses[index];
+    const struct resource *resource = find_resource(c, access->name);
+    bool image = resource && resource->kind == DT_IMAGE;
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *other = &pass->accesses[i];
+        bool same_word = !strcmp(access_word(other), access->as),
+             same_resource = !strcmp(other->name, access->name);
+        if (same_word == same_resource || (i > index && other->as) || (!same_word && image))
+            continue;
+        if (same_word)
+            diag_error(c->diag, access->as_loc, "the pass `%s` calls both `%s` and `%s` `%s`",
+                       pass->name, other->name, access->name, access->as);
+        else
+            diag_error(c->diag, access->as_loc,
+                       "the pass `%s` lists `%s` under two names, `%s` and `%s`; use one",
+                       pass->name, access->name, access_word(other), access->as);
+        return;
+    }
+    for (uint32_t i = 0; i < pass->range_count; i++)
+        if (!strcmp(pass->ranges[i].name, access->as))
+            diag_error(c->diag, access->as_loc, "`%s` is a range of the pass `%s`", access->as,
+                       pass->name);
+}
+
+/* A macro replaces its name everywhere in the body, so nothing else may have this name. */
+static void check_defines(struct checker *c, const struct pass *pass, struct declaration *list,
+                          size_t count)
+{
+    for (uint32_t i = 0; i < pass->define_count; i++) {
+        const struct declaration macro = {pass->defines[i].name, "", pass->defines[i].loc};
+        check_word(c, macro.name, macro.loc, false);
+        for (size_t k = 0; k < count; k++) {
+            check_derived(c, &macro, 1, &list[k]);
+            if (strcmp(list[k].name, macro.name))
+                continue;
+            diag_error(c->diag, macro.loc, "`%s` is already a %s; choose an unused name",
+                       macro.name, list[k].kind);
+            diag_note(c->diag, list[k].loc, "declared here");
+        }
+        for (uint32_t k = 0; k < pass->range_count; k++)
+            if (!strcmp(pass->ranges[k].name, macro.name))
+                diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", macro.name,
+                           pass->name);
+        for (uint32_t s = 0; !pass->defines[i].word && s < c->pipeline->struct_count; s++)
+            for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
+                if (!strcmp(c->pipeline->structs[s].fields[k].name, macro.name))
+                    diag_error(c->diag, macro.loc,
+                               "`%s` is a field of `%s`, which the macro would replace", macro.name,
+                               c->pipeline->structs[s].name);
+    }
+}
+
+/* An `as` name must be unique among the declared names, or a body could confuse the resource with
+ * another declaration. */
+static void check_words(struct checker *c, const struct pass *pass, struct declaration *list,
+                        size_t count)
+{
+    size_t all = count;
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        const struct resource *resource = find_resource(c, access->name);
+        if (!access->as || !strcmp(access->as, word_of(c, access->name)))
+            continue;
+        check_word(c, access->as, access->as_loc, false);
+        check_word_once(c, pass, i);
+        for (size_t k = 0; k < count; k++)
+            if (!strcmp(list[k].name, access->as)) {
+                diag_error(c->diag, access->as_loc,
+                           "`%s` is already a %s; choose an unused name for `as`", access->as,
+                           list[k].kind);
+                diag_note(c->diag, list[k].loc, "declared here");
+            }
+        for (size_t k = 0; k < count; k++)
+            check_derived(c, &(struct declaration){access->as, "", access->as_loc}, 1, &list[k]);
+        declare(list, &all, access->as,
+                resource && resource->kind == DT_BUFFER ? "buffer" : "image", access->as_loc);
+        unsigned errors = diag_error_count(c->diag);
+        check_derived(c, list, all - 1, &list[all - 1]);
+        if (diag_error_count(c->diag) > errors)
+            diag_note(c->diag, access->as_loc, "the pass `%s` lists `%s` under this name",
+                      pass->name, access->name);
+    }
+    check_defines(c, pass, list, all);
+}
+
+/* As bodies and C see them; see word_of. */
+static bool same_word(const char *a, const char *b)
+{
+    while (*a && (*a == '.' ? '_' : *a) == (*b == '.' ? '_' : *b)) {
+        a++;
+        b++;
+    }
+    return !*a && !*b;
+}
+
+static void check_pass_names(struct checker *c)
+{
+    struct pipeline *p = c->pipeline;
+    for (uint32_t i = 0; i < p->pass_count; i++) {
+        const char *word = word_of(c, p->passes[i].name);
+        check_word(c, word, p->passes[i].loc, true);
+        for (uint32_t k = 0; k < i; k++)
+            if (same_word(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
+                diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
+                           p->passes[i].name);
+                diag_note(c->diag, p->passes[k].loc, "first here");
+                break;
+            }
+    }
+}
+
+void check_names(struct checker *c)
+{
+    const struct pipeline *p = c->pipeline;
+    size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count +
+                  p->sampler_count + p->metric_count + p->interleave_count;
+    size_t words = 0; /* most accesses of one pass */
+    for (uint32_t i = 0; i < p->pass_count; i++)
+        words = p->passes[i].access_count > words ? p->passes[i].access_count : words;
+    struct declaration *list = calloc(most + words + 1, sizeof *list);
+    if (!list) {
+        c->out_of_memory = true;
+        return;
+    }
+    size_t count = collect(c, list);
+    if (p->name)
+        check_word(c, p->name, p->loc, true);
+    for (size_t i = 0; i < count; i++) {
+        check_word(c, list[i].name, list[i].loc, false);
+        check_derived(c, list, count, &list[i]);
+        for (size_t k = 0; k < i; k++)
+            if (!strcmp(list[i].name, list[k].name)) {
+                report_twice(c, &list[k], &list[i]);
+                break;
+            }
+    }
+    for (uint32_t i = 0; i < p->param_count; i++)
+        check_member(c, p->params[i].name, p->params[i].loc);
+    for (uint32_t i = 0; i < p->struct_count; i++) {
+        check_fields(c, &p->structs[i]);
+        check_tag(c, &p->structs[i]);
+    }
+    check_pass_names(c);
+    for (uint32_t i = 0; i < p->pass_count; i++)
+        check_words(c, &p->passes[i], list, count);
+    check_all_capitals(c);
+    free(list);
+}
+
+/* ---- References ------------------------------------------------------------------------------ */
+
+const char *const scene_resources[SCENE_RESOURCES] = {
+    "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
+
+static void report_unknown_resource(struct checker *c, struct loc loc, const char *what,
+                                    const char *name, int kind)
+{
+    const struct pipeline *p = c->pipeline;
+    const char **names =
+        arena_alloc(c->model->arena, (p->resource_count + SCENE_RESOURCES + 1) * sizeof *names);
+    size_t count = 0;
+    if (find_sampler(c, name) || find_metric(c, name) || find_interleave(c, name)) {
+        diag_error(c->diag, loc, "`%s` is no buffer or image; list it in `uses`", name);
+        return;
+    }
+    if (kind >= 0 && find_resource(c, name)) {
+        diag_error(c->diag, loc, "`%s` is %s, not %s", name,
+                   kind == DT_IMAGE ? "a buffer" : "an image",
+                   kind == DT_IMAGE ? "an image" : "a buffer");
+        return;
+    }
+    for (uint32_t i = 0; names && i < p->resource_count; i++)
+        if (kind < 0 || (int)p->resources[i].kind == kind)
+            names[count++] = p->resources[i].name;
+    for (int i = 0; names && kind < 0 && i < SCENE_RESOURCES; i++)
+        names[count++] = scene_resources[i];
+    report_missing(c, loc, what, name, names, count);
+}
+
+static void resolve_element(struct checker *c, struct resource *buffer)
+{
+    const char *types = table_find(SECTION_STRUCT, "*")->choices;
+    if (!buffer->of)
+        return;
+    buffer->structure = find_struct(c, buffer->of);
+    int type = table_choice(types, buffer->of);
+    if (buffer->structure)
+        return;
+    if (type >= 0 && type != DT_TYPE_BOOL) {
+        buffer->type = (enum dt_type)type;
+        return;
+    }
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->struct_count + DT_TYPE_COUNT) * sizeof *names);
+    size_t count = 0;
+    for (uint32_t i = 0; names && i < c->pipeline->struct_count; i++)
+        names[count++] = c->pipeline->structs[i].name;
+    for (int i = 0; names && i < DT_TYPE_COUNT; i++)
+        if (i != DT_TYPE_BOOL)
+            names[count++] = type_info((enum dt_type)i)->name;
+    report_missing(c, buffer->of_loc, "struct or type", buffer->of, names, count);
+}
+
+static void resolve_filter(struct checker *c, struct access *access)
+{
+    access->filter = find_sampler(c, access->sampler);
+    if (access->filter) {
+        if (access->filter->kind == SAMPLER_FILTER)
+            return;
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` is a point set; an image is read through a sampler of kind filter",
+                   access->sampler);
+        access->filter = NULL;
+        return;
+    }
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->sampler_count + 1) * sizeof *names);
+    size_t count = 0;
+    for (uint32_t i = 0; names && i < c->pipeline->sampler_count; i++)
+        if (c->pipeline->samplers[i].kind == SAMPLER_FILTER)
+            names[count++] = c->pipeline->samplers[i].name;
+    report_missing(c, access->sampler_loc, "sampler", access->sampler, names, count);
+}
+
+/* A builtin is read as a whole, under its own name. */
+static void refuse_keys(struct checker *c, const struct access *access)
+{
+    const struct loc nowhere = {0};
+    const struct {
+        const char *key;
+        bool given;
+        struct loc loc;
+    } keys[] = {{"sampler", access->sampler, access->sampler_loc},
+                {"mip", access->mip, access->mip ? expr_loc(access->mip) : nowhere},
+                {"layer", access->layer, access->layer ? expr_loc(access->layer) : nowhere},
+                {"blend", access->own_blend, access->blend_loc},
+                {"mask", access->own_mask, access->mask_loc}};
+    if (access->as)
+        diag_error(c->diag, access->as_loc, "`%s` has one name in every body; leave `as` out",
+                   access->name);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
+        if (keys[i].given)
+            diag_error(c->diag, keys[i].loc, "`%s` is the scene's and has no `%s`", access->name,
+                       keys[i].key);
+    if (access->mode != MODE_READ)
+        diag_error(c->diag, access->loc, "`%s` belongs to the scene and can only be read",
+                   access->name);
+}
+
+static void resolve_access(struct checker *c, struct access *access)
+{
+    access->resource = find_resource(c, access->name);
+    for (int i = 0; !access->resource && i < SCENE_RESOURCES; i++)
+        if (!strcmp(scene_resources[i], access->name))
+            access->builtin = (uint16_t)(DT_SCENE_VERTICES + i);
+    if (!access->resource && !access->builtin)
+        report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
+    if (access->builtin)
+        refuse_keys(c, access);
+    else if (access->sampler)
+        resolve_filter(c, access);
+}
+
+static void resolve_use(struct checker *c, struct pass *pass, uint32_t index)
+{
+    const struct pipeline *p = c->pipeline;
+    const char *name = pass->uses[index];
+    struct sampler *sampler = find_sampler(c, name);
+    if (sampler && sampler->kind == SAMPLER_FILTER) {
+        diag_error(c->diag, pass->use_locs[index],
+                   "`%s` filters images: name it in `reads`, {name: IMAGE, sampler: %s}", name,
+                   name);
+        return;
+    }
+    if (sampler || find_metric(c, name) || find_interleave(c, name))
+        return;
+    if (find_resource(c, name)) {
+        diag_error(c->diag, pass->use_locs[index],
+                   "`%s` is a buffer or image; list it in `reads`, `writes` or `updates`", name);
+        return;
+    }
+    size_t count = 0;
+    const char **names =
+        arena_alloc(c->model->arena,
+                    (p->sampler_count + p->metric_count + p->interleave_count + 1) * sizeof *names);
+    for (uint32_t i = 0; names && i < p->sampler_count; i++)
+        names[count++] = p->samplers[i].name;
+    for (uint32_t i = 0; names && i < p->metric_count; i++)
+        names[count++] = p->metrics[i].name;
+    for (uint32_t i = 0; names && i < p->interleave_count; i++)
+        names[count++] = p->interleaves[i].name;
+    report_missing(c, pass->use_locs[index], "point set, metric or interleave", name, names, count);
+}
+
+/* Adds the interleave of a dispatch to `uses`, unless the pass lists it. */
+static void add_use(struct checker *c, struct pass *pass, const char *name)
+{
+    for (uint32_t i = 0; i < pass->use_count; i++)
+        if (!strcmp(pass->uses[i], name))
+            return;
+    const char **uses = arena_alloc(c->model->arena, (pass->use_count + 1) * sizeof *uses);
+    struct loc *locs = arena_alloc(c->model->arena, (pass->use_count + 1) * sizeof *locs);
+    if (!uses || !locs) {
+        c->out_of_memory = true;
+        return;
+    }
+    for (uint32_t i = 0; i < pass->use_count; i++) {
+        uses[i] = pass->uses[i];
+        locs[i] = pass->use_locs[i];
+    }
+    uses[pass->use_count] = name;
+    locs[pass->use_count] = pass->interleave_loc;
+    pass->uses = uses;
+    pass->use_locs = locs;
+    pass->use_count++;
+}
+
+static void resolve_interleave(struct checker *c, struct pass *pass)
+{
+    pass->interleave = find_interleave(c, pass->interleave_name);
+    if (pass->interleave) {
+        add_use(c, pass, pass->interleave_name);
+        return;
+    }
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->interleave_count + 1) * sizeof *names);
+    for (uint32_t i = 0; names && i < c->pipeline->interleave_count; i++)
+        names[i] = c->pipeline->interleaves[i].name;
+    report_missing(c, pass->interleave_loc, "interleave", pass->interleave_name, names,
+                   names ? c->pipeline->interleave_count : 0);
+}
+
+static void resolve_after(struct checker *c, const struct pass *pass, uint32_t index)
+{
+    const char *name = pass->after[index];
+    if (!strcmp(name, pass->name)) {
+        diag_error(c->diag, pass->after_locs[index], "the pass `%s` cannot run after itself", name);
+        return;
+    }
+    if (find_pass(c, name))
+        return;
+    const char **names =
+        arena_alloc(c->model->arena, (c->pipeline->pass_count + 1) * sizeof *names);
+    for (uint32_t i = 0; names && i < c->pipeline->pass_count; i++)
+        names[i] = c->pipeline->passes[i].name;
+    report_missing(c, pass->after_locs[index], "pass", name, names,
+                   names ? c->pipeline->pass_count : 0);
+}
+
+static struct resource *resolve_buffer(struct checker *c, const char *name, struct loc loc)
+{
+    struct resource *buffer = find_resource(c, name);
+    if (!buffer || buffer->kind != DT_BUFFER)
+        report_unknown_resource(c, loc, "buffer", name, DT_BUFFER);
+    return buffer && buffer->kind == DT_BUFFER ? buffer : NULL;
+}
+
+static void resolve_ranges(struct checker *c, struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        struct range *range = &pass->ranges[i];
+        check_word(c, range->name, range->loc, false);
+        if (!range->of || !resolve_buffer(c, range->of, range->of_loc))
+            continue;
+        for (uint32_t k = 0; k < pass->access_count; k++)
+            if (pass->accesses[k].mode == MODE_READ && !strcmp(pass->accesses[k].name, range->of))
+                range->access = &pass->accesses[k];
+        if (!range->access)
+            diag_error(c->diag, range->of_loc,
+                       "the range `%s` runs over `%s`, which the pass `%s` does not list in reads",
+                       range->name, range->of, pass->name);
+    }
+}
+
+static void resolve_pass(struct checker *c, struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        resolve_access(c, &pass->accesses[i]);
+    for (uint32_t i = 0; i < pass->use_count; i++)
+        resolve_use(c, pass, i);
+    for (uint32_t i = 0; i < pass->after_count; i++)
+        resolve_after(c, pass, i);
+    if (pass->interleave_name)
+        resolve_interleave(c, pass);
+    if (pass->dispatch_image)
+        pass->size_resource = find_resource(c, pass->dispatch_image);
+    if (pass->indirect)
+        pass->indirect_resource = resolve_buffer(c, pass->indirect, pass->indirect_loc);
+    if (pass->indices)
+        pass->index_resource = resolve_buffer(c, pass->indices, pass->indices_loc);
+    resolve_ranges(c, pass);
+}
+
+static void resolve_output(struct checker *c, const char *name, struct loc loc)
+{
+    const struct resource *image = name ? find_resource(c, name) : NULL;
+    if (name && (!image || image->kind != DT_IMAGE))
+        report_unknown_resource(c, loc, "image", name, DT_IMAGE);
+}
+
+static void resolve_weight(struct checker *c, const struct weight *weight)
+{
+    const struct pipeline *p = c->pipeline;
+    const char **names = arena_alloc(c->model->arena, (p->param_count + 1) * sizeof *names);
+    size_t count = 0;
+    for (uint32_t i = 0; weight->param && names && i < p->param_count; i++) {
+        const struct param *param = &p->params[i];
+        bool named = !strcmp(param->name, weight->param);
+        if (param->type != DT_TYPE_FLOAT) {
+            if (named)
+                diag_error(c->diag, weight->loc, "a weight must be a float; `%s` is not",
+                           param->name);
+        } else if (named && (param->live ? param->min : param->value[0]) < 0) {
+            diag_error(c->diag, weight->loc, "a weight cannot be negative: give `%s` a min of 0",
+                       param->name);
+        }
+        if (named)
+            return;
+        if (param->type == DT_TYPE_FLOAT)
+            names[count++] = param->name;
+    }
+    if (weight->param)
+        report_missing(c, weight->loc, "parameter", weight->param, names, count);
+}
+
+void check_references(struct checker *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
+        resolve_weight(c, &c->pipeline->metrics[i].position);
+        resolve_weight(c, &c->pipeline->metrics[i].normal);
+    }
+    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
+        if (c->pipeline->resources[i].kind == DT_BUFFER)
+            resolve_element(c, &c->pipeline->resources[i]);
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        resolve_pass(c, &c->pipeline->passes[i]);
+    resolve_output(c, c->pipeline->linear_output, c->pipeline->linear_loc);
+    resolve_output(c, c->pipeline->display_output, c->pipeline->display_loc);
+}

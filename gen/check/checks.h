@@ -1,0 +1,88 @@
+/* What the files of the check stage share. Internal to check*.c. */
+#ifndef DIPTYCH_GEN_CHECKS_H
+#define DIPTYCH_GEN_CHECKS_H
+
+#include "model/expr.h"
+
+/* An identifier of a pass body, outside comments. */
+struct token {
+    const char *text;
+    int length;
+    /* the nearest non-space characters; before: 'a' for a word, '0' for a number; 0: none */
+    char before, after;
+    int depth; /* of braces */
+};
+
+struct body { /* the tokens of a pass's shader and of what it includes */
+    struct token *tokens;
+    size_t count, capacity;
+};
+
+struct checker {
+    struct model *model;
+    struct pipeline *pipeline;
+    struct diag *diag;
+    const char *templates_dir;
+    /* every expression of the spec, for the search for unused names */
+    const struct expr **exprs;
+    size_t expr_count, expr_capacity;
+    struct body *bodies; /* one per pass */
+    bool out_of_memory;
+};
+
+/* check.c: look up declarations by name; NULL: not found. */
+struct resource *find_resource(const struct checker *c, const char *name);
+struct structure *find_struct(const struct checker *c, const char *name);
+struct sampler *find_sampler(const struct checker *c, const char *name);
+struct metric *find_metric(const struct checker *c, const char *name);
+struct interleave *find_interleave(const struct checker *c, const char *name);
+struct pass *find_pass(const struct checker *c, const char *name);
+/* "no WHAT `name`", with a suggestion among names. */
+void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
+                    const char *const *names, size_t count);
+
+/* check_values.c. reach: what the expression may depend on, a mask of enum expr_reach. */
+struct limits {
+    const char *what; /* "the count" */
+    const char *of;   /* name of the declaration */
+    unsigned reach;
+    int64_t least, most;
+};
+/* Resolves, then evaluates at several frame sizes and values of live parameters; reports at most
+ * one error. */
+bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits);
+void check_constants(
+    struct checker *c); /* cycles; folds; wrong constants lose their value and count as 1 */
+void check_params(struct checker *c);
+void check_sizes(
+    struct checker
+        *c); /* of buffers, images, samplers, interleaves; a wrong resource loses its size */
+void check_jitter(struct checker *c);
+void check_asserts(struct checker *c);
+enum { FRAME_SIZES = 3 };
+extern const int frame_sizes[FRAME_SIZES][2];
+/* Width, height and layers of an image's mip level; false: the size had an error. */
+bool image_extent(const struct resource *image, uint32_t mip, const int frame[2],
+                  int64_t extent[3]);
+
+/* check_names.c */
+void check_names(struct checker *c); /* duplicates, reserved words */
+void check_references(
+    struct checker *c); /* resolves names: element types, accesses, uses, after, outputs */
+bool pass_writes(const struct pass *pass, const struct resource *resource); /* check.c */
+
+/* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */
+void check_passes(struct checker *c);
+
+/* check_content.c: files and inputs fit their buffers and images; no pass writes them. After
+ * references. */
+void check_content(struct checker *c);
+
+/* check_contracts.c: contracts fit their resource; resolves margins. After references and sizes. */
+void check_contracts(struct checker *c);
+
+/* check_bodies.c */
+void check_bodies(struct checker *c); /* files exist and use only names that the pass lists */
+void check_unused(struct checker *c); /* warnings */
+
+#endif

@@ -1,0 +1,136 @@
+/* Library pieces: templates/glsl/NAME.glsl is a list of definitions with an empty line between
+ * them, and a stage gets those that it uses. */
+#include "glsl.h"
+
+#include <ctype.h>
+#include <string.h>
+
+/* ---- Scanning -------------------------------------------------------------------------------- */
+
+static bool is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_';
+}
+
+/* Skips blanks, comments and preprocessor lines. */
+static const char *skip_blank(const char *at)
+{
+    for (;;) {
+        while (isspace((unsigned char)*at))
+            at++;
+        if (at[0] == '/' && at[1] == '*') {
+            const char *end = strstr(at + 2, "*/");
+            at = end ? end + 2 : at + strlen(at);
+        } else if ((at[0] == '/' && at[1] == '/') || at[0] == '#') {
+            for (at += strcspn(at, "\n"); *at && at[-1] == '\\'; at += strcspn(at, "\n"))
+                at++;
+        } else {
+            return at;
+        }
+    }
+}
+
+/* The end of a number such as 12u, .5, 1.5e-3 or 0x1e. */
+static const char *skip_number(const char *at)
+{
+    const char *end = at + 1;
+    bool hexadecimal = *end == 'x' || *end == 'X';
+    while (is_word(*end) || *end == '.' ||
+           (!hexadecimal && (*end == '+' || *end == '-') && (end[-1] == 'e' || end[-1] == 'E')))
+        end++;
+    return end;
+}
+
+struct token token_next(const char **cursor)
+{
+    const char *at = skip_blank(*cursor), *end = at;
+    if (isdigit((unsigned char)at[*at == '.']))
+        end = skip_number(at);
+    else if (is_word(*end))
+        while (is_word(*end))
+            end++;
+    else if (*end)
+        end++;
+    *cursor = end;
+    return (struct token){at, (size_t)(end - at)};
+}
+
+/* ---- Definitions ----------------------------------------------------------------------------- */
+
+/* The name that a definition declares: after `#define`, after `struct`, before the final `;` of a
+ * `layout`, or before the first `(` or `=`. */
+static struct token defined_name(const char *text)
+{
+    const char *macro = strstr(text, "#define "), *cursor = text;
+    if (macro)
+        cursor = macro + strlen("#define ");
+    if (macro)
+        return token_next(&cursor);
+    struct token token = token_next(&cursor), before = {0};
+    if (token_is(token, "struct"))
+        return token_next(&cursor);
+    if (token_is(token, "layout")) {
+        for (; token.length; token = token_next(&cursor))
+            before = token_is(token, ";") ? before : token;
+        return before;
+    }
+    for (; token.length && !token_is(token, "(") && !token_is(token, "=");
+         token = token_next(&cursor))
+        before = token;
+    return token.length ? before : (struct token){0};
+}
+
+static void add_with_layout(struct text *out, const char *text, const char *layout)
+{
+    const char *slot = strstr(text, "@layout@");
+    if (!slot) {
+        text_add(out, "%s\n\n", text);
+        return;
+    }
+    text_add_bytes(out, text, (size_t)(slot - text));
+    text_add(out, "%s%s\n\n", layout, slot + strlen("@layout@"));
+}
+
+void glsl_put_before(struct text *part, struct text *front)
+{
+    if (part->data)
+        text_add_bytes(front, part->data, part->length);
+    text_free(part);
+    *part = *front;
+    *front = (struct text){0};
+}
+
+bool glsl_library(struct glsl *glsl, const char *name, const char *layout)
+{
+    struct model *model = glsl->model;
+    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
+    const struct source *source = path ? glsl_source(model, path) : NULL;
+    if (!source) {
+        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
+                   path ? path : name);
+        return false;
+    }
+    size_t end = source->length;
+    while (end > 0) { /* from last to first: a definition uses those above it */
+        size_t start = end;
+        while (start > 0 &&
+               !(start >= 2 && source->text[start - 1] == '\n' && source->text[start - 2] == '\n'))
+            start--;
+        size_t length = end - start;
+        while (length && source->text[start + length - 1] == '\n')
+            length--;
+        const char *text = arena_strndup(model->arena, source->text + start, length);
+        if (!text)
+            return false;
+        struct token defined = defined_name(text);
+        if (defined.length && glsl_uses(glsl, "%.*s", (int)defined.length, defined.text)) {
+            struct text front = {0};
+            add_with_layout(&front, text, layout);
+            glsl_put_before(&glsl->parts[PART_LIBRARY], &front);
+        }
+        end = start;
+        while (end > 0 && source->text[end - 1] == '\n')
+            end--;
+    }
+    return true;
+}

@@ -1,0 +1,171 @@
+/* See glslang.h. */
+extern "C" {
+#include "glslang.h"
+}
+
+#include <atomic>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <string>
+#include <vector>
+
+#include <glslang/SPIRV/GlslangToSpv.h>
+#include <glslang/Public/ResourceLimits.h>
+#include <glslang/Public/ShaderLang.h>
+#include <spirv-tools/libspirv.hpp>
+
+namespace
+{
+
+enum { VERSION_GLSL = 460 };
+
+void set_targets(glslang::TShader &shader, EShLanguage stage, const glslang_job &job)
+{
+    shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, VERSION_GLSL);
+    shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
+    shader.setEnvTarget(glslang::EShTargetSpv, job.minor == 5   ? glslang::EShTargetSpv_1_5
+                                               : job.minor == 3 ? glslang::EShTargetSpv_1_3
+                                                                : glslang::EShTargetSpv_1_0);
+}
+
+/* The author's files, as the job finds them. */
+class Files : public glslang::TShader::Includer
+{
+  public:
+    explicit Files(const glslang_job &job) : job(job)
+    {
+    }
+
+    IncludeResult *includeLocal(const char *name, const char *from, size_t depth) override
+    {
+        glslang_file file = {};
+        if (depth > MOST_DEPTH || !job.include || !job.include(job.user, from, name, &file))
+            return nullptr;
+        return new IncludeResult(file.number, file.text, file.length, nullptr);
+    }
+    IncludeResult *includeSystem(const char *, const char *, size_t) override
+    {
+        return nullptr;
+    }
+    void releaseInclude(IncludeResult *result) override
+    {
+        delete result;
+    }
+
+  private:
+    enum { MOST_DEPTH = 64 };
+    const glslang_job &job;
+};
+
+const EShLanguage stages[] = {EShLangCompute, EShLangVertex, EShLangFragment};
+
+/* All functions stay, also those that only a pass over the module calls. */
+const EShMessages rules = static_cast<EShMessages>(EShMsgSpvRules | EShMsgCascadingErrors |
+                                                   EShMsgVulkanRules | EShMsgKeepUncalled);
+
+/* Behind #version: default precisions, by which the pass `exact` knows the author's operations. They
+ * mean nothing else to it. */
+const char *const precisions = "precision mediump float;\nprecision mediump int;\n#line 2 0\n";
+
+struct Text { /* its pieces must stay until the shader is parsed */
+    const char *pieces[3];
+    int lengths[3];
+};
+
+void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
+{
+    const char *behind = std::strchr(job.code, '\n') + 1; /* #version */
+    text = {{job.code, precisions, behind}, {static_cast<int>(behind - job.code), -1, -1}};
+    if (job.marked)
+        shader.setStringsWithLengths(text.pieces, text.lengths, 3);
+    else
+        shader.setStrings(&job.code, 1);
+    shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
+    set_targets(shader, stages[job.stage], job);
+}
+
+} // namespace
+
+extern "C" bool glslang_start(void)
+{
+    static std::atomic_bool started; // glslang keeps its tables until the process ends
+    if (!started)
+        started = glslang::InitializeProcess();
+    return started;
+}
+
+extern "C" uint32_t *glslang_compile(const glslang_job *job, size_t *count, char **log)
+try {
+    EShLanguage stage = stages[job->stage];
+    glslang::TShader shader(stage);
+    glslang::TProgram program;
+    Files files(*job);
+    Text text;
+    *log = nullptr;
+    set_text(shader, *job, text);
+    if (!shader.parse(GetDefaultResources(), VERSION_GLSL, ECoreProfile, false, false, rules,
+                      files)) {
+        *log = strdup(shader.getInfoLog());
+        return nullptr;
+    }
+    program.addShader(&shader);
+    if (!program.link(rules)) {
+        *log = strdup(program.getInfoLog());
+        return nullptr;
+    }
+    std::vector<unsigned int> words;
+    glslang::SpvOptions options;
+    options.generateDebugInfo = job->lines;
+    options.disableOptimizer = true;
+    glslang::GlslangToSpv(*program.getIntermediate(stage), words, &options);
+    *count = words.size();
+    void *copy = std::malloc(words.size() * sizeof words[0]);
+    if (copy)
+        std::memcpy(copy, words.data(), words.size() * sizeof words[0]);
+    return static_cast<uint32_t *>(copy);
+} catch (const std::bad_alloc &) {
+    return nullptr;
+} catch (const std::exception &exception) {
+    *log = strdup(exception.what());
+    return nullptr;
+}
+
+extern "C" char *glslang_preprocess(const glslang_job *job, char **log)
+try {
+    glslang::TShader shader(stages[job->stage]);
+    Files files(*job);
+    Text text;
+    std::string out;
+    *log = nullptr;
+    set_text(shader, *job, text);
+    if (!shader.preprocess(GetDefaultResources(), VERSION_GLSL, ECoreProfile, false, false, rules,
+                           &out, files)) {
+        *log = strdup(shader.getInfoLog());
+        return nullptr;
+    }
+    return strdup(out.c_str());
+} catch (const std::bad_alloc &) {
+    return nullptr;
+} catch (const std::exception &exception) {
+    *log = strdup(exception.what());
+    return nullptr;
+}
+
+extern "C" bool glslang_valid(const uint32_t *words, size_t count, char **why)
+try {
+    spvtools::SpirvTools tools(SPV_ENV_UNIVERSAL_1_6);
+    spvtools::ValidatorOptions options;
+    options.SetFriendlyNames(why != nullptr);
+    std::string said;
+    tools.SetMessageConsumer([&said](spv_message_level_t, const char *, const spv_position_t &,
+                                     const char *message) { said = message; });
+    bool valid = tools.Validate(words, count, options);
+    if (why && !valid)
+        *why = strdup(said.c_str());
+    return valid;
+} catch (const std::exception &exception) {
+    if (why)
+        *why = strdup(exception.what());
+    return false;
+}

@@ -1,0 +1,46 @@
+/* glslang's C++ interface, and spirv-val, behind C functions that throw nothing. glslang's C
+ * interface reads every shader twice: it cannot parse what it has not preprocessed into text
+ * before. */
+#ifndef DIPTYCH_GEN_GLSLANG_H
+#define DIPTYCH_GEN_GLSLANG_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* False: glslang could not start. Further calls do nothing; the first must have returned before other threads
+ * compile. */
+bool glslang_start(void);
+
+/* A file that glslang includes. Its number stands for its name in messages and in OpLine. */
+struct glslang_file {
+    const char *number, *text;
+    size_t length;
+};
+
+struct glslang_job {
+    const char *code; /* Vulkan's GLSL; its first line is #version */
+    int stage;        /* enum stage */
+    int minor;        /* of the version of SPIR-V: 1.0, 1.3 or 1.5 */
+    bool lines;       /* with OpLine */
+    bool marked;      /* the author's operations have RelaxedPrecision, those that glslang adds have
+                         not */
+    /* #include "name" in the file of that number; "": in `code`. False: there is none. */
+    bool (*include)(const void *user, const char *from, const char *name,
+                    struct glslang_file *file);
+    const void *user;
+};
+
+/* SPIR-V of a shader, *count words; free(). NULL: *log, free(), has the messages of glslang, or is
+ * NULL, too, when memory ran out. */
+uint32_t *glslang_compile(const struct glslang_job *job, size_t *count, char **log);
+
+/* The text behind the preprocessor, with #line; free(). NULL: *log as above. */
+char *glslang_preprocess(const struct glslang_job *job, char **log);
+
+/* Whether a module follows SPIR-V's rules, by spirv-val: those of Vulkan take half as long again, and
+ * tests/golden_test.sh holds the modules to both APIs. why, NULL: names for messages take most of
+ * the time; free(). */
+bool glslang_valid(const uint32_t *words, size_t count, char **why);
+
+#endif

@@ -1,0 +1,512 @@
+/* The plan: makes the decisions that both backends share: order, kinds of access, bindings,
+ * ranges, lifetimes, memory slots, barriers. */
+#include "plan.h"
+#include "model/expr.h"
+#include "sanitize.h"
+
+uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise)
+{
+    int64_t value = 0;
+
+    if (!expr || expr_eval(expr, width, height, &value) != EXPR_OK)
+        return otherwise;
+    return value < 0 ? 0 : value > UINT32_MAX ? UINT32_MAX : (uint32_t)value;
+}
+
+/* ---- Kinds of access ------------------------------------------------------------------------- */
+
+static unsigned image_kind(const struct pass *pass, const struct access *access)
+{
+    const struct format_info *format = format_info(access->resource->format);
+
+    if (access->mode == MODE_READ)
+        return pass->kind == DT_PASS_DISPATCH && format->qualifier && !access->sampler
+                   ? DT_READ_STORAGE
+                   : DT_READ_TEXTURE;
+    if (pass->kind != DT_PASS_DISPATCH)
+        return access->resource->format == DT_FORMAT_D32F     ? DT_READ_DEPTH | DT_WRITE_DEPTH
+               : access->mode == MODE_UPDATE || access->blend ? DT_READ_COLOR | DT_WRITE_COLOR
+                                                              : DT_WRITE_COLOR;
+    return access->mode == MODE_WRITE ? DT_WRITE_STORAGE : DT_READ_STORAGE | DT_WRITE_STORAGE;
+}
+
+/* CPU drivers gather from a uniform block, but load from a storage buffer lane by lane, with bounds
+ * checks. Passes of SSVP took 1.2 to 1.4 times as long with storage buffers. The longer code also
+ * takes longer to compile. */
+static bool suits_uniform(const struct pipeline *pipeline, const struct pass *pass,
+                          const struct resource *buffer)
+{
+    uint64_t count = 0;
+
+    if (pipeline->gpu || !buffer->count || expr_reach(buffer->count) ||
+        !std140_equals_std430(buffer) || (pass->asks_length && !expr_is_literal(buffer->count)))
+        return false;
+    count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
+    return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
+}
+
+static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pass,
+                          const struct access *access)
+{
+    bool suits = suits_uniform(pipeline, pass, access->resource);
+
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        if (pass->ranges[i].access == access) {
+            return pass->ranges[i].storage == STORAGE_UNIFORM ||
+                   (pass->ranges[i].storage != STORAGE_BUFFER && suits);
+        }
+    }
+    return suits;
+}
+
+static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *pass,
+                            const struct access *access)
+{
+    if (access->mode == MODE_READ)
+        return reads_uniform(pipeline, pass, access) ? DT_READ_UNIFORM : DT_READ_STORAGE;
+    return access->mode == MODE_WRITE ? DT_WRITE_STORAGE : DT_READ_STORAGE | DT_WRITE_STORAGE;
+}
+
+/* Every device can bind eight storage images. Reads beyond these use texelFetch, which returns the
+ * same texels. */
+static void limit_storage_images(struct pass *pass, struct diag *diag)
+{
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+
+        count += access->resource && access->resource->kind == DT_IMAGE &&
+                 access->kind & (DT_READ_STORAGE | DT_WRITE_STORAGE);
+    }
+    for (uint32_t i = pass->access_count; i-- > 0 && count > STORAGE_IMAGE_LIMIT;) {
+        struct access *access = &pass->accesses[i];
+
+        if (access->resource && access->resource->kind == DT_IMAGE &&
+            access->kind == DT_READ_STORAGE) {
+            access->kind = DT_READ_TEXTURE;
+            count--;
+        }
+    }
+    if (count > STORAGE_IMAGE_LIMIT) {
+        diag_error(diag, pass->loc, "`%s` writes and updates %u images; a pass can have %d of them",
+                   pass->name, count, STORAGE_IMAGE_LIMIT);
+    }
+}
+
+/* Every device has twelve uniform blocks per stage; frame, live parameters and materials take
+ * three. Buffers beyond nine are storage buffers, except ranges with `storage: uniform`. */
+static void limit_uniforms(struct pass *pass)
+{
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+        bool wanted = !access->resource || !(access->kind & DT_READ_UNIFORM);
+
+        for (uint32_t k = 0; k < pass->range_count && !wanted; k++)
+            wanted = pass->ranges[k].access == access && pass->ranges[k].storage == STORAGE_UNIFORM;
+        if (!wanted && ++count > UNIFORM_LIMIT)
+            access->kind = DT_READ_STORAGE;
+    }
+}
+
+static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struct diag *diag)
+{
+    int attachments = 0;
+
+    pass->uniform_materials = pass->kind == DT_PASS_DRAW_SCENE && !pipeline->gpu;
+
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+
+        access->binding = access->attachment = -1;
+        if (!access->resource) {
+            bool mesh = access->builtin == DT_SCENE_VERTICES || access->builtin == DT_SCENE_INDICES;
+            access->kind =
+                access->builtin == DT_SCENE_TEXTURES || (mesh && !pipeline->gpu) ? DT_READ_TEXTURE
+                : access->builtin == DT_SCENE_MATERIALS && !pipeline->gpu        ? DT_READ_UNIFORM
+                                                                                 : DT_READ_STORAGE;
+        } else if (access->resource->kind == DT_IMAGE) {
+            access->kind = image_kind(pass, access);
+        } else {
+            access->kind = buffer_kind(pipeline, pass, access);
+        }
+        if (access->kind & DT_WRITE_COLOR)
+            access->attachment = attachments++;
+    }
+    if (attachments > COLOR_TARGET_LIMIT) {
+        diag_error(diag, pass->loc, "`%s` draws to %d colour targets; a pass can have %d",
+                   pass->name, attachments, COLOR_TARGET_LIMIT);
+    }
+    limit_storage_images(pass, diag);
+    limit_uniforms(pass);
+}
+
+/* ---- Bindings -------------------------------------------------------------------------------- */
+
+enum binding_class {
+    BIND_STORAGE_IMAGE,
+    BIND_STORAGE_BUFFER,
+    BIND_UNIFORM,
+    BIND_TEXTURE,
+    BIND_NONE
+};
+
+static enum binding_class binding_class(const struct access *access)
+{
+    bool image = access->resource ? access->resource->kind == DT_IMAGE
+                                  : access->builtin == DT_SCENE_TEXTURES;
+
+    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH))
+        return BIND_NONE;
+    if (access->kind & DT_READ_TEXTURE)
+        return BIND_TEXTURE;
+    if (access->kind & DT_READ_UNIFORM)
+        return BIND_UNIFORM;
+    return image ? BIND_STORAGE_IMAGE : BIND_STORAGE_BUFFER;
+}
+
+static int bind_class(struct pass *pass, enum binding_class class, int next)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+
+        if (binding_class(access) != class)
+            continue;
+        if (pass->kind == DT_PASS_DRAW_SCENE && access->builtin == DT_SCENE_MATERIALS &&
+            !access->resource)
+            access->binding = pass->materials_binding;
+        else if (pass->kind == DT_PASS_DRAW_SCENE && access->builtin == DT_SCENE_TEXTURES &&
+                 !access->resource)
+            access->binding = pass->textures_binding;
+        else
+            access->binding = next++;
+    }
+    return next;
+}
+
+/* One numbering for all kinds fits Vulkan's one set and OpenGL's separate tables. Storage images
+ * and buffers come first because OpenGL has the fewest bindings for them. */
+static void plan_bindings(struct pass *pass, struct diag *diag)
+{
+    int next = bind_class(pass, BIND_STORAGE_IMAGE, 0), first_texture = 0;
+
+    pass->materials_binding =
+        pass->kind == DT_PASS_DRAW_SCENE && !pass->uniform_materials ? next++ : -1;
+    next = bind_class(pass, BIND_STORAGE_BUFFER, next);
+    pass->frame_binding = next++;
+    pass->live_binding = next++;
+    if (pass->uniform_materials)
+        pass->materials_binding = next++;
+    next = bind_class(pass, BIND_UNIFORM, next);
+    first_texture = next;
+    pass->textures_binding = pass->kind == DT_PASS_DRAW_SCENE ? next++ : -1;
+    next = bind_class(pass, BIND_TEXTURE, next);
+    if (next - first_texture > TEXTURE_LIMIT) {
+        diag_error(diag, pass->loc,
+                   "`%s` has %d textures; a pass can have %d: images that it reads, "
+                   "`scene_textures`, and texel buffers of the scene",
+                   pass->name, next - first_texture, TEXTURE_LIMIT);
+    }
+}
+
+/* ---- Ranges ---------------------------------------------------------------------------------- */
+
+/* Elements of an unrolled block. */
+enum { UNROLLED_BLOCK = 32 };
+
+/* The largest divisor of count in 8..limit, so that all blocks are full; else the limit, with a
+ * short last block. */
+static uint32_t chunk_of(uint64_t count, uint32_t limit)
+{
+    if (count <= limit)
+        return count ? (uint32_t)count : 1;
+    for (uint32_t chunk = limit; chunk >= 8; chunk--)
+        if (count % chunk == 0)
+            return chunk;
+    return limit;
+}
+
+/* Checks that a uniform block can have the buffer's layout and size. */
+static void check_uniform(const struct range *range, const struct resource *buffer,
+                          struct diag *diag)
+{
+    if (!std140_equals_std430(buffer)) {
+        diag_error(diag, range->loc,
+                   "`%s` cannot be a uniform block: the sizes of its elements and of their arrays "
+                   "must be multiples of 16 bytes; pad `%s` or choose another storage",
+                   buffer->name, buffer->of);
+    }
+    if (buffer->bytes > UNIFORM_BLOCK_LIMIT) {
+        diag_error(diag, range->loc,
+                   "`%s` has %llu bytes, more than the limit of a uniform block, %d; choose "
+                   "another storage",
+                   buffer->name, (unsigned long long)buffer->bytes, UNIFORM_BLOCK_LIMIT);
+    }
+}
+
+static uint64_t count_of(const struct range *range)
+{
+    return range->count_value > 0 ? (uint64_t)range->count_value : 1;
+}
+
+static uint32_t stride_of(const struct range *range)
+{
+    const struct resource *buffer = range->access ? range->access->resource : NULL;
+
+    return buffer ? buffer->stride : sizeof(struct dt_material);
+}
+
+/* Chooses what the spec leaves open. CPU drivers read shared memory fast at literal indices and
+ * outside of loops only; what is not unrolled they read in place. A GPU reads shared memory as fast
+ * in a loop, and long unrolled code only fills its instruction cache. */
+static void choose_range(struct range *range, bool unrolled, bool gpu)
+{
+    if (range->storage == STORAGE_AUTO && (gpu || (unrolled && range->loop != LOOP_ROLL)) &&
+        stride_of(range) <= SHARED_MEMORY_LIMIT / 8)
+        range->storage = STORAGE_SHARED;
+    if (range->loop == LOOP_AUTO)
+        range->loop = unrolled ? LOOP_UNROLL : LOOP_ROLL;
+}
+
+static void plan_chunk(struct range *range)
+{
+    uint32_t limit = range->loop == LOOP_ROLL ? 2 * UNROLLED_BLOCK : UNROLLED_BLOCK;
+    uint32_t stride = stride_of(range);
+
+    if (range->storage == STORAGE_SHARED) {
+        limit = stride * limit > SHARED_MEMORY_LIMIT ? SHARED_MEMORY_LIMIT / stride : limit;
+        limit = limit ? limit : 1;
+    }
+    range->chunk = chunk_of(count_of(range), limit);
+    range->counted = range->loop == LOOP_ROLL && range->storage != STORAGE_SHARED &&
+                     !expr_is_literal(range->count);
+}
+
+/* The copies of all ranges of a pass must fit in shared memory together. */
+static void check_shared(const struct pass *pass, struct diag *diag)
+{
+    uint64_t bytes = 0;
+
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        const struct range *range = &pass->ranges[i];
+        const struct resource *buffer = range->access ? range->access->resource : NULL;
+
+        if (range->storage == STORAGE_SHARED) {
+            bytes +=
+                (uint64_t)range->chunk * (buffer ? buffer->stride : sizeof(struct dt_material));
+        }
+    }
+    if (bytes > SHARED_MEMORY_LIMIT) {
+        diag_error(diag, pass->ranges[0].loc,
+                   "the ranges of `%s` take %llu bytes of shared memory; every device has %d: give "
+                   "one of them "
+                   "`storage: buffer`",
+                   pass->name, (unsigned long long)bytes, SHARED_MEMORY_LIMIT);
+    }
+}
+
+/* On a CPU, copying the ranges costs a workgroup of 64 as much as shading its pixels. So groups of
+ * 256 are the default: larger ones gain nothing, and not every device has them. */
+static void plan_local(struct pass *pass, const struct pipeline *pipeline)
+{
+    bool flat = pass->local[1] == 1;
+
+    if (!pipeline->gpu && pass->range_count && !pass->local_size[0] && pass->size != SIZE_GROUPS) {
+        pass->local[0] = flat ? 256 : 16;
+        pass->local[1] = flat ? 1 : 16;
+    }
+}
+
+/* The shortest range without a chunk, the first of equals. */
+static struct range *next_range(struct pass *pass)
+{
+    struct range *next = NULL;
+
+    for (uint32_t i = 0; i < pass->range_count; i++) {
+        struct range *range = &pass->ranges[i];
+
+        if (!range->chunk && (!next || count_of(range) < count_of(next)))
+            next = range;
+    }
+    return next;
+}
+
+/* Whether to unroll a range. others: elements of long ranges that are unrolled already. Code that
+ * reads an image is long, and CPU drivers take several times as long to compile it as arithmetic. */
+static bool may_unroll(const struct range *range, uint64_t others, bool gpu)
+{
+    uint64_t count = count_of(range);
+
+    if (gpu)
+        return count <= 2 * UNROLLED_BLOCK;
+    return count <= UNROLLED_BLOCK || (!range->reads_images && count + others <= UNROLLED_LIMIT);
+}
+
+/* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. */
+static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
+{
+    uint64_t unrolled = 0;
+    struct range *range;
+
+    plan_local(pass, pipeline);
+    for (uint32_t i = 0; i < pass->range_count; i++)
+        pass->ranges[i].chunk = 0;
+    while ((range = next_range(pass))) {
+        choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+        plan_chunk(range);
+        if (range->loop == LOOP_UNROLL && count_of(range) > UNROLLED_BLOCK)
+            unrolled += count_of(range);
+    }
+    check_shared(pass, diag);
+}
+
+static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
+{
+    for (uint32_t p = 0; p < pipeline->pass_count; p++) {
+        const struct pass *pass = &pipeline->passes[p];
+
+        for (uint32_t i = 0; i < pass->range_count; i++) {
+            const struct range *range = &pass->ranges[i];
+
+            if (range->storage == STORAGE_UNIFORM && range->access && range->access->resource)
+                check_uniform(range, range->access->resource, diag);
+        }
+    }
+}
+
+/* ---- Touches --------------------------------------------------------------------------------- */
+
+static unsigned stages_of(const struct pass *pass, const struct access *access)
+{
+    if (access->kind & DT_WRITE_COLOR)
+        return DT_STAGE_COLOR;
+    if (access->kind & DT_WRITE_DEPTH)
+        return DT_STAGE_DEPTH;
+    if (pass->kind == DT_PASS_DISPATCH)
+        return DT_STAGE_COMPUTE;
+    if (access->resource && access->resource->internal)
+        return DT_STAGE_VERTEX | DT_STAGE_FRAGMENT;
+    /* Draws write buffers in the fragment stage; generated vertex shaders read none. */
+    return (pass->kind != DT_PASS_DRAW_FULLSCREEN || pass->own_vertices) &&
+                   access->mode == MODE_READ
+               ? DT_STAGE_VERTEX | DT_STAGE_FRAGMENT
+               : DT_STAGE_FRAGMENT;
+}
+
+static uint32_t merge_touch(struct touch *touches, uint32_t count, struct touch touch)
+{
+    for (uint32_t i = 0; i < count; i++) {
+        if (touches[i].resource == touch.resource && touches[i].mips == touch.mips) {
+            touches[i].kind |= touch.kind;
+            touches[i].stages |= touch.stages;
+            touches[i].reads |= touch.reads;
+            touches[i].writes |= touch.writes;
+            return count;
+        }
+    }
+    touches[count] = touch;
+    return count + 1;
+}
+
+bool access_is_texels(const struct access *access)
+{
+    return access->kind & DT_READ_TEXTURE &&
+           (access->builtin == DT_SCENE_VERTICES || access->builtin == DT_SCENE_INDICES);
+}
+
+bool access_sees_one_mip(const struct access *access)
+{
+    return access->resource && (access->resource->mips || access->resource->shape) &&
+           access->kind & DT_READ_TEXTURE && (access->mip || access->layer || !access->sampler);
+}
+
+uint32_t mips_of(const struct resource *resource)
+{
+    return expr_value(resource->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+}
+
+static uint32_t touched_mips(const struct access *access)
+{
+    uint32_t mips = mips_of(access->resource);
+    bool one = access_sees_one_mip(access) || !(access->kind & DT_READ_TEXTURE);
+
+    return one ? 1u << access->mip_value : mips < 32 ? (1u << mips) - 1 : UINT32_MAX;
+}
+
+uint32_t pass_touches(const struct pass *pass, struct touch *touches)
+{
+    uint32_t count = 0;
+
+    if (pass->indirect_resource) {
+        count = merge_touch(touches, count,
+                            (struct touch){pass->indirect_resource, DT_READ_INDIRECT,
+                                           DT_STAGE_INDIRECT, true, false, 1});
+    }
+    if (pass->index_resource) {
+        count = merge_touch(
+            touches, count,
+            (struct touch){pass->index_resource, DT_READ_INDEX, DT_STAGE_INDEX, true, false, 1});
+    }
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        struct touch touch = {access->resource,          access->kind,
+                              stages_of(pass, access),   access->mode != MODE_WRITE,
+                              access->mode != MODE_READ, 1};
+
+        if (!access->resource)
+            continue;
+        touch.mips = touched_mips(access);
+        /* A pass that is skipped at run time clears its outputs: targets as attachments, other
+         * resources by clear commands. */
+        if (pass->conditional && access->mode == MODE_WRITE &&
+            !(access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH))) {
+            touch.kind |= DT_WRITE_CLEAR;
+            touch.stages |= DT_STAGE_CLEAR;
+        }
+        count = merge_touch(touches, count, touch);
+    }
+    return count;
+}
+
+/* A uniform block has a fixed length in the shader. For a count from uniform parameters the length
+ * is the limit, so that every count has the same shader. */
+static void plan_blocks(struct pipeline *pipeline)
+{
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        struct resource *buffer = &pipeline->resources[i];
+        uint64_t bytes;
+
+        if (!(buffer->usage & DT_READ_UNIFORM) || !buffer->count || expr_is_literal(buffer->count))
+            continue;
+        bytes = buffer->stride *
+                (uint64_t)expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
+        buffer->block = bytes <= UNIFORM_BLOCK_LIMIT ? UNIFORM_BLOCK_LIMIT : SOFTWARE_UNIFORM_LIMIT;
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------- */
+
+bool plan_model(struct model *model, struct diag *diag)
+{
+    struct pipeline *pipeline = &model->pipeline;
+    unsigned errors = diag_error_count(diag);
+    bool ordered = plan_order(model, diag);
+
+    if (!sanitize_plan(model))
+        return false;
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        plan_ranges(&pipeline->passes[i], pipeline, diag);
+        plan_kinds(pipeline, &pipeline->passes[i], diag);
+        plan_bindings(&pipeline->passes[i], diag);
+    }
+    if (!ordered)
+        return false;
+    plan_lifetimes(model);
+    plan_blocks(pipeline);
+    check_uniforms(pipeline, diag);
+    plan_slots(model);
+    plan_barriers(model);
+    return diag_error_count(diag) == errors;
+}

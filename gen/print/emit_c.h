@@ -1,0 +1,42 @@
+/* What the emitters of C share: names, literals, expressions. Defined in emit_c.c; used by
+ * emit_header.c, emit_pipeline.c, emit_panel.c and emit_shaders.c. Emitters read the model and its
+ * tables and never change them. */
+#ifndef DIPTYCH_GEN_EMIT_C_H
+#define DIPTYCH_GEN_EMIT_C_H
+
+#include "model/expr.h"
+#include "print.h"
+#include "plan/plan.h"
+
+struct c_output {
+    const struct model *model;
+    const struct pipeline *pipeline;
+    const struct lowered *tables; /* NULL for NAME.h */
+    struct text *out;
+};
+
+void c_upper(struct text *out, const char *name);
+/* SSVP_PASS_GBUFFER */
+void c_enumerator(const struct c_output *c, const char *group, const char *name);
+void c_resource(const struct c_output *c,
+                uint32_t resource); /* or the name of an enum dt_builtin */
+void c_pass(const struct c_output *c, uint32_t pass);
+void c_string(struct text *out, const char *text);  /* with quotes; NULL: "" */
+void c_comment(struct text *out, const char *text); /* on one line, cannot end a comment */
+void c_double(struct text *out, double value);      /* a double constant expression */
+void c_float(struct text *out, double value);       /* a float constant */
+/* An int64_t expression: a literal when it is baked; NULL: 1. */
+void c_expr(struct text *out, const struct expr *expr);
+void c_amount(const struct c_output *c, const struct amount *amount); /* IMAGE: of `size` */
+/* Two members of a struct: a table and its length; nothing for an empty one. */
+void c_table(const struct c_output *c, const char *name, const char *count, uint32_t n);
+/* Declares those of `width`, `height` and `live` that the function body uses, with values from a
+ * struct dt_recording `r`. */
+void c_frame_locals(const struct c_output *c, const char *body);
+/* The first comment of a generated file; `what` follows the pipeline's doc or name. */
+void c_head(const struct c_output *c, const char *what);
+
+/* emit_pipeline.c: the reflection, the first half of NAME.c. */
+void emit_reflection(const struct c_output *c);
+
+#endif

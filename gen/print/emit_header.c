@@ -1,0 +1,383 @@
+/* NAME.h: the C declarations of a pipeline. Structs with explicit padding and asserted offsets,
+ * baked parameters as constants, the live block, the indices of resources and passes. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "read/body_files.h"
+#include "emit_c.h"
+
+/* A member of a struct; padding may stand before and after it. */
+struct member {
+    const char *name;
+    enum dt_type type;
+    uint32_t array_count, offset, size;
+    const struct param *param; /* NULL: a field */
+};
+
+/* " [0.1..10]": what the spec gives of it. */
+static void emit_range(struct text *out, const struct param *param)
+{
+    if (isinf(param->min) && isinf(param->max))
+        return;
+    text_add(out, " [");
+    if (!isinf(param->min))
+        text_add_double(out, param->min);
+    text_add(out, "..");
+    if (!isinf(param->max))
+        text_add_double(out, param->max);
+    text_add(out, "]");
+}
+
+static void emit_member(struct text *out, const struct member *member)
+{
+    const struct type_info *info = type_info(member->type);
+    bool padded = member->array_count && info->size != info->align && info->columns == 1;
+
+    text_add(out, "    %s %s", info->c, member->name);
+    if (member->array_count)
+        text_add(out, "[%" PRIu32 "]", member->array_count);
+    if (info->columns > 1)
+        text_add(out, "[%" PRIu32 "]", info->columns);
+    if (info->components > 1)
+        text_add(out, "[%" PRIu32 "]", padded ? info->components + 1 : info->components);
+    text_add(out, "; /* %s%s", member->type == DT_TYPE_BOOL ? "bool, 0 or 1" : info->name,
+             padded ? ", the last of each is padding" : "");
+    if (member->param && member->param->doc) {
+        text_add(out, ": ");
+        c_comment(out, member->param->doc);
+    }
+    if (member->param)
+        emit_range(out, member->param);
+    text_add(out, " */\n");
+}
+
+static bool is_member(const struct member *members, uint32_t count, const char *name)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (strcmp(members[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+static void emit_padding(struct text *out, const struct member *members, uint32_t count,
+                         uint32_t bytes, unsigned *number)
+{
+    char name[32];
+
+    do {
+        snprintf(name, sizeof name, "padding%u", (*number)++);
+    } while (is_member(members, count, name));
+    if (bytes)
+        text_add(out, "    uint32_t %s[%" PRIu32 "];\n", name, bytes / 4);
+}
+
+/* The struct's body and its assertions; members in order of offset. */
+static void emit_struct(struct text *out, const char *tag, const char *rule,
+                        const struct member *members, uint32_t count, uint32_t size)
+{
+    uint32_t at = 0;
+    unsigned number = 0;
+
+    text_add(out, "struct %s {\n", tag);
+    for (uint32_t i = 0; i < count; i++) {
+        if (members[i].offset > at)
+            emit_padding(out, members, count, members[i].offset - at, &number);
+        emit_member(out, &members[i]);
+        at = members[i].offset + members[i].size;
+    }
+    if (size > at)
+        emit_padding(out, members, count, size - at, &number);
+    text_add(out, "};\n_Static_assert(sizeof(struct %s) == %" PRIu32 ", \"%s: %s\");\n", tag, size,
+             tag, rule);
+    for (uint32_t i = 0; i < count; i++) {
+        text_add(out, "_Static_assert(offsetof(struct %s, %s) == %" PRIu32 ", \"%s.%s: %s\");\n",
+                 tag, members[i].name, members[i].offset, tag, members[i].name, rule);
+    }
+    text_add(out, "\n");
+}
+
+static void emit_structs(const struct c_output *c)
+{
+    for (uint32_t i = 0; i < c->pipeline->struct_count; i++) {
+        const struct structure *structure = &c->pipeline->structs[i];
+        struct arena *arena = c->model->arena;
+        struct member *members = arena_alloc(arena, (structure->field_count + 1) * sizeof *members);
+
+        for (uint32_t f = 0; members && f < structure->field_count; f++) {
+            const struct field *field = &structure->fields[f];
+            uint32_t size = type_info(field->type)->size;
+
+            members[f] = (struct member){
+                field->name,
+                field->type,
+                field->array_count,
+                field->offset,
+                field->array_count ? field->array_count * field->array_stride : size,
+                NULL};
+        }
+        text_add(c->out, "/* ");
+        c_comment(c->out, structure->doc ? structure->doc : structure->name);
+        text_add(c->out, ": std430, %" PRIu32 " bytes from element to element. */\n",
+                 structure->stride);
+        if (members) {
+            emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, structure->name),
+                        "std430", members, structure->field_count, structure->stride);
+        }
+    }
+}
+
+/* The parameters of one part of the block; offsets are relative to the part. */
+static void emit_part(const struct c_output *c, const char *part, bool live, uint32_t from,
+                      uint32_t size)
+{
+    struct arena *arena = c->model->arena;
+    struct member *members = arena_alloc(arena, (c->pipeline->param_count + 1) * sizeof *members);
+    uint32_t count = 0;
+
+    for (uint32_t i = 0; members && i < c->pipeline->param_count; i++) {
+        const struct param *param = &c->pipeline->params[i];
+
+        if (live ? param->live : param->uniform) {
+            members[count++] = (struct member){
+                param->name, param->type, 0, param->offset - from, type_info(param->type)->size,
+                param};
+        }
+    }
+    if (members) {
+        emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, part), "std140",
+                    members, count, size);
+    }
+}
+
+static void emit_block(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+
+    text_add(c->out, "/* The uniform block of the live parameters: std140. */\n");
+    emit_part(c, "live", true, 0, pipeline->live_size);
+    if (pipeline->block_size > pipeline->live_size) {
+        text_add(c->out,
+                 "/* Behind them, what a frame cannot change: the uniform parameters. */\n");
+        emit_part(c, "uniform", false, pipeline->live_size,
+                  pipeline->block_size - pipeline->live_size);
+    }
+}
+
+/* ---- Constants ------------------------------------------------------------------------------- */
+
+static void emit_value(const struct c_output *c, const struct param *param, uint32_t component)
+{
+    bool real = param->type <= DT_TYPE_VEC4;
+    bool is_unsigned = param->type >= DT_TYPE_UINT && param->type <= DT_TYPE_UVEC4;
+
+    text_add(c->out, "#define ");
+    c_enumerator(c, "PARAM", param->name);
+    if (param->components > 1)
+        text_add(c->out, "_%c", "XYZW"[component & 3]);
+    text_add(c->out, " ");
+    if (real) {
+        c_float(c->out, param->value[component]);
+    } else {
+        text_add(c->out, param->value[component] < 0 ? "(%.0f%s)" : "%.0f%s",
+                 param->value[component], is_unsigned ? "u" : "");
+    }
+    text_add(c->out, "\n");
+}
+
+static void emit_param_comment(const struct c_output *c, const struct param *param)
+{
+    text_add(c->out, "/* %s", param->name);
+    if (param->doc) {
+        text_add(c->out, ": ");
+        c_comment(c->out, param->doc);
+    }
+    emit_range(c->out, param);
+    text_add(c->out, " */\n");
+}
+
+static void emit_params(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+    bool any = false;
+
+    for (uint32_t i = 0; i < pipeline->param_count; i++) {
+        const struct param *param = &pipeline->params[i];
+
+        if (param->live)
+            continue;
+        text_add(c->out, any ? "" : "/* ---- Baked parameters ---- */\n\n");
+        any = true;
+        emit_param_comment(c, param);
+        for (uint32_t component = 0; component < param->components; component++)
+            emit_value(c, param, component);
+    }
+    text_add(c->out, any ? "\n" : "");
+    any = false;
+    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
+        const struct constant *constant = &pipeline->constants[i];
+
+        if (!constant->folds)
+            continue;
+        text_add(c->out, any ? "" : "/* ---- Constants ---- */\n\n");
+        any = true;
+        text_add(c->out, "#define ");
+        c_enumerator(c, "CONSTANT", constant->name);
+        text_add(c->out, constant->folded < 0 ? " (%" PRId64 ")" : " %" PRId64, constant->folded);
+        if (constant->doc) {
+            text_add(c->out, " /* ");
+            c_comment(c->out, constant->doc);
+            text_add(c->out, " */");
+        }
+        text_add(c->out, "\n");
+    }
+    text_add(c->out, any ? "\n" : "");
+}
+
+static uint32_t size_at(const struct resource *resource, int axis, uint32_t width, uint32_t height)
+{
+    return expr_value(resource_size(resource, axis), width, height, 1);
+}
+
+/* Whether the image has the size of the frame: of two frames. */
+static bool fills_frame(const struct resource *image)
+{
+    return !image->layers && size_at(image, 0, 1021, 509) == 1021 &&
+           size_at(image, 1, 1021, 509) == 509 && size_at(image, 0, 61, 127) == 61 &&
+           size_at(image, 1, 61, 127) == 127;
+}
+
+/* "rgba16f of the frame's size", "rgba8 256x128, 3 mips", "Lamp[6]"; other sizes that depend on the
+ * frame: those at the reference frame. */
+static void emit_size(struct text *out, const struct resource *resource)
+{
+    unsigned reach = 0;
+    for (int axis = 0; axis < 3; axis++)
+        reach |= resource_size(resource, axis) ? expr_reach(resource_size(resource, axis)) : 0;
+    if (resource->kind == DT_BUFFER)
+        text_add(out, "%s[%" PRIu32 "]",
+                 resource->structure ? resource->structure->name : type_info(resource->type)->name,
+                 size_at(resource, 0, REFERENCE_WIDTH, REFERENCE_HEIGHT));
+    else
+        text_add(out, "%s ", format_info(resource->format)->name);
+    if (resource->kind == DT_IMAGE && fills_frame(resource)) {
+        text_add(out, "of the frame's size");
+        reach = 0;
+    }
+    for (int axis = 0; axis < 3 && resource->kind == DT_IMAGE && !fills_frame(resource); axis++)
+        if (resource_size(resource, axis))
+            text_add(out, axis ? "x%" PRIu32 : "%" PRIu32,
+                     size_at(resource, axis, REFERENCE_WIDTH, REFERENCE_HEIGHT));
+    if (reach)
+        text_add(out, " at %dx%d", REFERENCE_WIDTH, REFERENCE_HEIGHT);
+    if (mips_of(resource) > 1)
+        text_add(out, ", %" PRIu32 " mips", mips_of(resource));
+}
+
+/* What a host hands in. */
+static void emit_source(struct text *out, const struct resource *resource)
+{
+    text_add(out, resource->file ? "; input: the host hands in the content of "
+                                 : "; input: the host's content");
+    c_comment(out, resource->file);
+    if (resource->file && resource->kind == DT_IMAGE)
+        text_add(out, ", last row first%s", resource->srgb ? ", decoded from sRGB" : "");
+}
+
+static void emit_resource(const struct c_output *c, const struct resource *resource)
+{
+    const struct pipeline *pipeline = c->pipeline;
+    text_add(c->out, "    ");
+    c_enumerator(c, "RESOURCE", resource->name);
+    text_add(c->out, ", /* ");
+    emit_size(c->out, resource);
+    if (resource->input)
+        emit_source(c->out, resource);
+    else if (resource->history)
+        text_add(c->out, "; history");
+    if (pipeline->linear_output && !strcmp(pipeline->linear_output, resource->name))
+        text_add(c->out, "; linear output");
+    if (pipeline->display_output && !strcmp(pipeline->display_output, resource->name))
+        text_add(c->out, "; display output");
+    if (resource->doc) {
+        text_add(c->out, ": ");
+        c_comment(c->out, resource->doc);
+    }
+    text_add(c->out, " */\n");
+}
+
+/* Its `doc`, and what its body asks of a host. */
+static void emit_pass_comment(const struct c_output *c, const struct pass *pass)
+{
+    bool numbers = body_mentions(pass->files, "vertex_triangle");
+    if (!pass->doc && !numbers)
+        return;
+    text_add(c->out, " /* ");
+    if (pass->doc)
+        c_comment(c->out, pass->doc);
+    if (numbers)
+        text_add(c->out, "%sreads vertex_triangle: see dt_number_triangles", pass->doc ? "; " : "");
+    text_add(c->out, " */");
+}
+
+static void emit_indices(const struct c_output *c)
+{
+    const struct pipeline *pipeline = c->pipeline;
+
+    text_add(c->out, "/* Indices into %s_pipeline.resources. */\nenum {\n", pipeline->name);
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        emit_resource(c, &pipeline->resources[i]);
+    text_add(c->out, "    ");
+    c_upper(c->out, pipeline->name);
+    text_add(c->out,
+             "_RESOURCES /* how many */\n};\n\n/* Passes in order of execution. */\nenum {\n");
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        text_add(c->out, "    ");
+        c_enumerator(c, "PASS", pipeline->order[i]->name);
+        text_add(c->out, ",");
+        emit_pass_comment(c, pipeline->order[i]);
+        text_add(c->out, "\n");
+    }
+    text_add(c->out, "    ");
+    c_upper(c->out, pipeline->name);
+    text_add(c->out, "_PASSES /* how many */\n};\n\n");
+}
+
+static void emit_objects(const struct c_output *c)
+{
+    const char *name = c->pipeline->name;
+    text_add(c->out,
+             "/* For runtimes: %s_panel is the same for all of them, the shaders are each one's "
+             "own. */\n"
+             "#ifdef __cplusplus\nextern \"C\" {\n#endif\n"
+             "extern const struct dt_pipeline %s_pipeline;\n"
+             "extern const struct dt_panel %s_panel;\n"
+             "extern const struct dt_shaders %s_gl, %s_vk;\n"
+             "extern const struct %s_live %s_live_defaults;\n"
+             "#ifdef __cplusplus\n}\n#endif\n",
+             name, name, name, name, name, name, name);
+}
+
+void emit_header(const struct model *model, struct text *out)
+{
+    struct c_output c = {.model = model, .pipeline = &model->pipeline, .out = out};
+
+    c_head(&c, "");
+    text_add(out, "#ifndef DIPTYCH_GENERATED_");
+    c_upper(out, model->pipeline.name);
+    text_add(out, "_H\n#define DIPTYCH_GENERATED_");
+    c_upper(out, model->pipeline.name);
+    text_add(out, "_H\n\n#include \"diptych.h\"\n\n");
+    text_add(out,
+             "#if !DT_TAKES(DT_MAKE_VERSION(%d, %d, %d))\n"
+             "#error \"diptych.h is of another version than the generator of this file\"\n"
+             "#endif\n\n",
+             DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH);
+    emit_params(&c);
+    emit_structs(&c);
+    emit_block(&c);
+    emit_indices(&c);
+    emit_objects(&c);
+    text_add(out, "\n#endif\n");
+}

@@ -1,0 +1,20 @@
+/* What the generator prints, besides GLSL: C, graphs, tables for people and editors. */
+#ifndef DIPTYCH_GEN_PRINT_H
+#define DIPTYCH_GEN_PRINT_H
+
+#include "lower/lower.h"
+
+void emit_header(const struct model *model, struct text *out);     /* NAME.h */
+void emit_c_panel(const struct lowered *tables, struct text *out); /* NAME.c, for all backends */
+/* NAME_gl_shaders.c and NAME_vk_shaders.c. names: keep them in SPIR-V. glsl: also OpenGL's GLSL. */
+void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
+                    struct text *out);
+void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
+void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
+/* needs.c: --needs, Markdown. */
+void emit_device_needs(const struct lowered *tables, struct text *out);
+void emit_schema(struct text *out);         /* schema.c */
+void emit_reference(struct text *out);      /* reference.c: Markdown */
+void emit_body_reference(struct text *out); /* reference_body.c: its chapter on pass bodies */
+
+#endif

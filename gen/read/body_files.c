@@ -1,0 +1,228 @@
+/* See body_files.h. */
+#include "body_files.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { MOST_FILES = 256, MOST_INCLUDES = 1024 };
+
+static bool is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_';
+}
+
+const char *find_word(const char *text, const char *word)
+{
+    size_t length = strlen(word);
+    for (const char *at = text; at && length && (at = strstr(at, word)); at += length) {
+        bool starts = at == text || (!is_word(at[-1]) && at[-1] != '.');
+        if (starts && !is_word(at[length]))
+            return at;
+    }
+    return NULL;
+}
+
+/* Blanks instead of comments, in place; newlines stay. */
+static void blank_comments(char *at)
+{
+    while (*at) {
+        if (at[0] == '/' && at[1] == '/') {
+            for (; *at && (*at != '\n' || at[-1] == '\\'); at++)
+                *at = *at == '\n' || *at == '\\' ? *at : ' ';
+        } else if (at[0] == '/' && at[1] == '*') {
+            at[0] = at[1] = ' ';
+            for (at += 2; *at && !(at[0] == '*' && at[1] == '/'); at++)
+                *at = *at == '\n' ? '\n' : ' ';
+            for (int i = 0; i < 2 && *at; i++)
+                *at++ = ' ';
+        } else {
+            at++;
+        }
+    }
+}
+
+/* ---- The table of files ----------------------------------------------------------------------------------- */
+
+const struct source *glsl_source(struct model *model, const char *path)
+{
+    const char *plain = source_path(model->arena, path);
+    uint32_t count = model->glsl_source_count;
+    for (uint32_t i = 0; plain && i < count; i++)
+        if (!strcmp(model->glsl_sources[i]->path, plain))
+            return model->glsl_sources[i];
+    const char *reason;
+    const struct source *source = plain ? source_read(model, plain, &reason) : NULL;
+    return source && glsl_source_add(model, source, NULL) ? source : NULL;
+}
+
+bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number)
+{
+    uint32_t count = model->glsl_source_count;
+    for (uint32_t i = 0; i < count; i++)
+        if (model->glsl_sources[i] == source) {
+            if (number)
+                *number = i + 1;
+            return true;
+        }
+    const struct source **sources = arena_alloc(model->arena, (count + 1) * sizeof *sources);
+    if (!sources)
+        return false;
+    if (count)
+        memcpy(sources, model->glsl_sources, count * sizeof *sources);
+    sources[count] = source;
+    model->glsl_sources = sources;
+    model->glsl_source_count = count + 1;
+    if (number)
+        *number = count + 1;
+    return true;
+}
+
+/* ---- Files of a body -------------------------------------------------------------------------- */
+
+static bool add_file(struct model *model, struct body_files *files, const struct source *source)
+{
+    struct body_file *file = &files->list[files->count];
+    char *code = arena_strndup(model->arena, source->text, source->length);
+    if (!code || !glsl_source_add(model, source, &file->number))
+        return false;
+    blank_comments(code);
+    file->name = arena_printf(model->arena, "%u", file->number);
+    file->source = source;
+    file->code = code;
+    files->count++;
+    return file->name;
+}
+
+/* Beside the including file, then in the templates, then in templates/glsl. */
+static const struct source *find_include(struct model *model, const struct source *from,
+                                         const char *name, size_t length)
+{
+    const struct source *source = NULL;
+    for (int place = 0; place < 3 && !source; place++) {
+        const char *path = source_candidate(model, from->path, name, length, place);
+        source = path ? glsl_source(model, path) : NULL;
+    }
+    return source;
+}
+
+/* Behind a `#`: the name of an include in quotes; NULL: another directive. */
+static const char *include_name(const char *at, size_t *length)
+{
+    while (*at == ' ' || *at == '\t' || (at[0] == '\\' && at[1] == '\n' && at++))
+        at++;
+    if (strncmp(at, "include", 7) != 0)
+        return NULL;
+    at += 7 + strspn(at + 7, " \t");
+    *length = *at == '"' ? strcspn(at + 1, "\"\n") : 0;
+    return *at == '"' && at[1 + *length] == '"' ? at + 1 : NULL;
+}
+
+static bool add_include(struct model *model, struct body_files *files, uint32_t from,
+                        const char *name, size_t length)
+{
+    const struct source *source = find_include(model, files->list[from].source, name, length);
+    uint32_t file = 0;
+    if (!source || files->include_count == MOST_INCLUDES)
+        return true;
+    while (file < files->count && files->list[file].source != source)
+        file++;
+    if (file == files->count && (file == MOST_FILES || !add_file(model, files, source)))
+        return file == MOST_FILES;
+    const char *copy = arena_strndup(model->arena, name, length);
+    files->includes[files->include_count++] =
+        (struct body_include){files->list[from].number, copy, &files->list[file]};
+    return copy;
+}
+
+/* Blanks what stands in quotes: words of file names are no identifiers. */
+static void blank_names(char *code)
+{
+    for (char *at = code; (at = strchr(at, '#')); at++) {
+        size_t length;
+        const char *name = include_name(at + 1, &length);
+        if (name)
+            memset(code + (name - code), ' ', length);
+    }
+}
+
+const struct body_files *body_files_read(struct model *model, const struct source *body)
+{
+    struct body_files *files = arena_alloc(model->arena, sizeof *files);
+    struct body_file *list = arena_alloc(model->arena, MOST_FILES * sizeof *list);
+    struct body_include *includes = arena_alloc(model->arena, MOST_INCLUDES * sizeof *includes);
+    if (!files || !list || !includes)
+        return NULL;
+    *files = (struct body_files){.list = list, .includes = includes};
+    bool good = add_file(model, files, body);
+    for (uint32_t i = 0; good && i < files->count; i++)
+        for (const char *at = list[i].code; good && (at = strchr(at, '#')); at++) {
+            size_t length;
+            const char *name = include_name(at + 1, &length);
+            if (name)
+                good = add_include(model, files, i, name, length);
+        }
+    for (uint32_t i = 0; good && i < files->count; i++)
+        blank_names(files->list[i].code);
+    return good ? files : NULL;
+}
+
+const struct body_file *body_include(const struct body_files *files, const char *from,
+                                     const char *name)
+{
+    uint32_t number = files && !*from ? files->list[0].number : (uint32_t)strtoul(from, NULL, 10);
+    for (uint32_t i = 0; files && i < files->include_count; i++) {
+        const struct body_include *include = &files->includes[i];
+        if (include->from == number && !strcmp(include->name, name))
+            return include->file;
+    }
+    return NULL;
+}
+
+bool body_mentions(const struct body_files *files, const char *word)
+{
+    for (uint32_t i = 0; files && i < files->count; i++)
+        if (find_word(files->list[i].code, word))
+            return true;
+    return false;
+}
+
+bool body_mentions_member(const struct body_files *files, const char *word)
+{
+    size_t length = strlen(word);
+    for (uint32_t i = 0; files && i < files->count; i++) {
+        const char *code = files->list[i].code;
+        for (const char *at = code; (at = strstr(at, word)); at += length) {
+            const char *before = at;
+            while (before > code && isspace((unsigned char)before[-1]))
+                before--;
+            if (before > code && before[-1] == '.' && !is_word(at[length]))
+                return true;
+        }
+    }
+    return false;
+}
+
+bool body_mentions_prefix(const struct body_files *files, const char *prefix)
+{
+    for (uint32_t i = 0; files && i < files->count; i++)
+        for (const char *at = files->list[i].code; (at = strstr(at, prefix)); at++)
+            if (at == files->list[i].code || !is_word(at[-1]))
+                return true;
+    return false;
+}
+
+bool body_asks_for(const struct body_files *files, const char *macro)
+{
+    for (uint32_t i = 0; files && i < files->count; i++)
+        for (const char *at = files->list[i].code; (at = find_word(at, macro)); at++) {
+            const char *line = at;
+            while (line > files->list[i].code &&
+                   (line[-1] != '\n' || (line - 1 > files->list[i].code && line[-2] == '\\')))
+                line--;
+            line += strspn(line, " \t");
+            if (*line == '#')
+                return true;
+        }
+    return false;
+}

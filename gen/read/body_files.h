@@ -1,0 +1,54 @@
+/* The files of a pass's body: its own, and all that it may include. Which of them a stage includes is
+ * glslang's decision: a name counts here in whichever branch of #if it stands. So what is asked of
+ * these texts may be "yes" too often, never decides what a shader means, and saves work: which
+ * declarations to write, what to read again when a file changes. */
+#ifndef DIPTYCH_GEN_BODY_FILES_H
+#define DIPTYCH_GEN_BODY_FILES_H
+
+#include "model/diag.h"
+
+struct body_file {
+    const struct source *source;
+    uint32_t number;  /* of #line: place in model->glsl_sources, from 1 */
+    const char *name; /* the number as text: its name for glslang */
+    char *code;       /* the text without comments and names of files, line by line */
+};
+
+struct body_include { /* #include "name" of a file */
+    uint32_t from;    /* number of the file */
+    const char *name;
+    const struct body_file *file;
+};
+
+struct body_files {
+    struct body_file *list; /* the body first */
+    uint32_t count;
+    struct body_include *includes;
+    uint32_t include_count;
+};
+
+/* In the model's arena. Names that lead nowhere are left out: glslang asks for them, or does not.
+ * NULL when out of memory. */
+const struct body_files *body_files_read(struct model *model, const struct source *body);
+/* What `#include "name"` in the file of that number leads to; "": in the body. NULL: nothing. */
+const struct body_file *body_include(const struct body_files *files, const char *from,
+                                     const char *name);
+/* Whether a file has the word as an identifier, not as a member behind a dot. */
+bool body_mentions(const struct body_files *files, const char *word);
+/* Whether a file has the word behind a dot. */
+bool body_mentions_member(const struct body_files *files, const char *word);
+/* Whether a file has an identifier that begins so. */
+bool body_mentions_prefix(const struct body_files *files, const char *prefix);
+/* Whether an #if, #ifdef or #elif asks for the macro. */
+bool body_asks_for(const struct body_files *files, const char *macro);
+
+/* Reads the file at `path` once per model, into the table model->glsl_sources; NULL: cannot be read. */
+const struct source *glsl_source(struct model *model, const char *path);
+/* Adds a file that was read to the table, once. number: for #line, may be NULL. False when out of
+ * memory. */
+bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number);
+
+/* First occurrence of `word` as an identifier, not as a member behind a dot; NULL: none. */
+const char *find_word(const char *text, const char *word);
+
+#endif

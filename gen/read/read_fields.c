@@ -1,0 +1,405 @@
+/* Checks maps of the document against the table: known keys, required keys, valid values. Then
+ * gives typed access. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "reader.h"
+
+void *reader_alloc(struct reader *reader, size_t count, size_t size)
+{
+    void *memory = arena_alloc(reader->model->arena, (count ? count : 1) * size);
+    if (!memory)
+        reader->out_of_memory = true;
+    return memory;
+}
+
+/* ---- Values ---------------------------------------------------------------------------------- */
+
+static const char *describe(struct reader *reader, struct fy_node *node)
+{
+    if (!node)
+        return "nothing";
+    if (fy_node_get_type(node) == FYNT_SEQUENCE)
+        return "a list";
+    if (fy_node_get_type(node) == FYNT_MAPPING)
+        return "a map";
+    const char *text = node_text(reader, node);
+    if (!text || !*text)
+        return "nothing";
+    const char *quoted = arena_printf(reader->model->arena, "`%s`", text);
+    return quoted ? quoted : "text";
+}
+
+static bool is_number_list(struct reader *reader, struct fy_node *node, int least, int most)
+{
+    if (fy_node_get_type(node) != FYNT_SEQUENCE)
+        return false;
+    int count = fy_node_sequence_item_count(node);
+    for (int i = 0; i < count; i++) {
+        double value;
+        const char *text = node_text(reader, fy_node_sequence_get_by_index(node, i));
+        if (!text || !text_number(text, &value))
+            return false;
+    }
+    return count >= least && count <= most;
+}
+
+static bool is_scalar_list(struct fy_node *node, int least, int most)
+{
+    if (fy_node_get_type(node) != FYNT_SEQUENCE)
+        return false;
+    int count = fy_node_sequence_item_count(node);
+    for (int i = 0; i < count; i++)
+        if (fy_node_get_type(fy_node_sequence_get_by_index(node, i)) != FYNT_SCALAR)
+            return false;
+    return count >= least && count <= most;
+}
+
+static bool is_natural(const char *text)
+{
+    double value;
+    return text_number(text, &value) && value >= 0 && value <= UINT32_MAX && value == floor(value);
+}
+
+/* Whether the value has the key's type. Does not check choices, field types and expressions. */
+static bool fits(struct reader *reader, const struct key *key, struct fy_node *node)
+{
+    const char *text = node_text(reader, node);
+    bool scalar = text && *text;
+    double number;
+    switch (key->type) {
+    case KEY_NAME:
+        return scalar && is_identifier(text);
+    case KEY_REFERENCE:
+        return scalar && is_path(text);
+    case KEY_MEMBER:
+        return scalar && is_path(text);
+    case KEY_TEXT:
+    case KEY_EXPR:
+    case KEY_CHOICE:
+    case KEY_TYPE:
+        return scalar;
+    case KEY_BOOL:
+        return scalar && (!strcmp(text, "true") || !strcmp(text, "false"));
+    case KEY_NUMBER:
+        return scalar && text_number(text, &number);
+    case KEY_AMOUNT:
+        return scalar && text_amount(text, &number);
+    case KEY_INTEGER:
+        return scalar && is_natural(text);
+    case KEY_BODY:
+        return scalar || is_scalar_list(node, 1, 2);
+    case KEY_EXPRS:
+        return scalar || is_scalar_list(node, 1, 3);
+    case KEY_SIZE:
+        return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 3);
+    case KEY_RECT:
+        return is_scalar_list(node, 4, 4);
+    case KEY_VALUE:
+        return scalar
+                   ? !strcmp(text, "true") || !strcmp(text, "false") || text_number(text, &number)
+                   : is_number_list(reader, node, 2, 4);
+    case KEY_NUMBERS:
+        return scalar ? text_number(text, &number) : is_number_list(reader, node, 1, 4);
+    case KEY_LENGTH:
+        return scalar &&
+               (!strcmp(text, "scene_radius") || (text_number(text, &number) && number > 0));
+    case KEY_WEIGHT:
+        return scalar && (text_number(text, &number) || is_identifier(text));
+    case KEY_NAMES:
+    case KEY_FILES:
+    case KEY_LIST:
+        return fy_node_get_type(node) == FYNT_SEQUENCE;
+    case KEY_MAP:
+        return fy_node_get_type(node) == FYNT_MAPPING;
+    }
+    return false;
+}
+
+/* 8-bit snorm is a format of GLSL, but not of the language: lists the formats of as many channels,
+ * since the nearest name (rgba16_snorm) holds other values. False: text is no such format. */
+static bool lacks_format(struct reader *reader, const char *text, struct loc loc,
+                         const char *const *words, size_t count)
+{
+    size_t channels = strspn(text, "rgba");
+    if (!channels || strcmp(text + channels, "8_snorm"))
+        return false;
+    struct text list = {0};
+    for (size_t i = 0; i < count; i++)
+        if (!strncmp(words[i], text, channels) && strspn(words[i], "rgba") == channels)
+            text_add(&list, "%s%s", list.data ? ", " : "", words[i]);
+    bool lacks = list.data;
+    if (lacks)
+        diag_error(reader->diag, loc,
+                   "the language has no format `%s` (8-bit snorm); `%.*s` formats are %s", text,
+                   (int)channels, text, list.data);
+    text_free(&list);
+    return lacks;
+}
+
+static bool choice_check(struct reader *reader, const struct key *key, const char *text,
+                         struct loc loc)
+{
+    if (table_choice(key->choices, text) >= 0)
+        return true;
+    const char *words[48];
+    char copy[512];
+    size_t count = 0;
+    strncpy(copy, key->choices, sizeof copy - 1);
+    copy[sizeof copy - 1] = '\0';
+    char *rest = copy;
+    for (char *word; (word = strsep(&rest, "|")) && count < 48;)
+        words[count++] = word;
+    if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
+        return false;
+    const char *nearest = nearest_name(text, words, count);
+    struct text list = {0};
+    for (size_t i = 0; i < count; i++)
+        text_add(&list, "%s%s", i ? ", " : "", words[i]);
+    const char *label = strcmp(key->name, "*") ? key->name : "value";
+    if (nearest)
+        diag_error(reader->diag, loc, "`%s` is not a valid %s; did you mean `%s`?", text, label,
+                   nearest);
+    else
+        diag_error(reader->diag, loc, "`%s` is not a valid %s; %s %s", text, label,
+                   count > 1 ? "use one of" : "use", list.data ? list.data : "");
+    text_free(&list);
+    return false;
+}
+
+/* The first element of a list that is no number; NULL: none, or the key takes no list of numbers. */
+static struct fy_node *wrong_number(struct reader *reader, const struct key *key,
+                                    struct fy_node *node)
+{
+    bool listed = (key->type == KEY_VALUE || key->type == KEY_NUMBERS) && node &&
+                  fy_node_get_type(node) == FYNT_SEQUENCE;
+    void *iterator = NULL;
+    double number;
+    struct fy_node *item;
+    while (listed && (item = fy_node_sequence_iterate(node, &iterator))) {
+        const char *text = node_text(reader, item);
+        if (!text || !text_number(text, &number))
+            return item;
+    }
+    return NULL;
+}
+
+/* Whether the value is one that the key allows; reports an error if not. */
+static bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
+                        struct loc loc)
+{
+    struct loc place = node && node_loc(reader, node).line ? node_loc(reader, node) : loc;
+    if (node && key->child != SECTION_NONE && key->type != KEY_LIST && key->type != KEY_NAMES &&
+        fy_node_get_type(node) == FYNT_MAPPING)
+        return true;
+    if (!node || !fits(reader, key, node)) {
+        const char *label = strcmp(key->name, "*") ? key->name
+                            : key->child           ? table_sections[key->child].title
+                                                   : "a value";
+        bool quote = label == key->name;
+        struct fy_node *item = wrong_number(reader, key, node);
+        if (item)
+            diag_error(reader->diag, node_loc(reader, item),
+                       "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "",
+                       label, quote ? "`" : "", describe(reader, item));
+        else
+            diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
+                       quote ? "`" : "", table_type_text(key->type), describe(reader, node));
+        return false;
+    }
+    return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
+}
+
+/* ---- Maps ------------------------------------------------------------------------------------ */
+
+static void report_unknown_key(struct reader *reader, enum section section, const char *name,
+                               struct loc loc)
+{
+    const char *names[MOST_KEYS];
+    size_t count = 0;
+    struct text list = {0};
+    for (size_t i = 0; i < table_key_count && count < MOST_KEYS; i++) {
+        if (table_keys[i].section != section)
+            continue;
+        text_add(&list, "%s%s", count ? ", " : "", table_keys[i].name);
+        names[count++] = table_keys[i].name;
+    }
+    const char *nearest = nearest_name(name, names, count);
+    if (nearest)
+        diag_error(reader->diag, loc, "unknown key `%s` in %s; did you mean `%s`?", name,
+                   table_sections[section].title, nearest);
+    else
+        diag_error(reader->diag, loc, "unknown key `%s` in %s; known are %s", name,
+                   table_sections[section].title, list.data ? list.data : "none");
+    text_free(&list);
+}
+
+static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct fields *fields)
+{
+    struct fy_node *name_node = fy_node_pair_key(pair), *value = fy_node_pair_value(pair);
+    const char *name = key_text(reader, name_node);
+    struct loc loc = node_loc(reader, name_node);
+    if (!name) {
+        diag_error(reader->diag, loc, "a key must be a word, not %s", describe(reader, name_node));
+        return;
+    }
+    const struct key *key = table_find(fields->section, name);
+    if (!key || fields->count == MOST_KEYS) {
+        report_unknown_key(reader, fields->section, name, loc);
+        return;
+    }
+    struct field_value *field = &fields->values[fields->count++];
+    *field =
+        (struct field_value){key, name_node, value_check(reader, key, value, loc) ? value : NULL};
+}
+
+bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
+                 struct fields *fields)
+{
+    *fields = (struct fields){.section = section, .loc = loc};
+    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
+        diag_error(reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
+                   "%s must be a map, not %s", table_sections[section].title,
+                   describe(reader, node));
+        return false;
+    }
+    void *iterator = NULL;
+    struct fy_node_pair *pair;
+    while ((pair = fy_node_mapping_iterate(node, &iterator)))
+        read_pair(reader, pair, fields);
+    for (size_t i = 0; i < table_key_count; i++) {
+        const struct key *key = &table_keys[i];
+        bool there = key->section != section || !key->required;
+        for (size_t k = 0; !there && k < fields->count; k++)
+            there = fields->values[k].key == key;
+        if (!there)
+            diag_error(reader->diag, loc, "%s needs the key `%s`", table_sections[section].title,
+                       key->name);
+    }
+    return true;
+}
+
+static int entry_count(const struct fields *fields, const char *key)
+{
+    struct fy_node *map = field_node(fields, key);
+    return map && fy_node_get_type(map) == FYNT_MAPPING ? fy_node_mapping_item_count(map) : 0;
+}
+
+static void add_named(struct reader *reader, const struct key *entry, struct fy_node *map,
+                      struct named_list *list)
+{
+    void *iterator = NULL;
+    struct fy_node_pair *pair;
+    while ((pair = fy_node_mapping_iterate(map, &iterator))) {
+        const char *name = key_text(reader, fy_node_pair_key(pair));
+        struct loc loc = node_loc(reader, fy_node_pair_key(pair));
+        bool refers = entry->child == SECTION_CONTRACTS; /* to a resource, perhaps of an instance */
+        if (!name || !(refers ? is_path(name) : is_identifier(name))) {
+            diag_error(reader->diag, loc, "a name in %s must be letters, digits and `_`, not %s",
+                       table_sections[entry->child].title,
+                       describe(reader, fy_node_pair_key(pair)));
+            continue;
+        }
+        const struct key *child = table_find(entry->child, name);
+        if (entry->section == SECTION_TOP && !refers)
+            name = declared_name(reader, map, name);
+        if (child && value_check(reader, child, fy_node_pair_value(pair), loc))
+            list->items[list->count++] = (struct named){name, loc, fy_node_pair_value(pair)};
+    }
+}
+
+struct named_list fields_named(struct reader *reader, const struct fields *fields, const char *key)
+{
+    struct named_list list = {0};
+    const struct key *entry = table_find(fields->section, key);
+    size_t most = 0;
+    for (const struct fields *at = fields; at; at = at->next)
+        most += (size_t)entry_count(at, key);
+    list.items = most && entry ? reader_alloc(reader, most, sizeof *list.items) : NULL;
+    for (const struct fields *at = fields; list.items && at; at = at->next)
+        if (entry_count(at, key))
+            add_named(reader, entry, field_node(at, key), &list);
+    return list;
+}
+
+/* ---- Typed access ---------------------------------------------------------------------------- */
+
+struct fy_node *field_node(const struct fields *fields, const char *key)
+{
+    for (size_t i = 0; i < fields->count; i++)
+        if (!strcmp(fields->values[i].key->name, key))
+            return fields->values[i].value;
+    return NULL;
+}
+
+bool field_given(const struct fields *fields, const char *key)
+{
+    for (size_t i = 0; i < fields->count; i++)
+        if (!strcmp(fields->values[i].key->name, key))
+            return true;
+    return false;
+}
+
+struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key)
+{
+    struct loc loc = {0};
+    for (size_t i = 0; i < fields->count && !loc.line; i++)
+        if (!strcmp(fields->values[i].key->name, key)) {
+            loc = node_loc(reader, fields->values[i].value);
+            if (!loc.line)
+                loc = node_loc(reader, fields->values[i].name);
+        }
+    return loc.line ? loc : fields->loc;
+}
+
+const char *field_text(struct reader *reader, const struct fields *fields, const char *key)
+{
+    return node_text(reader, field_node(fields, key));
+}
+
+bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback)
+{
+    const char *text = field_text(reader, fields, key);
+    return text ? !strcmp(text, "true") : fallback;
+}
+
+double field_number(struct reader *reader, const struct fields *fields, const char *key,
+                    double fallback)
+{
+    const char *text = field_text(reader, fields, key);
+    double value;
+    return text && text_number(text, &value) ? value : fallback;
+}
+
+double field_amount(struct reader *reader, const struct fields *fields, const char *key,
+                    double fallback)
+{
+    const char *text = field_text(reader, fields, key);
+    double value;
+    return text && text_amount(text, &value) ? value : fallback;
+}
+
+int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback)
+{
+    const char *text = field_text(reader, fields, key);
+    return text ? table_choice(table_find(fields->section, key)->choices, text) : fallback;
+}
+
+const char *field_reference(struct reader *reader, const struct fields *fields, const char *key)
+{
+    return referred_name(reader, field_node(fields, key));
+}
+
+struct expr *node_expr(struct reader *reader, struct fy_node *node)
+{
+    const char *text = node_text(reader, node);
+    struct expr_names names = node_names(reader, node);
+    return text ? expr_parse(reader->model, text, node_loc(reader, node), &names, reader->diag)
+                : NULL;
+}
+
+struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key)
+{
+    return node_expr(reader, field_node(fields, key));
+}

@@ -1,0 +1,26 @@
+/* The GLSL of one stage becomes SPIR-V: glslang, the passes of this room, spirv-val. */
+#ifndef DIPTYCH_GEN_COMPILE_H
+#define DIPTYCH_GEN_COMPILE_H
+
+#include "glsl/shader.h"
+
+/* *log: the messages of glslang, for glsl_adapt and glsl_report; free(); log, and diag for other errors,
+ * may be NULL. After spirv_init has returned true, spirv_compile may run on several threads, also beside
+ * emit_glsl. */
+bool spirv_init(void);
+const char *spirv_tools(void); /* names and versions of the compiler and its tools */
+bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
+                   struct shader *shader, char **log, struct diag *diag);
+/* Makes the words of a compiled shader OpenGL's. */
+bool spirv_make_opengl(const struct pass *pass, struct shader *shader);
+/* Reports each open operation of a compiled shader (prove.h) at its place in the body. Without
+ * model->prove, only those that are wrong. */
+void spirv_prove(const struct model *model, const struct pass *pass, const struct shader *shader,
+                 struct diag *diag);
+/* prove_fixed.c: reports what the fixed functions of a draw leave open in its targets of the contract
+ * `exact`: blending, coverage, depth, the encoding of colours. `fragment`: its shader, if any. */
+void prove_fixed(const struct pass *pass, const struct shader *fragment, struct diag *diag);
+/* What the proof takes for granted, in one sentence. */
+extern const char prove_assumptions[];
+
+#endif

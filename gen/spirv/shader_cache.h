@@ -1,0 +1,28 @@
+/* Compiled shaders in a folder, one file each, found by their GLSL. See shader_cache.c. */
+#ifndef DIPTYCH_GEN_SHADER_CACHE_H
+#define DIPTYCH_GEN_SHADER_CACHE_H
+
+#include "shaders.h"
+
+struct shader_cache;
+
+/* Opens the folder; makes it when it is missing. NULL: the folder is NULL, or cannot be used, for
+ * example because others may write to it; the first such folder of a process is a warning. */
+struct shader_cache *shader_cache_open(const char *folder, struct diag *diag);
+/* If entries were added, removes the least recently used ones above DIPTYCH_CACHE_MIB (environment;
+ * default: 64). Accepts NULL. */
+void shader_cache_close(struct shader_cache *cache);
+
+/* The same stage of an earlier pass that compiles to the same shader, or NULL. `pass`: index in
+ * order of execution. */
+struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage);
+
+/* Fills shader->words from the entry for its GLSL. False: no entry, or a damaged one. One thread at
+ * a time. */
+bool shader_cache_find(struct shader_cache *cache, const struct model *model, enum backend backend,
+                       struct shader *shader);
+/* Adds an entry. Failures are ignored: the cache is optional. */
+void shader_cache_add(struct shader_cache *cache, const struct model *model, enum backend backend,
+                      const struct shader *shader);
+
+#endif
