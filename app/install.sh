@@ -105,8 +105,8 @@ endif()
 END
 put 644 LICENSE share/doc/diptych/LICENSE
 examples=share/doc/diptych/examples
-for file in tests/hosts/*.* tests/hosts/project/*; do
-    put 644 "$file" "$examples/${file#tests/}"
+for file in tests/hosts/examples/*.* tests/hosts/examples/project/*; do
+    put 644 "$file" "$examples/hosts/${file#tests/hosts/examples/}"
 done
 # shellcheck disable=SC2016 # the pattern of a fence
 put_output $examples/play.py sed -n '/^```python/,/^```$/ { /^```/d; p }' templates/README.md

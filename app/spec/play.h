@@ -1,6 +1,6 @@
 /* Plays a planned pipeline: the panel of a spec that was read in this process, without generated
  * C. Its record makes the same calls with the same arguments as that of NAME.c
- * (tests/play_test.c). */
+ * (tests/app/play_test.c). */
 #ifndef DIPTYCH_PLAY_H
 #define DIPTYCH_PLAY_H
 

@@ -39,7 +39,7 @@ uint32_t *glslang_compile(const struct glslang_job *job, size_t *count, char **l
 char *glslang_preprocess(const struct glslang_job *job, char **log);
 
 /* Whether a module follows SPIR-V's rules, by spirv-val: those of Vulkan take half as long again, and
- * tests/golden_test.sh holds the modules to both APIs. why, NULL: names for messages take most of
+ * tests/gen/golden_test.sh holds the modules to both APIs. why, NULL: names for messages take most of
  * the time; free(). */
 bool glslang_valid(const uint32_t *words, size_t count, char **why);
 

@@ -1,7 +1,7 @@
 /* The barriers of each pass, from the accesses of the frame so far. Each frame opens with a full
  * barrier that makes all earlier writes visible. So the first touch in a frame depends only on
  * this barrier and on the previous user of the same memory. The first change of a layout chains to
- * the opening barrier (lower.c). tests/barrier_audit.c checks that every barrier is needed and
+ * the opening barrier (lower.c). tests/runtime/barrier_audit.c checks that every barrier is needed and
  * that they suffice. */
 #include "plan.h"
 

@@ -1,5 +1,5 @@
 /* The chapter of the reference on pass bodies: every name that the generator supplies to GLSL. The
- * names come from emit_glsl.c, glsl_access.c, glsl_body.c and templates/glsl; tests/language.py
+ * names come from emit_glsl.c, glsl_access.c, glsl_body.c and templates/glsl; tests/gen/language.py
  * compares this table with them. */
 #include "print.h"
 

@@ -1,0 +1,74 @@
+#!/usr/bin/env bash
+# Contracts from the spec to the verdict. The reflection has each contract of tests/specs/contracts.yaml: numbers, fractions and
+# percentages, margins by resource and field. compare judges a fault by the contract; --pictures shows the differences.
+# TAP.
+. "$(dirname "$0")/../lib/tap.sh"
+cd "$root" || exit 1
+spec=tests/specs/contracts.yaml
+
+check "a spec with every kind of contract is generated" "$build/diptych-gen" $spec -o "$work/contracts"
+
+# shellcheck disable=SC2317 # called through check
+reflects() { # resource contract
+    tr -s ' \n' ' ' <"$work/contracts/contracts.c" | grep -oE "\.name = \"$1\",[^{]*\.contract = \{[^}]*\}" | tee "$work/found"
+    grep -qF ".contract = {.kind = DT_CONTRACT_$2}" "$work/found"
+}
+while read -r resource contract; do
+    check "the contract of $resource" reflects "$resource" "$contract"
+done <<'END'
+places ULP, .tolerance = 2
+labels FLIPS, .tolerance = 1, .margin_resource = CONTRACTS_RESOURCE_MARGINS, .margin_field = 1
+sides FLIPS, .tolerance = 2, .margin_resource = CONTRACTS_RESOURCE_SIDE_MARGINS
+sums REL, .tolerance = 0.01
+margins ABS, .tolerance = 0.001
+side_margins EXACT
+picture IMAGE, .tolerance = 0.0196078431372549, .outliers = 0.001
+levels FLIPS, .tolerance = 3, .margin_field = -1
+stripes ULP, .tolerance = 2
+END
+
+compare=("$diptych" compare --spec "$spec" --scene scenes/cornell.yaml --size 17x9)
+check "both backends keep them" "${compare[@]}"
+
+# One point at x = 1/2, exactly on the edge between the sides, so the last bit of x decides. Seed 2 makes the fault choose x.
+flip=("${compare[@]}" --set points=1 --fault vk:place:bit:2)
+loose=(--set 'contracts.side_margins={abs: 1/1000}')
+# shellcheck disable=SC2317
+finds() { # status text command...
+    local status=$1 text=$2
+    shift 2
+    "$@" | tee "$work/found"
+    [ "${PIPESTATUS[0]}" = "$status" ] && grep -qF -- "$text" "$work/found"
+}
+told="  flip at [0], frame 0: gl 0 (0x00000000), vk 1 (0x00000001); margin gl 0 (0x00000000), vk 5.9604645e-08 (0x33800000)"
+check "a flip within the contract is told with its margins" finds 0 "$told" "${flip[@]}" "${loose[@]}"
+check "... and nothing breaks" grep -qF "all 9 resources of 3 passes agree" "$work/found"
+check "one flip too many is a difference" finds 1 "pass decide is the first to break: sides" \
+    "${flip[@]}" "${loose[@]}" --set contracts.sides.flips=0
+check "an exact resource beside it is held to the bit" finds 1 "pass decide is the first to break: side_margins" "${flip[@]}"
+
+check "infinity in both is a difference under any tolerance" finds 1 \
+    "24 numbers are NaN or Inf, the first at [0], frame 0: gl Inf (0x7f800000), vk Inf (0x7f800000)" "${compare[@]}" --set parts=0
+
+# shellcheck disable=SC2317
+pictures() { # expected number of strips; options...
+    local expected=$1 found file
+    shift
+    rm -rf "$work/pictures"
+    "${compare[@]}" --pictures "$work/pictures" --json "$work/found.json" "$@" >"$work/found"
+    found=$(find "$work/pictures" -name '*.png' | wc -l)
+    echo "$found strips"
+    cat "$work/found"
+    [ "$found" = "$expected" ] && [ "$(grep -c '^  picture ' "$work/found")" = "$expected" ] &&
+        [ "$(grep -c '"picture":' "$work/found.json")" = "$expected" ] || return
+    find "$work/pictures" -name '*.png' | while read -r file; do
+        grep -qF "  picture $file: difference" "$work/found" && grep -qF "\"$file\"" "$work/found.json" || return
+        [ "$(head -c 8 "$file" | od -An -tx1 | tr -d ' ')" = 89504e470d0a1a0a ] || return
+    done
+}
+check "equal images have no picture" pictures 0
+check "an image that differs has one" pictures 1 --fault vk:paint:texel:9
+check "... of both sides: 1.25 against 0" grep -qF "02.paint.stripes.png: difference x 0.5" "$work/found"
+check "a missing pass has one of each" pictures 3 --fault vk:paint:missing
+check_status 2 "a folder that cannot be made" "${compare[@]}" --pictures "$0/folder"
+finish

@@ -1,0 +1,219 @@
+#!/usr/bin/env bash
+# Folders and files of others: dumps, goldens, results of a bundle, overlays. They name files inside themselves only, cost no more than
+# is asked for, and write no control characters to a terminal. TAP.
+. "$(dirname "$0")/../lib/tap.sh"
+cd "$root" || exit 1
+grey=(--spec tests/specs/grey.yaml --size 16x8)
+
+# shellcheck disable=SC2317 # called through check
+refuses() { # text command...: exit status 1 or 2, with that message, within 20 s and 1 GB
+    local text=$1 status
+    shift
+    (ulimit -v 4000000 && timeout 20 "$@") >"$work/said" 2>&1
+    status=$?
+    cat -v "$work/said"
+    [[ $status = [12] ]] && grep -qF -- "$text" "$work/said"
+}
+edit() { # file expression: changes a JSON file by a Python expression of m
+    /usr/bin/python3 -c 'import json, sys
+m = json.load(open(sys.argv[1]))
+exec(sys.argv[2])
+json.dump(m, open(sys.argv[1], "w"))' "$@"
+}
+
+# ---- Dumps ----------------------------------------------------------------------------------------------------------
+
+"$diptych" render "${grey[@]}" --backend vk --dump "$work/dump" || exit 1
+raw=$(cd "$work/dump" && echo 00.*.raw)
+against=("$diptych" compare "${grey[@]}" --backend vk --against)
+again() { # the dump as it was written
+    rm -rf "$work/theirs"
+    cp -r "$work/dump" "$work/theirs"
+}
+again
+check "a dump compares" "${against[@]}" "$work/theirs"
+mkdir "$work/outside"
+mv "$work/theirs/$raw" "$work/outside/"
+ln -s "../outside/$raw" "$work/theirs/$raw"
+check "a file that is a link" refuses "$raw: cannot be read: is a symbolic link" "${against[@]}" "$work/theirs"
+again
+edit "$work/theirs/manifest.json" "m['entries'][0]['file'] = '../outside/$raw'"
+check "a file outside the folder" refuses "cannot be read: is outside the folder" "${against[@]}" "$work/theirs"
+edit "$work/theirs/manifest.json" "m['entries'][0]['file'] = '/etc/passwd'"
+check "... by an absolute path" refuses "cannot be read: is outside the folder" "${against[@]}" "$work/theirs"
+again
+rm "$work/theirs/$raw"
+mkfifo "$work/theirs/$raw"
+check "a pipe" refuses "is no file" "${against[@]}" "$work/theirs"
+again
+truncate -s 3G "$work/theirs/$raw"
+check "a file of 3 GB is not read" refuses "has 3221225472 bytes, more than 2048" "${against[@]}" "$work/theirs"
+truncate -s 3G "$work/theirs/manifest.json"
+check "... a manifest" refuses "manifest.json: has 3221225472 bytes" "${against[@]}" "$work/theirs"
+again
+edit "$work/theirs/manifest.json" "m['device'] = '\x1b]0;owned\x07'"
+# shellcheck disable=SC2317
+shows_no_escape() {
+    "${against[@]}" "$work/theirs" --json "$work/a.json" >"$work/said" 2>&1
+    cat -v "$work/said"
+    grep -qF '\x1b]0;owned\x07' "$work/said" && ! grep -q $'[\x1b\x07]' "$work/said" "$work/a.json"
+}
+check "control characters are escaped" shows_no_escape
+# shellcheck disable=SC2317
+json_is_utf8() { # names that are none
+    local spec=$work/$'gr\xffy.yaml'
+    mkdir -p "$work/grey"
+    cp tests/specs/grey/* "$work/grey/"
+    sed 's/level: {value: 0.2/level: {value: nothing/' tests/specs/grey.yaml >"$spec"
+    "$diptych" compare --spec "$spec" --size 16x8 --json "$work/b.json" --junit "$work/b.xml" >"$work/said" 2>&1
+    cp tests/specs/grey.yaml "$spec"
+    "$diptych" compare --spec "$spec" --size 16x8 --json "$work/c.json" --junit "$work/c.xml" || return
+    /usr/bin/python3 -c 'import json, sys, xml.dom.minidom
+for file in sys.argv[1:]:
+    text = open(file, "rb").read().decode()
+    json.loads(text) if file.endswith("json") else xml.dom.minidom.parseString(text)' "$work/b.json" "$work/c.json" "$work/c.xml"
+}
+check "JSON and XML are UTF-8, whatever bytes a path has" json_is_utf8
+
+# ---- Goldens --------------------------------------------------------------------------------------------------------
+
+kept=("$diptych" compare "${grey[@]:0:2}" --golden "$work/kept")
+"${kept[@]}" --size 16x8 --update >/dev/null || exit 1
+cp -r "$work/kept" "$work/whole"
+check "a golden folder compares" "${kept[@]}"
+edit "$work/kept/manifest.json" "m['frame'] = 899999"
+check "many frames are asked for" refuses "ask for as many: --frames 900000" "${kept[@]}"
+edit "$work/kept/manifest.json" "m['frame'] = 0; m['pipeline'] = 'black'"
+check "another pipeline" refuses "is of the pipeline black, this is grey" "${kept[@]}"
+edit "$work/kept/manifest.json" "m['pipeline'] = 'grey'"
+echo '{}' >>"$work/kept/manifest.json"
+check "junk behind the manifest" refuses "manifest.json: is no JSON" "${kept[@]}"
+
+# Ends the process after the N-th file that it removes.
+cat >"$work/kill.c" <<'END'
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <unistd.h>
+int remove(const char *path)
+{
+    static int count;
+    int (*real)(const char *) = (int (*)(const char *))dlsym(RTLD_NEXT, "remove"), result = real(path);
+    if (++count == atoi(getenv("KILL_AT")))
+        kill(getpid(), SIGKILL);
+    return result;
+}
+END
+cc -shared -fPIC -o "$work/kill.so" "$work/kill.c" -ldl || exit 1
+# shellcheck disable=SC2317
+old_or_new() {
+    local at
+    for at in 1 2 3 4; do
+        rm -rf "$work/kept"
+        cp -r "$work/whole" "$work/kept"
+        KILL_AT=$at LD_PRELOAD=$work/kill.so "${kept[@]}" --size 16x8 --set level=0.7 --update >/dev/null 2>&1
+        [ $? = 137 ] || [ "$at" -gt 3 ] || return
+        diff -rq "$work/whole" "$work/kept" >/dev/null || "${kept[@]}" --set level=0.7 || return
+    done
+    "${kept[@]}" --size 16x8 --set level=0.7 --update && [ -z "$(find "$work" -maxdepth 1 -name 'kept.*')" ]
+}
+check "an update that is killed leaves the old or the new folder" old_or_new
+
+# ---- Bundles --------------------------------------------------------------------------------------------------------
+
+mkdir "$work/bundle"
+results='{"sides": [], "errors": []}'
+echo "$results" >"$work/bundle/grey.bench.json"
+echo "$results" >"$work/bundle/javascript:alert(1);x.bench.json"
+echo 'a machine' >"$work/bundle/machine.txt"
+echo 'a victim' >"$work/victim"
+collect=("$diptych" report "$work/bundle" --collect)
+# shellcheck disable=SC2317
+page_is_safe() {
+    "${collect[@]}" && grep -q 'href="grey.bench.txt"' "$work/bundle/index.html" &&
+        ! grep -q 'javascript:' "$work/bundle/index.html"
+}
+check "no file name becomes a script" page_is_safe
+ln -sf ../victim "$work/bundle/index.html"
+check "a page that is a link" refuses "index.html: is a symbolic link" "${collect[@]}"
+check "... keeps what it leads to" grep -qx 'a victim' "$work/victim"
+rm "$work/bundle/index.html"
+ln -sf ../victim "$work/bundle/machine.txt"
+check "a text that is a link" refuses "machine.txt: cannot be read: is a symbolic link" "${collect[@]}"
+check "... makes no page" [ ! -e "$work/bundle/index.html" ]
+
+# Scripts run by their hash alone.
+# shellcheck disable=SC2317
+policy_holds() {
+    /usr/bin/python3 -c 'import base64, glob, hashlib, re
+script = re.search("<script>(.*?)</script>", open("templates/report/stack.html").read(), re.S)[1]
+policy = "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+for file in glob.glob("templates/report/*.html"):
+    text = open(file).read()
+    if "<head>" in text:
+        source = re.search("Content-Security-Policy\" content=\"script-src .([^;]*).;", text)[1]
+        assert source == (policy if "stack.html" in text else "none"), file'
+}
+check "pages run their own scripts alone" policy_holds
+
+# ---- Replays --------------------------------------------------------------------------------------------------------
+
+# A Vulkan driver tells what the process that loads it may do; a shader could do no more.
+"$diptych" compare "${grey[@]}" --fault vk:paint:bit --bisect "$work/case" >/dev/null 2>&1
+mkdir "$work/driver" "$work/home"
+echo secret >"$work/home/secret"
+cat >"$work/driver/spy.c" <<'END'
+#include <net/if.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+__attribute__((constructor)) static void spy(void)
+{
+    struct if_nameindex *names = if_nameindex();
+    int count = 0;
+    while (names && names[count].if_index)
+        count++;
+    fprintf(stderr, "spy: file %s, variable %s, written %s, networks %d\n", access(SECRET, R_OK) ? "no" : "yes",
+            getenv("SPY_SECRET") ? "yes" : "no", access(FOLDER, W_OK) ? "no" : "yes", count);
+}
+END
+cc -shared -fPIC -DSECRET="\"$work/home/secret\"" -DFOLDER="\"$work/case\"" -o "$work/driver/spy.so" "$work/driver/spy.c" || exit 1
+echo '{"file_format_version": "1.0.0", "ICD": {"library_path": "'"$work"'/driver/spy.so", "api_version": "1.3.0"}}' \
+    >"$work/driver/spy.json"
+# shellcheck disable=SC2317
+spied() { # text option...: replays with that driver
+    local text=$1
+    shift
+    env -u VK_ICD_FILENAMES VK_DRIVER_FILES="$work/driver/spy.json" SPY_SECRET=1 "$diptych" replay "$work/case" --backend vk "$@" \
+        >"$work/said" 2>&1
+    cat "$work/said"
+    grep -q "spy: $text" "$work/said"
+}
+if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
+    check "a replay sees no files, no variables, no network, and writes nothing" \
+        spied "file no, variable no, written no, networks [01]$"
+    # shellcheck disable=SC2016
+    check "... but as JSON what it found" \
+        bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"
+else
+    skip "a replay is confined" "bubblewrap makes no sandbox here"
+fi
+check "--trust lets it" spied "file yes, variable yes, written yes" --trust
+# shellcheck disable=SC2317
+warns_without() { # without bwrap in PATH
+    mkdir -p "$work/bin" && ln -sf "$(command -v env)" "$work/bin/env"
+    PATH=$work/bin "$diptych" replay "$work/case" --backend vk 2>&1 | grep "run without a sandbox: bubblewrap is not installed"
+}
+check "without bubblewrap it warns" warns_without
+
+# ---- Overlays -------------------------------------------------------------------------------------------------------
+
+overlay=("$diptych" list "${grey[@]:0:2}" --with "$work/tuned.yaml")
+for path in passes.paint.limit passes.paint.shader images.radiance.format include; do
+    printf -- '# tuned\n- %s=%s\n' "$path" "$work/evil.c" >"$work/tuned.yaml"
+    check "an overlay sets no $path" refuses "tuned.yaml:2:3: error: an overlay sets parameters" "${overlay[@]}"
+done
+printf -- '- level=0.5\n- passes.paint.local=[16,8]\n' >"$work/tuned.yaml"
+check "... but parameters and workgroups" "${overlay[@]}"
+finish

@@ -1,0 +1,83 @@
+"""Small dumps for tests/app/dumps_test.sh, made without diptych: dumps.py FOLDER."""
+import json, os, struct, sys, zlib
+import numpy as np
+
+os.chdir(sys.argv[1])
+rng = np.random.default_rng(1)
+depth, radiance, bins = rng.random((6, 8), np.float32), rng.random((6, 8, 3), np.float32) + 1, np.arange(9, dtype=np.uint32)
+
+
+def arrays(folder, **named):
+    os.makedirs(folder)
+    for k, (name, array) in enumerate(named.items()):
+        np.save(f"{folder}/{k:02d}.{name.replace('__', '.')}.npy", array)
+
+
+def entry(array, **more):
+    return {"pass": "light", "resource": "radiance", "file": "x.raw", "kind": "image", "format": "rgba32f", "width": 8, "height": 6, **more}
+
+
+def manifest(folder, data, *entries, **more):
+    os.makedirs(folder)
+    np.ascontiguousarray(data).tofile(f"{folder}/x.raw")
+    json.dump({"version": 1, "entries": entries, **more}, open(f"{folder}/manifest.json", "w"))
+
+
+def png(path, a):
+    def chunk(t, d): return struct.pack(">I", len(d)) + t + d + struct.pack(">I", zlib.crc32(t + d))
+    raw = b"".join(b"\0" + row.tobytes() for row in a)
+    open(path, "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", a.shape[1], a.shape[0], 8, 2, 0, 0, 0)) + chunk(b"IDAT", zlib.compress(raw)) + chunk(b"IEND", b""))
+
+
+def up(a, n): return (a.view(np.uint32) + np.uint32(n)).view(np.float32)
+
+
+arrays("plain", gbuffer__depth=depth, light__radiance=radiance, count__bins=bins)
+arrays("late", gbuffer__depth=depth, light__radiance=radiance[::-1], count__bins=bins + 1)
+arrays("more", gbuffer__depth=depth, light__radiance=radiance, light__bloom=radiance, count__bins=bins)
+arrays("ulp", gbuffer__depth=up(depth, 1), light__radiance=radiance, count__bins=bins)
+arrays("ulp9", gbuffer__depth=depth, light__radiance=up(radiance, 9), count__bins=bins)
+holes = depth.copy(); holes[1, 1:3] = np.nan; holes[2, 2] = np.inf
+arrays("nan", gbuffer__depth=holes)
+more_holes = holes.copy(); more_holes[4, 4] = np.nan
+arrays("nan2", gbuffer__depth=more_holes)
+arrays("size", a__b=depth.reshape(1, 6, 8, 1))
+arrays("size2", a__b=depth[:, :4].reshape(1, 6, 4, 1))
+arrays("half", a__b=depth[::2, ::2].reshape(1, 3, 4, 1))
+arrays("alone", other__thing=depth)
+
+rgba = np.concatenate([radiance - 1, np.ones((6, 8, 1), np.float32)], 2)
+manifest("wide", rgba, entry(rgba, resource="display"))
+os.makedirs("narrow"); png("narrow/light.display.png", np.rint((radiance - 1) * 255).astype(np.uint8))
+manifest("top", rgba, entry(rgba, origin="top"))
+manifest("bottom", rgba[::-1], entry(rgba), origin="bottom")
+points = np.arange(60, dtype=np.float32).reshape(20, 3)
+buffer = {"pass": "upload", "resource": "points", "file": "x.raw", "kind": "buffer", "count": 20, "fields": [{"name": "at", "type": "vec3", "offset": 0}]}
+manifest("std140", np.pad(points, ((0, 0), (0, 1)), constant_values=7), {**buffer, "stride": 16})
+manifest("packed", points, {**buffer, "stride": 12})
+fields = [{"name": "weight", "type": "float", "offset": 0}, {"name": "count", "type": "uint", "offset": 4}]
+mixed = np.array([(0.5, 3)] * 20, "f4,u4")
+manifest("integers", mixed, {**buffer, "stride": 8, "fields": fields})
+mixed["f1"][3] = 4
+manifest("other_integers", mixed, {**buffer, "stride": 8, "fields": fields})
+
+open("loose.yaml", "w").write("default: exact\nlight.radiance: {rel: 1e-5}\n")
+open("wrong.yaml", "w").write("default: exact\nradience: {rel: 1e-5}\n")
+
+manifest("no_entries", rgba)
+open("no_entries/manifest.json", "w").write('{"entries": 3}')
+manifest("no_format", rgba, entry(rgba, format="rgb9"))
+manifest("no_file", rgba, entry(rgba, file="y.raw"))
+manifest("outside", rgba, entry(rgba, file="../plain/00.gbuffer.depth.npy"))
+manifest("long", rgba, entry(rgba, height=7))
+manifest("fields", points, {**buffer, "stride": 8})
+manifest("version", rgba, entry(rgba), version=2)
+os.makedirs("nothing")
+os.makedirs("link"); os.symlink("../plain/00.gbuffer.depth.npy", "link/gbuffer.depth.npy")
+os.makedirs("fortran"); np.save("fortran/gbuffer.depth.npy", np.asfortranarray(depth))
+arrays("short", gbuffer__depth=depth)
+os.truncate("short/00.gbuffer.depth.npy", 200)
+
+big = rng.random((1024, 1024), np.float32)
+arrays("big", a__b=big)
+arrays("other_big", a__b=rng.random((1024, 1024), np.float32))

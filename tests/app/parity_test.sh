@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Both backends must agree in every bit of every resource of every pass: over pipelines, scenes (one lit directionally, one by
+# a spot light), frame sizes that the tile divides and that it does not, and cluster counts. Validation must stay silent. (Tiles
+# that divide no count are in repeat_test.sh.)
+. "$(dirname "$0")/../lib/tap.sh"
+cornell=$root/scenes/cornell.yaml
+ssvp=$root/templates/ssvp.yaml
+
+agrees() { # what pipeline scene options...
+    local what=$1 pipeline=$2 scene=$3
+    shift 3
+    check "$pipeline agrees $what" \
+        "$diptych" compare --scene "$root/scenes/$scene.yaml" --spec "$root/templates/$pipeline.yaml" --debug "$@"
+}
+fewer=(--set clusters=4) # shaders with more take longer to compile than to run
+small=(--set rsm_size=128) # where the RSM is not the subject
+room=(--set map_triangles=3000) # compare reads back what the lists of triangles have room for; the Cornell Box has 30
+for scene in cornell atrium; do
+    agrees "on $scene" rsm $scene --size 37x23
+    for pipeline in ssdo deep; do
+        agrees "on $scene" $pipeline $scene --size 37x23 "${small[@]}"
+    done
+    for pipeline in clustered ssvp; do
+        agrees "on $scene" $pipeline $scene --size 37x23 "${small[@]}" "${fewer[@]}"
+    done
+done
+for pipeline in rsm ssdo deep; do
+    agrees "in one pixel" $pipeline cornell --size 1x1 "${small[@]}"
+done
+fewer+=("${small[@]}" "${room[@]}")
+agrees "in one pixel" clustered cornell --size 1x1 "${fewer[@]}"
+agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${fewer[@]}" --set bounces=1
+agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 64x32 "${fewer[@]}" --set bounces=0
+agrees "with 32 clusters" ssvp cornell --size 37x23 "${small[@]}" "${room[@]}" --set clusters=32
+agrees "over three frames, whose clusters are seeded from the last" ssvp cornell --size 37x23 "${fewer[@]}" --frames 3
+agrees "as printed: Equation 2, no second-bounce visibility, whose passes stay for what they clear" ssvp cornell --size 37x23 \
+    "${fewer[@]}" --set metrics.vpl_distance.normal_term=dot --set second_clusters=0
+
+check "instant radiosity agrees" \
+    "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 "${small[@]}" --set first_vpls=24 --debug
+
+check "taa agrees while the camera moves" "$diptych" compare --scene "$cornell" --motion "$root/scenes/cornell_walk.yaml" \
+    --spec "$root/templates/taa.yaml" --size 37x23 "${small[@]}" --frames 4 --debug
+for picture in templates/pictures/ssdo.png templates/post/table.png; do
+    check "post agrees on $picture" \
+        "$diptych" compare --spec "$root/templates/post.yaml" --input "photo=$root/$picture" --debug
+done
+
+# Other storage and loops of ranges. metamorphic_test.sh shows that these leave the same bits as the defaults. 128 second-bounce
+# VPLs fit into a uniform block.
+ranges=passes.shade.ranges
+shading=("$diptych" compare --scene "$cornell" --spec "$ssvp" --size 37x23 "${fewer[@]}" --set second_vpls=128 --debug)
+check "ssvp agrees planned for a GPU" "${shading[@]}" --set target=gpu
+check "ssvp agrees with loops that read their counts, over a storage buffer and a uniform block" "${shading[@]}" \
+    --set $ranges.first_range.storage=buffer --set $ranges.first_range.loop=roll \
+    --set $ranges.second_range.storage=uniform --set $ranges.second_range.loop=roll
+finish

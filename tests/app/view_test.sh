@@ -1,0 +1,308 @@
+#!/usr/bin/env bash
+# `diptych view` in real windows on an X server: sends keys, mouse and edits, and checks the content of the screen. TAP.
+# shellcheck source=tests/lib/tap.sh
+. "$(dirname "$0")/../lib/tap.sh"
+for tool in Xvfb xdotool xwd; do
+    if ! command -v $tool >/dev/null; then
+        skip "windows" "$tool is not installed"
+        finish
+    fi
+done
+cp -r "$root/templates" "$work/templates"
+cp "$root/scenes/cornell.obj" "$root/scenes/cornell.mtl" "$root/scenes/cornell.yaml" "$work"
+spec=$work/templates/ssvp.yaml
+tonemap=$work/templates/shared/tonemap.glsl
+scene=$work/cornell.yaml
+small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32)
+cd "$work" || exit 1 # where screenshots go
+
+exec 3<>display.number
+Xvfb -noreset -screen 0 800x400x24 -displayfd 3 2>/dev/null &
+server=$!
+trap 'kill $server; rm -rf "$work"' EXIT
+for _ in $(seq 100); do
+    [ ! -s display.number ] || break
+    sleep 0.1
+done
+DISPLAY=:$(cat display.number)
+export DISPLAY
+unset WAYLAND_DISPLAY
+
+open_window() { # option...: does not wait for the first picture; `see` does
+    "$diptych" view "${small[@]}" --debug --json view.json "$@" >view.out 2>view.err &
+    window=$!
+}
+# shellcheck disable=SC2317 # called through check
+see() { # file condition...
+    local file=$1
+    shift
+    /usr/bin/python3 "$root/tests/app/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
+}
+# shellcheck disable=SC2317
+says() { # text: the window's process prints the text within 30 s
+    for _ in $(seq 300); do
+        ! grep -qF -- "$1" view.err || return 0
+        sleep 0.1
+    done
+    cat view.err
+    return 1
+}
+# shellcheck disable=SC2317
+ends() { # status: the window has ended with it, and the validation layers are silent
+    wait "$window"
+    [ $? = "$1" ] && ! grep -E 'VUID|SYNC-HAZARD|hazard detected|debug message' view.err
+}
+# shellcheck disable=SC2317
+changed_lines() { # file file: lines of the second that the first lacks
+    diff "$1" "$2" | grep '^>'
+}
+# shellcheck disable=SC2317
+holds_json() { # expression of d
+    /usr/bin/python3 -c 'import json, sys; d = json.load(open("view.json")); sys.exit(not eval(sys.argv[1]))' "$1"
+}
+# shellcheck disable=SC2317
+is_told() { # status text command...
+    local status=$1 text=$2
+    shift 2
+    "$@" 2>told
+    [ $? = "$status" ] || return
+    grep -F -- "$text" told
+}
+
+# Both backends in one window, from the first picture to the last.
+open_window --backend both --size 240x180
+check "a window opens" see first.ppm shown size=480x180
+xdotool key h
+check "OpenGL's half is Vulkan's half" see panels.ppm not=first.ppm shown halves
+xdotool key 1
+check "1 is one bounce" see one.ppm not=panels.ppm shown halves
+xdotool key 0
+check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves
+check "it is what render makes of either" "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o none.png
+xdotool key c c
+check "the difference is black" see black.ppm black size=480x180
+xdotool key c
+check "... and side by side again" see again.ppm as=none.ppm
+xdotool key Tab
+check "Tab shows another image" see other.ppm not=none.ppm shown halves
+xdotool key Home
+check "Home the picture again" see home.ppm as=none.ppm
+xdotool key v
+check "points need bounces" see points.ppm as=none.ppm
+xdotool key 2
+check "... then they lie over the picture" see points.ppm not=none.ppm not=panels.ppm shown halves
+xdotool key v v 0
+check "... and are gone" see gone.ppm as=none.ppm
+
+# The camera.
+xdotool mousemove 100 60 mousedown 1 mousemove 130 70 mouseup 1
+check "the mouse turns the camera" see turned.ppm not=none.ppm shown halves
+xdotool key w ctrl+s
+check "Ctrl+S saves the camera" says "saved the camera"
+check "... which W has moved" see moved.ppm not=turned.ppm shown halves
+xdotool keydown ctrl keydown s keyup ctrl
+sleep 0.5
+xdotool keyup s
+check "... and S has not, though it is let go of after Ctrl" see still.ppm as=moved.ppm shown halves
+check "... and changes one line of the scene" [ "$(changed_lines "$root/scenes/cornell.yaml" "$scene" | wc -l)" = 1 ]
+check "... which another program sees as well" "$diptych" render "${small[@]}" --backend gl --set bounces=0 --size 240x180 -o saved.png
+xdotool key p
+check "P takes a screenshot" says "wrote diptych-000.png"
+
+# Edits.
+sed -i 's/display_store(p, vec4(/&0.5 * /' "$tonemap"
+check "a saved body changes the picture" see dark.ppm not=moved.ppm shown halves
+sed -i 's/vec3 codes/vec3 kodes/' "$tonemap"
+check "a broken one is told with its caret, and the picture stays" see broken.ppm alarm top=dark.ppm
+check "... on the terminal, too" says "'codes' : undeclared identifier"
+check "... with its line" says "| "
+cp "$root/templates/shared/tonemap.glsl" "$tonemap"
+check "put right, it is as before" see right.ppm as=moved.ppm
+part=$work/templates/shared/tonemap.yaml # which the spec includes
+cp "$part" part.yaml
+sed -i 's|shader: tonemap.glsl|shader: ../mine/tonemap.glsl|' "$part"
+check "a body that is not there is told" says "cannot read the shader \`../mine/tonemap.glsl\`"
+mkdir -p "$work/templates/mine"
+cp "$work/templates/shared/"{estimate,srgb}.glsl "$work/templates/mine/" # which the body includes
+sed 's/display_store(p, vec4(/&0.75 * /' "$tonemap" >"$work/templates/mine/tonemap.glsl"
+check "... and taken when it comes, with the folder that it is in" see mine.ppm not=moved.ppm not=dark.ppm shown halves
+cp part.yaml "$part"
+check "... and put right" see right.ppm as=moved.ppm
+sed -i '/name: average/,/groups:/s/groups: 1$/groups: "frame.width * (1920 - frame.width) + '$((RANDOM + 1))'"/' "$part" # valid at sizes that the generator tries, and new
+check "a spec that the device cannot run is told, too, and the picture stays" see refused.ppm alarm top=moved.ppm
+check "... with the reason" says "pass average"
+cp part.yaml "$part"
+check "... and goes on when it is put right" see right.ppm as=moved.ppm
+check "... which made nothing" says "the pipeline is unchanged"
+
+xdotool search --name diptych windowsize --sync 400 120
+check "the window has another size" see resized.ppm size=400x120 shown halves
+xdotool key Escape
+check "Esc ends it, and the layers were silent" ends 0
+check "it counted reloads, and measured every pass" holds_json \
+    'd["reloads"] >= 2 and d["reload_ms"] > 0 and d["sides"][1]["frame_ms"] > 0 and d["sides"][0]["passes"][-1]["ms"] > 0'
+
+# Another process tries an edited spec first. If that process crashes or hangs, the window stays open.
+mkdir -p tools/build
+cp "$build/diptych" "$build/diptych-gen" "$build/libdiptych_image.so" tools/build/
+ln -s "$work/templates" tools/templates
+mv tools/build/diptych-gen tools/build/real-gen
+# shellcheck disable=SC2016 # these are the script's own
+printf '#!/bin/sh\ncase $(cat "%s/try") in crash) kill -SEGV $$ ;; hang) ulimit -t 1; while :; do :; done ;; esac\nexec "%s" "$@"\n' \
+    "$work" "$work/tools/build/real-gen" >tools/build/diptych-gen
+chmod +x tools/build/diptych-gen
+echo fine >try
+diptych=$work/tools/build/diptych open_window --backend vk --spec "$spec"
+check "a window whose specs are tried elsewhere" see tried.ppm shown
+for end in crash hang; do
+    echo $end >try
+    sed -i "s/display_store(p, vec4(/&0.$((RANDOM % 8 + 1)) * /" "$tonemap"
+    check "a spec that makes a process $end" says "reading the spec was ended by signal"
+    check "... leaves the window" kill -0 "$window"
+    echo fine >try
+    cp "$root/templates/shared/tonemap.glsl" "$tonemap"
+    check "... and the next edit is taken" says "reloaded in"
+    : >view.err
+done
+xdotool key Escape
+check "... and the window ends as ever" ends 0
+
+# The screen shows the picture, row by row.
+for backend in gl vk; do
+    open_window --backend $backend --size 240x180 --set bounces=0
+    check "$backend alone" see $backend.ppm shown size=240x180
+    xdotool key h
+    check "$backend shows what render writes with the saved camera" see $backend.ppm as=saved.png
+    xdotool key space h # pauses: from here only keys and mouse change the window
+    check "$backend has a panel" see panel.ppm not=$backend.ppm still
+    xdotool mousemove 60 96 click 1
+    check "... whose table of times can be folded" see folded.ppm not=panel.ppm still
+    xdotool mousemove 85 142 mousedown 1 # bounces
+    check "... and whose sliders move" see slider.ppm not=folded.ppm still
+    xdotool mouseup 1 key h
+    check "... and change the picture" see slid.ppm not=$backend.ppm not=slider.ppm still
+    xdotool key Escape
+    check "$backend ends in silence" ends 0
+done
+open_window --backend gl --size 80x60 --frames 3 --screenshot all.png
+check "with all bounces, too" ends 0
+"$diptych" render "${small[@]}" --backend gl --size 80x60 --frames 3 -o rendered.png
+check "... it is what render makes" cmp all.png rendered.png
+# An input of half the frame's size keeps the frame as it is.
+/usr/bin/python3 "$root/tests/app/outside.py" make .
+mv small.png TINT.PNG
+cat >enlarge.yaml <<'END'
+pipeline: enlarge
+images:
+  photo: {input: true, format: rgba8, size: ["ceil_div(frame.width, 2)", "ceil_div(frame.height, 2)"]}
+  tint: {file: TINT.PNG, format: rgba8}
+  picture: {format: rgba8, size: frame}
+passes:
+  - {name: enlarge, dispatch: picture, reads: [photo, tint], writes: [picture], shader: enlarge.glsl}
+output: {display: picture}
+END
+cat >enlarge.glsl <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, picture_size())))
+        picture_store(p, photo(p / 2) + tint(ivec2(0)));
+}
+END
+"$diptych" view --spec enlarge.yaml --input photo=photo.png --backend gl --size 90x42 >view.out 2>view.err &
+window=$!
+check "a window with an input" see enlarged.ppm shown size=90x42
+touch TINT.PNG
+check "a picture is watched, in any case of its ending" says "the pipeline is unchanged"
+xdotool search --name diptych windowsize --sync 180 84
+check "... takes another size" see large.ppm size=180x84 shown
+xdotool key Escape
+check "... and ends by Esc" ends 0
+
+# From here on, any pipeline would do: one that opens sooner.
+small=(--scene "$scene" --spec "$work/templates/rsm.yaml" --set rsm_size=64)
+"$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o saved.png
+LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x180 --set bounces=0 --frames 12 --screenshot lost.png
+check "surfaces that are lost, and swapchains out of date" ends 0
+check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
+check "... and it is the same picture" cmp lost.png saved.png
+
+# A window manager minimises and restores the window, and a user drags its corner.
+# shellcheck disable=SC2317 # called through check
+rests() { # within 30 s, the window's process is idle for a second
+    local before after=0
+    for _ in $(seq 30); do
+        before=$after
+        after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") || return 1
+        [ $((after - before)) -gt 15 ] || return 0
+        sleep 1
+    done
+    echo "in the last second it took $((after - before)) ticks"
+    return 1
+}
+# shellcheck disable=SC2317
+is_gone() { # within 10 s, the window is not visible
+    for _ in $(seq 100); do
+        xdotool search --onlyvisible --name '^diptych' || return 0
+        sleep 0.1
+    done
+    return 1
+}
+if command -v twm >/dev/null; then
+    printf '%s\n' NoTitle RandomPlacement IconifyByUnmapping NoGrabServer 'BorderWidth 0' \
+        {Title,Resize,Menu,Icon,IconManager}'Font "fixed"' >twmrc # the font that any X server has
+    LC_ALL=C twm -f twmrc 2>twm.err &
+    for backend in gl vk; do
+        open_window --backend $backend --size 200x150 --set bounces=0
+        check "$backend under a window manager" see $backend.ppm shown
+        id=$(xdotool search --name '^diptych')
+        xdotool mousemove --window "$id" 50 75 key h
+        check "... without the panel" see bare.ppm shown not=$backend.ppm still
+        xdotool windowminimize "$id"
+        check "... is gone when it is minimised" is_gone
+        check "... lets the processor be, then" rests
+        xdotool windowmap --sync "$id"
+        check "... comes back as it was" see back.ppm as=bare.ppm
+        xdotool key Tab
+        check "... and its frames go on" see next.ppm shown not=bare.ppm
+        for k in $(seq 40); do
+            xdotool windowsize "$id" $((1 + k * 97 % 300)) $((1 + k * 53 % 200))
+        done
+        xdotool windowminimize "$id"
+        is_gone >/dev/null
+        xdotool windowsize "$id" 260 90 windowmap --sync "$id"
+        check "... stands being pulled about" see storm.ppm shown size=260x90
+        xdotool windowminimize "$id"
+        is_gone >/dev/null
+        xdotool windowmap --sync "$id" mousemove --window "$id" 50 75 key Escape
+        check "... and ends in silence" ends 0
+    done
+else
+    skip "minimised windows" "twm is not installed"
+fi
+
+# The window opens a lost device again, any number of times if losses are rare. After two quick losses it waits for the user.
+losses=$build/tests/view_losses.so
+for backend in gl vk both; do # with `both`, the second device is lost
+    LOSE=61 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --set bounces=0 --frames 40 --screenshot alive.png
+    check "$backend outlives a device" ends 0
+    check "... that was lost" says "told: the device is lost"
+    check "... and opened anew" says "reopening the device"
+    [ $backend = both ] || check "... and shows what it showed" cmp alive.png saved.png
+done
+LOSE=40,60 LD_PRELOAD=$losses open_window --backend vk --size 240x180 --set bounces=0
+check "a device that is lost twice" says "Space, or a change of the pipeline, tries once more"
+check "... leaves the panel" see lost.ppm shown still size=240x180
+xdotool key space h
+check "... and goes on by hand" see alive.ppm as=saved.png
+xdotool key Escape
+check "... up to its end" ends 0
+LOSE=40,60 LD_PRELOAD=$losses open_window --backend gl --size 240x180 --set bounces=0 --frames 100
+check "with nobody there it is an error" ends 1
+check "... that says so" says "the window ends"
+
+DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
+DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl
+check "three backends are too many" is_told 1 "one backend, or two" "$diptych" view "${small[@]}" --backend gl,vk,gl
+check "zink has no window" is_told 1 "only gl and vk" "$diptych" view "${small[@]}" --backend zink
+finish

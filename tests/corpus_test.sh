@@ -1,8 +1,0 @@
-#!/usr/bin/env bash
-# GLSL as people write it, tests/corpus: the results that its rules give, and the same bits on every side; tests/corpus.py prints the
-# TAP.
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-. "$root/tests/drivers.sh"
-export PYTHONDONTWRITEBYTECODE=1
-[ ${#strangers[@]} -gt 0 ] || echo "# $no_strangers"
-exec /usr/bin/python3 "$root/tests/corpus.py" "${DIPTYCH_BUILD:-$root/build}" gl gl+glsl "vk${strangers:+@llvmpipe}" "${strangers[@]}"

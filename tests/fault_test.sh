@@ -1,4 +1,0 @@
-#!/usr/bin/env bash
-# A test of compare itself: it finds every injected fault and names the fault's pass. TAP.
-. "$(dirname "$0")/tap.sh"
-/usr/bin/python3 "$root/tests/faults.py" "$diptych" "$root" "$work"

@@ -1,0 +1,67 @@
+#!/usr/bin/env bash
+# diptych_tap.h in two small engines, and its twin in Python: what they leave is compared. TAP.
+. "$(dirname "$0")/../lib/tap.sh"
+cd "$root" || exit 1
+warn=(-Wall -Wextra -Werror -pedantic -Itemplates/c)
+
+# shellcheck disable=SC2317 # called through check
+check_header() { # header include language...
+    local header=$1 include=$2
+    shift 2
+    printf '#include <%s>\n#include "%s"\nint main(void) { return tap_close(tap_open("x", "y", NULL)); }\n' "$include" "$header" |
+        "$@" "${warn[@]}" -DGL_GLEXT_PROTOTYPES -fsyntax-only -
+}
+for header in "diptych_tap.h stdio.h" "diptych_tap_gl.h GL/glcorearb.h" "diptych_tap_vk.h vulkan/vulkan.h"; do
+    read -ra names <<<"$header"
+    check "${names[0]} is C99" check_header "${names[@]}" cc -std=c99 -x c
+    check "... and C++11" check_header "${names[@]}" c++ -std=c++11 -x c++
+done
+for header in diptych_tap_gl.h diptych_tap_vk.h; do
+    check "$header has less than 400 lines" test "$(wc -l <templates/c/$header)" -lt 400
+done
+
+flags=(-std=c11 -D_GNU_SOURCE "${warn[@]}" -Itests/hosts/examples)
+check "the OpenGL engine builds" cc "${flags[@]}" tests/hosts/examples/tap_gl.c tests/hosts/examples/renderer_gl.c -lEGL -lGL -o "$work/tap_gl"
+check "the Vulkan engine builds" cc "${flags[@]}" tests/hosts/examples/tap_vk.c tests/hosts/examples/renderer_vk.c -lvulkan -lpthread -o "$work/tap_vk"
+# shellcheck disable=SC2317 # called through check
+silent() { # command...
+    VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation HOST_DEBUG=1 \
+        VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT \
+        "$@" >"$work/heard" 2>&1
+    local status=$?
+    cat "$work/heard"
+    [ "$status" = 0 ] && [ ! -s "$work/heard" ]
+}
+check "it runs" silent "$work/tap_gl" "$work/gl"
+check "so does the other, and validation is silent" silent "$work/tap_vk" "$work/vk"
+check "and the faulty one" silent "$work/tap_vk" "$work/faulty" faulty
+
+# shellcheck disable=SC2317
+says() { # status, pattern, arguments...
+    local want=$1 pattern=$2
+    shift 2
+    "$diptych" compare "$@" >"$work/said" 2>&1
+    local got=$?
+    cat "$work/said"
+    [ "$got" = "$want" ] && grep -Eq -- "$pattern" "$work/said"
+}
+check "the engines agree" says 0 '^all 4 resources that both have agree$' "$work/gl" "$work/vk"
+check "rows are turned over" grep -q 'row 0 is the bottom here, the top there' "$work/said"
+check "the planted difference is in downsample" says 1 '^first pass that differs: downsample, resource small$' "$work/gl" "$work/faulty"
+check "... and is a flip" grep -q '^why: small: equal after a flip in y' "$work/said"
+check_status 1 "a folder that cannot be made fails" "$work/tap_gl" /proc/none
+
+if /usr/bin/python3 -c 'import numpy' 2>"$work/output"; then
+    check "the same from Python" /usr/bin/python3 -B tests/hosts/tap.py "$work/gl" "$work/python"
+    check "... agrees" says 0 '^all 3 resources that both have agree$' "$work/python" "$work/gl"
+else
+    skip "the tap in Python" "needs python3-numpy"
+fi
+if /usr/bin/python3 -c 'import jsonschema' 2>"$work/output"; then
+    for dump in gl vk python; do
+        [ ! -e "$work/$dump" ] || check "the manifest of $dump is valid by its schema" /usr/bin/python3 -c '
+import json, sys, jsonschema
+jsonschema.validate(json.load(open(sys.argv[2])), json.load(open(sys.argv[1])))' templates/dump.schema.json "$work/$dump/manifest.json"
+    done
+fi
+finish

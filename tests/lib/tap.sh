@@ -1,0 +1,49 @@
+# shellcheck shell=bash
+# TAP for the shell tests. `check DESCRIPTION COMMAND...` runs a command and expects success; `check_status N ...` expects exit
+# status N. A failed check prints the command's output. `finish` ends the TAP and the script. Sourced by tests/*_test.sh.
+set -u
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+build=$(realpath "${DIPTYCH_BUILD:-$root/build}")
+diptych=$build/diptych
+tap_count=0
+tap_failed=0
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+tap_result() { # outcome description
+    tap_count=$((tap_count + 1))
+    if [ "$1" = 0 ]; then
+        echo "ok $tap_count - $2"
+    else
+        tap_failed=$((tap_failed + 1))
+        echo "not ok $tap_count - $2"
+        sed 's/^/# /' "$work/output" | tail -n 30
+    fi
+}
+
+check_status() { # status description command...
+    local want=$1 description=$2 got
+    shift 2
+    "$@" >"$work/output" 2>&1 </dev/null
+    got=$?
+    [ "$got" = "$want" ] || echo "exit status $got, expected $want" >>"$work/output"
+    [ "$got" = "$want" ]
+    tap_result $? "$description"
+}
+
+check() { # description command...
+    local description=$1
+    shift
+    check_status 0 "$description" "$@"
+}
+
+skip() { # description reason
+    tap_count=$((tap_count + 1))
+    echo "ok $tap_count - $1 # SKIP $2"
+}
+
+finish() {
+    echo "1..$tap_count"
+    [ "$tap_failed" = 0 ]
+    exit
+}
