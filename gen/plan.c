@@ -63,6 +63,8 @@ static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pa
 static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *pass,
                             const struct access *access)
 {
+    if (access->clears)
+        return DT_WRITE_CLEAR;
     if (access->mode == MODE_READ)
         return reads_uniform(pipeline, pass, access) ? DT_READ_UNIFORM : DT_READ_STORAGE;
     return access->mode == MODE_WRITE ? DT_WRITE_STORAGE : DT_READ_STORAGE | DT_WRITE_STORAGE;
@@ -159,7 +161,7 @@ static enum binding_class binding_class(const struct access *access)
     bool image = access->resource ? access->resource->kind == DT_IMAGE
                                   : access->builtin == DT_SCENE_TEXTURES;
 
-    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH))
+    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH | DT_WRITE_CLEAR))
         return BIND_NONE;
     if (access->kind & DT_READ_TEXTURE)
         return BIND_TEXTURE;
@@ -385,6 +387,8 @@ static unsigned stages_of(const struct pass *pass, const struct access *access)
         return DT_STAGE_COLOR;
     if (access->kind & DT_WRITE_DEPTH)
         return DT_STAGE_DEPTH;
+    if (access->clears)
+        return DT_STAGE_CLEAR;
     if (pass->kind == DT_PASS_DISPATCH)
         return DT_STAGE_COMPUTE;
     if (access->resource && access->resource->internal)

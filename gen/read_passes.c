@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "read.h"
+#include "sanitize.h"
 
 /* ---- Lists ----------------------------------------------------------------------------------- */
 
@@ -122,7 +123,7 @@ static void read_accesses(struct reader *reader, const struct fields *fields, st
     int total = 0;
     for (int k = 0; k < 3; k++)
         total += list_count(field_node(fields, keys[k]));
-    pass->accesses = reader_alloc(reader, (size_t)total + 1, /* one more: sanitize.c */
+    pass->accesses = reader_alloc(reader, (size_t)total + SANITIZE_ACCESSES,
                                   sizeof *pass->accesses);
     for (int k = 0; pass->accesses && k < 3; k++) {
         struct fy_node *list = field_node(fields, keys[k]);

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "read.h"
+#include "sanitize.h"
 
 /* ---- Structs --------------------------------------------------------------------------------- */
 
@@ -183,7 +184,7 @@ void read_resources(struct reader *reader, const struct fields *top)
     struct named_list buffers = fields_named(reader, top, "buffers"),
                       images = fields_named(reader, top, "images");
     pipeline->resources =
-        reader_alloc(reader, buffers.count + images.count + 1, /* one more: sanitize.c */
+        reader_alloc(reader, buffers.count + images.count + SANITIZE_RESOURCES,
                      sizeof *pipeline->resources);
     if (!pipeline->resources)
         return;

@@ -20,8 +20,9 @@ struct sanitize_sites {
 
 /* ---- Kinds ----------------------------------------------------------------------------------- */
 
-static const char *const kinds[] = {"index", "arithmetic", "loop", "variable"};
-const char sanitize_names[] = "index, arithmetic, loop, variable";
+static const char *const kinds[] = {"index",   "arithmetic", "loop", "variable",
+                                    "content", "race",       "flow"};
+const char sanitize_names[] = "index, arithmetic, loop, variable, content, race, flow";
 
 unsigned sanitize_kinds(const char *list, const char **end)
 {
@@ -94,15 +95,17 @@ bool sanitize_failed(const struct model *model)
 
 static const char buffer_name[] = "diptych_reports";
 
-/* The reader leaves room for one more resource, and one more access of each pass. */
-static void add_access(struct pass *pass, struct resource *reports)
+/* The reader leaves room for them. */
+struct access *sanitize_access(struct pass *pass, struct resource *resource)
 {
-    pass->accesses[pass->access_count++] = (struct access){.name = buffer_name,
-                                                           .loc = pass->loc,
-                                                           .mode = MODE_UPDATE,
-                                                           .resource = reports,
-                                                           .binding = -1,
-                                                           .attachment = -1};
+    struct access *access = &pass->accesses[pass->access_count++];
+    *access = (struct access){.name = resource->name,
+                              .loc = pass->loc,
+                              .mode = MODE_UPDATE,
+                              .resource = resource,
+                              .binding = -1,
+                              .attachment = -1};
+    return access;
 }
 
 bool sanitize_plan(struct model *model)
@@ -122,8 +125,9 @@ bool sanitize_plan(struct model *model)
                                  .type = DT_TYPE_UINT,
                                  .stride = sizeof(uint32_t),
                                  .index = pipeline->resource_count++};
-    for (uint32_t i = 0; i < pipeline->pass_count; i++)
-        add_access(&pipeline->passes[i], reports);
+    shadow_plan(model);
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) /* the last access: see sanitize_count */
+        sanitize_access(&pipeline->passes[i], reports);
     return true;
 }
 
@@ -132,7 +136,9 @@ bool sanitize_count(struct model *model, struct diag *diag)
     struct pipeline *pipeline = &model->pipeline;
     if (!model->sanitize)
         return true;
-    struct resource *reports = pipeline->resources + pipeline->resource_count - 1;
+    struct resource *reports = pipeline->resources;
+    while (strcmp(reports->name, buffer_name) != 0)
+        reports++;
     const char *count = arena_printf(model->arena, "%u", model->sites->count * SANITIZE_WORDS);
     reports->count = count ? expr_parse(model, count, pipeline->loc, NULL, diag) : NULL;
     return reports->count && expr_resolve(reports->count, pipeline, diag);
@@ -150,35 +156,73 @@ static const char *place_of(const struct glsl *glsl)
         return "uvec3 diptych_place()\n{\n    return uvec3(gl_FragCoord.xy, 0.0);\n}\n\n"
                "uvec3 diptych_extent()\n{\n    return uvec3(65536, 65536, 1);\n}\n\n";
     if (glsl->pass->interleave)
-        return "uvec3 diptych_place()\n{\n    return uvec3(gl_WorkGroupID.yz * gl_WorkGroupSize.xy "
-               "+ "
-               "gl_LocalInvocationID.xy, gl_WorkGroupID.x);\n}\n\n"
+        return "uvec3 diptych_place_at(const uvec3 group, const uvec3 local)\n{\n    return "
+               "uvec3(group.yz * gl_WorkGroupSize.xy + local.xy, group.x);\n}\n\n"
+               "uvec3 diptych_place()\n{\n    return diptych_place_at(gl_WorkGroupID, "
+               "gl_LocalInvocationID);\n}\n\n"
                "uvec3 diptych_extent()\n{\n    return uvec3(gl_NumWorkGroups.yz * "
                "gl_WorkGroupSize.xy, gl_NumWorkGroups.x);\n}\n\n";
-    return "uvec3 diptych_place()\n{\n    return gl_GlobalInvocationID;\n}\n\n"
+    return "uvec3 diptych_place_at(const uvec3 group, const uvec3 local)\n{\n    return group * "
+           "gl_WorkGroupSize + local;\n}\n\n"
+           "uvec3 diptych_place()\n{\n    return gl_GlobalInvocationID;\n}\n\n"
            "uvec3 diptych_extent()\n{\n    return gl_NumWorkGroups * gl_WorkGroupSize;\n}\n\n";
+}
+
+const char *sanitize_layout(const struct glsl *glsl, const char *resource)
+{
+    const struct access *access = glsl->pass->accesses;
+    struct text layout = {0};
+    while (strcmp(access->name, resource) != 0)
+        access++;
+    glsl_binding(access->binding, &layout);
+    const char *copy = layout.failed ? NULL : arena_printf(glsl->model->arena, "%s", layout.data);
+    text_free(&layout);
+    return copy;
+}
+
+/* The next of the words in a text, and which. */
+static const char *find_next(const char *text, const char *const *words, int *which)
+{
+    const char *next = NULL;
+    for (int i = 0; words[i]; i += 2) {
+        const char *at = strstr(text, words[i]);
+        if (at && (!next || at < next)) {
+            next = at;
+            *which = i;
+        }
+    }
+    return next;
+}
+
+bool sanitize_library(struct glsl *glsl, const char *name, const char *const *words)
+{
+    struct model *model = glsl->model;
+    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
+    const struct source *source = path ? glsl_source(model, path) : NULL;
+    struct text *out = &glsl->parts[PART_END];
+    if (!source) {
+        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
+                   path ? path : name);
+        return false;
+    }
+    int which = 0;
+    const char *text = source->text;
+    for (const char *at; (at = find_next(text, words, &which));
+         text = at + strlen(words[which])) {
+        text_add_bytes(out, text, (size_t)(at - text));
+        text_add(out, "%s", words[which + 1]);
+    }
+    text_add(out, "%s\n", text);
+    return true;
 }
 
 bool sanitize_glsl(struct glsl *glsl)
 {
-    struct model *model = glsl->model;
-    static const char slot[] = "@layout@";
-    if (!model->sanitize)
+    if (!glsl->model->sanitize)
         return true;
-    const char *path = arena_printf(model->arena, "%s/glsl/sanitize.glsl", model->templates_dir);
-    const struct source *source = path ? glsl_source(model, path) : NULL;
-    const char *at = source ? strstr(source->text, slot) : NULL;
-    if (!at) {
-        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
-                   path ? path : "sanitize.glsl");
-        return false;
-    }
-    struct text *out = &glsl->parts[PART_END];
-    text_add(out, "%s", place_of(glsl));
-    text_add_bytes(out, source->text, (size_t)(at - source->text));
-    glsl_binding(glsl->pass->accesses[glsl->pass->access_count - 1].binding, out);
-    text_add(out, "%s\n", at + strlen(slot));
-    return true;
+    const char *const words[] = {"@layout@", sanitize_layout(glsl, buffer_name), NULL};
+    text_add(&glsl->parts[PART_END], "%s", place_of(glsl));
+    return words[1] && sanitize_library(glsl, "sanitize", words) && shadow_glsl(glsl);
 }
 
 /* ---- Reports --------------------------------------------------------------------------------- */
@@ -201,22 +245,29 @@ static bool stands(const char *line, const char *at, const char *word, size_t le
     return !twice;
 }
 
-/* Whether a name stands here to be read: it is neither declared nor assigned. */
-static bool is_read(const char *line, const char *at, size_t length)
+enum find { FIND_ANY, FIND_READ, FIND_WRITTEN };
+
+/* Whether a name stands here to be read, or to be assigned: it is not declared. */
+static bool is_used(const char *line, const char *at, size_t length, enum find how)
 {
     const char *before = at, *after = at + length;
     while (before > line && (before[-1] == ' ' || before[-1] == '\t'))
         before--;
+    after -= at[length - 1] == '[';
+    for (int depth = 0; *after == '[' || (depth && *after && *after != '\n'); after++)
+        depth += (*after == '[') - (*after == ']');
     if (*after == '.')
-        after += strspn(after, ".xyzwrgbastpq");
+        after += 1 + strspn(after + 1, "xyzwrgbastpq");
     after += strspn(after, " \t");
     bool declared = before < at && before > line && is_word(before[-1]) &&
                     !(before - line >= 6 && !strncmp(before - 6, "return", 6));
-    return !declared && !(after[0] == '=' && after[1] != '=');
+    bool assigned = after[0] == '=' && after[1] != '=';
+    bool updated = strchr("+-*/%&|^", after[0]) && after[0] && (after[1] == '=' || after[1] == after[0]);
+    return !declared && (how == FIND_READ ? !assigned : assigned || updated);
 }
 
 /* The column of the nth word outside of comments, or of the last; 0: there is none. */
-static int find_column(const char *line, const char *word, uint32_t nth, bool read)
+static int find_column(const char *line, const char *word, uint32_t nth, enum find how)
 {
     size_t length = strlen(word);
     int column = 0;
@@ -230,7 +281,7 @@ static int find_column(const char *line, const char *word, uint32_t nth, bool re
             at = end + 1;
             continue;
         }
-        if (!stands(line, at, word, length) || (read && !is_read(line, at, length)))
+        if (!stands(line, at, word, length) || (how && !is_used(line, at, length, how)))
             continue;
         column = (int)(at - line) + 1;
         if (!nth--)
@@ -267,12 +318,14 @@ static void place(const struct model *model, const struct sanitize_site *site,
     report->line = (int)site->line;
     char indexed[72];
     snprintf(indexed, sizeof indexed, "%s[", word);
-    if (!strncmp(site->text, "index", 5))
-        report->column = find_column(line, indexed, site->nth, true);
-    else if (strstr(site->text, " is read "))
-        report->column = find_column(line, word, site->nth, true);
+    enum find how = site->pairs ? FIND_WRITTEN : FIND_READ;
+    bool memory = *site->text == '@';
+    if (memory || !strncmp(site->text, "index", 5))
+        report->column = find_column(line, indexed, site->nth, how);
+    if (!report->column && (memory || strstr(site->text, " is read ")))
+        report->column = find_column(line, word, site->nth, how);
     if (!report->column)
-        report->column = find_column(line, word, site->nth, false);
+        report->column = find_column(line, word, site->nth, FIND_ANY);
     for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
         if (!strcmp(other_words[i][0], word))
             report->column = find_column(line, other_words[i][1], site->nth, false);
@@ -294,12 +347,39 @@ static void put_value(char letter, uint32_t bits, struct text *out)
         text_add(out, "%u", bits);
 }
 
-static bool write_text(const char *format, const uint32_t values[8], struct sanitize_report *report)
+/* The coordinates of an invocation in a dispatch of this size. */
+static void find_invocation(uint32_t number, const uint32_t extent[2], uint32_t invocation[3])
+{
+    uint32_t width = extent[0] ? extent[0] : 1, height = extent[1] ? extent[1] : 1;
+    invocation[0] = number % width;
+    invocation[1] = number / width % height;
+    invocation[2] = (uint32_t)(number / ((uint64_t)width * height));
+}
+
+/* The value of a message at `code`: its number and letter. words: of the place in the buffer of reports. */
+static void put_code(const struct sanitize_site *site, const char *code, const uint32_t *words,
+                     const uint32_t *values, struct text *out)
+{
+    uint32_t value = values[code[0] - '0'], p[3];
+    char text[160];
+    if (code[1] == 'e') {
+        shadow_place(site, value, values[3], text, sizeof text);
+        text_add(out, "%s", text);
+    } else if (code[1] == 'p') {
+        find_invocation(value, words + 4, p);
+        text_add(out, "(%u, %u, %u)", p[0], p[1], p[2]);
+    } else {
+        put_value(code[1], value, out);
+    }
+}
+
+static bool write_text(const struct sanitize_site *site, const uint32_t *words,
+                       const uint32_t *values, struct sanitize_report *report)
 {
     struct text out = {0};
-    for (; *format; format++)
+    for (const char *format = site->text; *format; format++)
         if (*format == '@' && format[1] && format[2]) {
-            put_value(format[2], values[format[1] - '0'], &out);
+            put_code(site, format + 1, words, values, &out);
             format += 2;
         } else {
             text_add_bytes(&out, format, 1);
@@ -327,14 +407,11 @@ static bool read_site(const struct model *model, uint32_t index, const uint32_t 
     const struct sanitize_sites *sites = model->sites;
     const uint32_t *record = find_record(words);
     const struct sanitize_site *what = &sites->list[record[1] < sites->count ? record[1] : 0];
-    uint32_t key = ~record[0], width = words[4] ? words[4] : 1, height = words[5] ? words[5] : 1;
     *report = (struct sanitize_report){.count = words[0], .frame = words[3] - 1};
-    report->invocation[0] = key % width;
-    report->invocation[1] = key / width % height;
-    report->invocation[2] = (uint32_t)(key / ((uint64_t)width * height));
+    find_invocation(what->pairs ? record[2] : ~record[0], words + 4, report->invocation);
     report->pass = what->pass ? what->pass->name : "";
     place(model, index ? &sites->list[index] : what, report);
-    return write_text(what->text, record + 2, report);
+    return write_text(what, words, record + 2, report);
 }
 
 static int by_place(const void *left, const void *right)

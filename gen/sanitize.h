@@ -4,10 +4,13 @@
 #define DIPTYCH_GEN_SANITIZE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
+struct access;
 struct model;
 struct pass;
+struct resource;
 struct text;
 struct diag;
 
@@ -16,7 +19,11 @@ enum sanitize_kind { /* masks */
                      SANITIZE_ARITHMETIC = 1 << 1,
                      SANITIZE_LOOP = 1 << 2,
                      SANITIZE_VARIABLE = 1 << 3,
-                     SANITIZE_ALL = (1 << 4) - 1
+                     SANITIZE_CONTENT = 1 << 4,
+                     SANITIZE_RACE = 1 << 5,
+                     SANITIZE_FLOW = 1 << 6,
+                     SANITIZE_SHADOW = SANITIZE_CONTENT | SANITIZE_RACE | SANITIZE_FLOW,
+                     SANITIZE_ALL = (1 << 7) - 1
 };
 /* The mask of a list like "index,loop"; "" is all. 0: *end is where the unknown word begins. */
 unsigned sanitize_kinds(const char *list, const char **end);
@@ -28,8 +35,12 @@ struct sanitize_site {
     uint32_t file, line;     /* by OpLine; file 0: generated text */
     const char *word;        /* of the operation in the line; lives as long as the text below */
     uint32_t nth;            /* operation of this word in the line, from 0 */
-    /* the message; @0i is value 0 as an int, @4u value 4 as a uint, @1f value 1 as a float */
+    /* the message; @0i is value 0 as an int, @4u value 4 as a uint, @1f value 1 as a float, @0e a texel or
+     * element by its index in the resource, @1p an invocation by its number */
     char text[160], name[64];
+    bool pairs;                      /* a race: value 0 is the invocation */
+    const struct resource *resource; /* of @0e; NULL: a shared variable */
+    uint32_t words, first;           /* shared: of an element, 0: no array; the variable's first */
 };
 /* Words of a site in the buffer, and of its records; see templates/glsl/sanitize.glsl. */
 enum {
@@ -53,6 +64,27 @@ bool sanitize_count(struct model *model, struct diag *diag);
 /* The GLSL that a stage gets. */
 struct glsl;
 bool sanitize_glsl(struct glsl *glsl);
+/* A library file, with `words` replaced in it: pairs of a word and its text, up to NULL. */
+bool sanitize_library(struct glsl *glsl, const char *name, const char *const *words);
+/* Gives the pass access to an internal resource. */
+struct access *sanitize_access(struct pass *pass, struct resource *resource);
+/* The layout of the pass's binding of an internal resource; NULL: out of memory. */
+const char *sanitize_layout(const struct glsl *glsl, const char *resource);
+
+/* ---- shadow.c: memory beside that of the pipeline, which says what was written, and by whom --- */
+
+enum { /* most internal resources of a pipeline, and accesses of a pass to them */
+       SANITIZE_RESOURCES = 5,
+       SANITIZE_ACCESSES = 4
+};
+void shadow_plan(struct model *model);
+bool shadow_glsl(struct glsl *glsl);
+/* Words of an internal resource at a frame size; 0: its count says it. */
+uint64_t shadow_words(const struct model *model, const struct resource *resource, uint32_t width,
+                      uint32_t height);
+/* Where the word or texel of a resource is: "texel (3, 0) of `name`", "element 2 of `name`". */
+void shadow_place(const struct sanitize_site *site, uint32_t at, uint32_t frame_size, char *text,
+                  size_t room);
 
 /* What the buffer's content tells: messages in the order of their places, an empty text where nothing was found. Returns
  * the number of places. */

@@ -167,7 +167,8 @@ static void add_clears(struct steps *steps, const struct pass *pass)
             DT_VERB_CLEAR_TARGETS, STEP_SKIPPED, {value(pass->layers, USE_ITSELF, 1)}};
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
-        if (!access->resource || access->mode != MODE_WRITE || access->kind & target)
+        if (!access->resource || access->mode != MODE_WRITE || access->kind & target ||
+            access->clears)
             continue;
         bool image = access->resource->kind == DT_IMAGE;
         steps->list[steps->count++] =
@@ -191,6 +192,12 @@ struct steps pass_steps(const struct pass *pass, struct arena *arena)
     if (pass->barrier_count)
         steps.list[steps.count++] =
             (struct step){DT_VERB_BARRIERS, STEP_ALWAYS, {number(pass->barrier_count)}};
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].clears)
+            steps.list[steps.count++] =
+                (struct step){DT_VERB_CLEAR_BUFFER,
+                              STEP_ALWAYS,
+                              {resource(pass->accesses[i].resource->index)}};
     steps.list[steps.count++] = (struct step){DT_VERB_BIND, when, {{0}}};
     add_rect(&steps, when, DT_VERB_VIEWPORT, pass->viewport);
     add_rect(&steps, when, DT_VERB_SCISSOR, pass->scissor);

@@ -205,8 +205,11 @@ bool plan_choices(const struct plan *plan,
 
 uint32_t plan_reports(const struct plan *plan)
 {
-    const struct model *model = &plan->spec.model;
-    return model->pipeline.resource_count - (model->sanitize != 0);
+    const struct pipeline *pipeline = &plan->spec.model.pipeline;
+    uint32_t first = pipeline->resource_count;
+    while (first && pipeline->resources[first - 1].internal)
+        first--;
+    return first;
 }
 
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,

@@ -60,7 +60,7 @@ static bool sanitize(const struct model *model, const struct pass *pass, struct 
     struct adding adding = {model, pass};
     return !model->sanitize ||
            (spirv_sanitize(module,
-                           &(struct sanitize_request){model->sanitize, add_site, &adding}) &&
+                           &(struct sanitize_request){model->sanitize, pass, add_site, &adding}) &&
             !sanitize_failed(model));
 }
 

@@ -30,7 +30,7 @@ static uint32_t bool_type(struct sanitizer *s)
     return spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
 }
 
-static uint32_t vector_type(struct sanitizer *s, uint32_t scalar, uint32_t count)
+uint32_t sanitizer_vector(struct sanitizer *s, uint32_t scalar, uint32_t count)
 {
     return count == 1 ? scalar
                       : spirv_declare(&s->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
@@ -83,6 +83,11 @@ static const uint32_t *find_named(const struct spirv *from, const char *name)
     return NULL;
 }
 
+bool sanitizer_has(const struct sanitizer *s, const char *mangled)
+{
+    return find_named(s->from, mangled);
+}
+
 /* The result of a call; 0: there is no such function. */
 uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values)
 {
@@ -111,10 +116,10 @@ static uint32_t find_variable(const struct spirv *from, const char *name)
 
 /* ---- Sites ----------------------------------------------------------------------------------- */
 
-/* How many operations of the word the line has had. */
-static uint32_t count_word(struct sanitizer *s, const char *word)
+/* How many operations of the word, of one kind, the line has had. */
+static uint32_t count_word(struct sanitizer *s, const char *word, uint32_t kind)
 {
-    uint32_t hash = 2166136261u ^ s->file * 31 ^ s->line * 16777619u;
+    uint32_t hash = 2166136261u ^ s->file * 31 ^ s->line * 16777619u ^ kind << 24;
     for (; word && *word; word++)
         hash = (hash ^ (unsigned char)*word) * 16777619u;
     for (size_t i = 0; i < s->seen.count; i += 2)
@@ -124,13 +129,21 @@ static uint32_t count_word(struct sanitizer *s, const char *word)
     return 0;
 }
 
+uint32_t sanitizer_add(struct sanitizer *s, struct sanitize_site *site)
+{
+    uint32_t kind = *site->text == '@' ? (uint32_t)site->text[1] : 0;
+    site->file = s->file;
+    site->line = s->line;
+    site->nth = count_word(s, *site->name ? site->name : site->word, kind);
+    return s->request->add(s->request->user, site);
+}
+
 uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text)
 {
-    struct sanitize_site site = {.file = s->file, .line = s->line, .word = word};
-    site.nth = count_word(s, *name ? name : word);
+    struct sanitize_site site = {.word = word};
     snprintf(site.name, sizeof site.name, "%s", name);
     snprintf(site.text, sizeof site.text, "%s", text);
-    return s->request->add(s->request->user, &site);
+    return sanitizer_add(s, &site);
 }
 
 /* Appends place and operation. */
@@ -508,7 +521,7 @@ static void put_component(struct sanitizer *s, const uint32_t *instruction, uint
 static uint32_t put_size(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t lod,
                          uint32_t width)
 {
-    uint32_t size = s->edit.bound++, result_type = vector_type(s, int_type(s), width);
+    uint32_t size = s->edit.bound++, result_type = sanitizer_vector(s, int_type(s), width);
     if (type[7] == 1 && !type[6] && type[3] != SpvDimBuffer && type[3] != SpvDimRect) {
         uint32_t zero = spirv_declare(&s->edit, SpvOpConstant, int_type(s), (uint32_t[]){0}, 1);
         SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQuerySizeLod, result_type, size, image,
@@ -539,7 +552,7 @@ static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image,
         return;
     if (type[3] == SpvDimCube) { /* without its face */
         uint32_t part = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, vector_type(s, int_type(s), 2), part,
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, sanitizer_vector(s, int_type(s), 2), part,
                   place, place, 0, 1);
         place = part;
     }
@@ -681,6 +694,8 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     put_before(s, i);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_before(s, i);
+    race_before(s, i);
+    content_before(s, i);
     if (spirv_is(i, SpvOpFunctionCall))
         put_caller(s, i);
     if (spirv_is(i, SpvOpKill) || spirv_is(i, SpvOpTerminateInvocation))
@@ -697,6 +712,7 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         put_result(s, check, i, bad);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_after(s, i);
+    content_after(s, i);
     return more;
 }
 
@@ -709,6 +725,7 @@ static size_t put_checked(struct sanitizer *s, const struct spirv_function *func
         s->begun = true;
         if (s->request->kinds & SANITIZE_VARIABLE)
             assigned_reset(s, function);
+        content_enter(s, function);
     }
     at += put_instruction(s, function, at);
     s->label = spirv_is(i, SpvOpLabel) ? i[1] : s->label;
@@ -723,6 +740,9 @@ static void put_function(struct sanitizer *s, const struct spirv_function *funct
     bool check = name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_end(") != 0;
     s->file = s->line = s->label = 0;
     s->begun = false;
+    s->function = function->id;
+    if (name && !strncmp(name, "diptych_number(", 15)) /* content.c writes it */
+        return;
     if (!check && s->request->kinds & SANITIZE_VARIABLE)
         assigned_find(s, function);
     SPIRV_EACH(s->from, at, function->begin, function->end)
@@ -782,15 +802,17 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
                           .glsl = spirv_glsl(module),
                           .counters = calloc(module->words[3], sizeof *s.counters)};
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |= !s.counters || !assigned_begin(&s);
+    s.edit.failed |= !s.counters || !assigned_begin(&s) || !content_begin(&s);
     if (!s.edit.failed) {
         spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
                      module->declarations - module->annotations);
         for (uint32_t i = 0; i < module->function_count; i++)
             put_function(&s, &module->functions[i]);
+        content_end(&s);
         drop_lines(&s.edit.declarations);
         copy_front(&s);
     }
+    content_free(&s);
     free(s.seen.data);
     free(s.ids);
     free(s.variables.data);
