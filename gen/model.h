@@ -170,7 +170,7 @@ struct access {
     /* read: colour targets; `blend` is the pass's unless the access has its own */
     const struct dt_blend *blend; /* NULL: off */
     bool own_blend, own_mask;
-    bool clears; /* the pass clears it, before its work */
+    bool clears;  /* the pass clears it, before its work */
     uint8_t keep; /* channels that `mask` leaves out, red in bit 0 */
     struct loc blend_loc, mask_loc;
     struct resource *resource;       /* check; NULL for a builtin */

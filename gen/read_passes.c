@@ -123,8 +123,8 @@ static void read_accesses(struct reader *reader, const struct fields *fields, st
     int total = 0;
     for (int k = 0; k < 3; k++)
         total += list_count(field_node(fields, keys[k]));
-    pass->accesses = reader_alloc(reader, (size_t)total + SANITIZE_ACCESSES,
-                                  sizeof *pass->accesses);
+    pass->accesses =
+        reader_alloc(reader, (size_t)total + SANITIZE_ACCESSES, sizeof *pass->accesses);
     for (int k = 0; pass->accesses && k < 3; k++) {
         struct fy_node *list = field_node(fields, keys[k]);
         for (int i = 0; i < list_count(list); i++)

@@ -183,9 +183,8 @@ void read_resources(struct reader *reader, const struct fields *top)
     struct pipeline *pipeline = &reader->model->pipeline;
     struct named_list buffers = fields_named(reader, top, "buffers"),
                       images = fields_named(reader, top, "images");
-    pipeline->resources =
-        reader_alloc(reader, buffers.count + images.count + SANITIZE_RESOURCES,
-                     sizeof *pipeline->resources);
+    pipeline->resources = reader_alloc(reader, buffers.count + images.count + SANITIZE_RESOURCES,
+                                       sizeof *pipeline->resources);
     if (!pipeline->resources)
         return;
     for (uint32_t i = 0; i < buffers.count; i++)

@@ -207,8 +207,7 @@ bool sanitize_library(struct glsl *glsl, const char *name, const char *const *wo
     }
     int which = 0;
     const char *text = source->text;
-    for (const char *at; (at = find_next(text, words, &which));
-         text = at + strlen(words[which])) {
+    for (const char *at; (at = find_next(text, words, &which)); text = at + strlen(words[which])) {
         text_add_bytes(out, text, (size_t)(at - text));
         text_add(out, "%s", words[which + 1]);
     }
@@ -262,7 +261,8 @@ static bool is_used(const char *line, const char *at, size_t length, enum find h
     bool declared = before < at && before > line && is_word(before[-1]) &&
                     !(before - line >= 6 && !strncmp(before - 6, "return", 6));
     bool assigned = after[0] == '=' && after[1] != '=';
-    bool updated = strchr("+-*/%&|^", after[0]) && after[0] && (after[1] == '=' || after[1] == after[0]);
+    bool updated =
+        strchr("+-*/%&|^", after[0]) && after[0] && (after[1] == '=' || after[1] == after[0]);
     return !declared && (how == FIND_READ ? !assigned : assigned || updated);
 }
 

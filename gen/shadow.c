@@ -192,7 +192,8 @@ uint64_t shadow_words(const struct model *model, const struct resource *resource
 
 static void put_sum(struct sum *sum, struct text *out)
 {
-    text_add(out, "%lluu%s", (unsigned long long)sum->literal, sum->text.data ? sum->text.data : "");
+    text_add(out, "%lluu%s", (unsigned long long)sum->literal,
+             sum->text.data ? sum->text.data : "");
     out->failed |= sum->text.failed;
     text_free(&sum->text);
     *sum = (struct sum){0};
@@ -225,8 +226,7 @@ static void add_index(const struct access *access, struct text *out)
     text_add(out,
              "uint diptych_at_%d(const ivec3 p, const int mip)\n{\n    return diptych_texel_at(p + "
              "ivec3(0, 0, %u), mip + %u, ivec3(",
-             access->binding, access->layer ? access->layer_value : 0,
-             all ? 0 : access->mip_value);
+             access->binding, access->layer ? access->layer_value : 0, all ? 0 : access->mip_value);
     put_side(resource->width, "int(frame.width)", out);
     text_add(out, ", ");
     put_side(resource->height, "int(frame.height)", out);

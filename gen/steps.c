@@ -194,10 +194,8 @@ struct steps pass_steps(const struct pass *pass, struct arena *arena)
             (struct step){DT_VERB_BARRIERS, STEP_ALWAYS, {number(pass->barrier_count)}};
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (pass->accesses[i].clears)
-            steps.list[steps.count++] =
-                (struct step){DT_VERB_CLEAR_BUFFER,
-                              STEP_ALWAYS,
-                              {resource(pass->accesses[i].resource->index)}};
+            steps.list[steps.count++] = (struct step){
+                DT_VERB_CLEAR_BUFFER, STEP_ALWAYS, {resource(pass->accesses[i].resource->index)}};
     steps.list[steps.count++] = (struct step){DT_VERB_BIND, when, {{0}}};
     add_rect(&steps, when, DT_VERB_VIEWPORT, pass->viewport);
     add_rect(&steps, when, DT_VERB_SCISSOR, pass->scissor);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """For sanitize_test.sh: `make FOLDER` writes wrong.yaml, whose bodies are undefined in the line that ends with `// here`, and
-fine.yaml, whose bodies come near but are not. `found FILE.json` checks the findings of wrong.yaml against the messages below,
-`silent FILE.json` those of fine.yaml, `equal DUMP DUMP` that two dumps have the same bits."""
+fine.yaml, whose bodies come near but are not. `found FILE.json NAME` checks the findings of NAME.yaml (wrong, wrong_memory) against the messages below,
+`silent FILE.json NAME` those of fine.yaml or fine_memory.yaml, `equal DUMP DUMP` that two dumps have the same bits."""
 import json
 import os
 import re
@@ -106,6 +106,8 @@ WRONG = [
     ("Cell c, d; d = c; // here\n    r = d.weight;", "c; //", "`c` is read before it has a value", 0),
     ("int n; for (int k = 0; k < 3; k++) n += k; r = float(n);", "n +=", "`n` is read before it has a value", 0),
     ("r = g;", "g;", "`g` is read before it has a value", 0, "float g;\n"),
+]
+WRONG_MEMORY = [
     # content
     ("r = sparse[i];", "sparse", "element 1 of `sparse` was never written in this frame", 1),
     ("r = sparse[2] + sparse[i | 1];", "sparse[i", "element 1 of `sparse` was never written in this frame", 0),
@@ -130,7 +132,7 @@ WRONG = [
     ("result[i / 2] = x;", "result", "element 0 of `out_", 0),
     # control flow
     ("if (l < 10) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 10),
-    ("for (int k = 0; k < 1 + l / 16; k++) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 16),
+    ("for (int k = 0; k < 1 + l / 16; k++) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 0),
     ("if (l < 16) barrier(); else barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 16, "", 2),
     ("if (l > 20) return; barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 21),
     ("switch (l / 16) { case 0: barrier(); break; default: break; }", "barrier",
@@ -158,6 +160,8 @@ FINE = [
     "float best; bool found = false; for (int k = 0; k < 4; k++) if (!found || taps[k] > best) { best = taps[k]; found = true; } r = best;",
     "float a[4]; for (int k = 0; k < 4; k++) a[k] = x; r = a[i % 4];",
     "Cell c; c.weight = x; Cell d = c; r = d.weight;",
+]
+FINE_MEMORY = [
     # content
     "float v = sparse[i]; if (i % 2 == 0) r = v;", "float v = sparse[i]; r = i % 2 == 0 ? v : 1.0;",
     "vec4 v = vectors[i]; r = v.x + v.y;", "Cell c = partial[i % 4]; r = c.weight;", "r = sparse[i & 62]; uint k = steps[i];",
@@ -190,9 +194,15 @@ def wrong_body(row):
     return body(row[0] if "// here" in functions + row[0] else row[0] + " // here", functions)
 
 
+TABLES = {"wrong": WRONG, "wrong_memory": WRONG_MEMORY, "fine": FINE, "fine_memory": FINE_MEMORY}
+
+
 def make(folder):
-    write_spec(folder, "wrong", {f"w{i}": wrong_body(row) for i, row in enumerate(WRONG)})
-    write_spec(folder, "fine", {f"f{i}": body(code, FINE_FUNCTIONS) for i, code in enumerate(FINE)})
+    for name, rows in TABLES.items():
+        fine = name.startswith("fine")
+        memory = "memory_" if name.endswith("memory") else ""
+        functions = FINE_FUNCTIONS if memory else ""
+        write_spec(folder, name, {f"{name[0]}_{memory}{i}": body(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)})
 
 
 def place(row):
@@ -205,12 +215,16 @@ def place(row):
     return line + 1, column + 1
 
 
-def found(path):
+def findings_of(path):
     with open(path, encoding="utf-8") as file:
-        findings = json.load(file)["undefined"]
-    bad = 0
-    for i, row in enumerate(WRONG):
-        own = [f for f in findings if f["pass"] == f"w{i}"]
+        return json.load(file)["undefined"]
+
+
+def found(path, name):
+    findings, rows, bad = findings_of(path), TABLES[name], 0
+    own_name = "w_memory_" if name.endswith("memory") else "w_"
+    for i, row in enumerate(rows):
+        own = [f for f in findings if f["pass"] == f"{own_name}{i}"]
         told = [(f["line"], f["column"], f["message"], f["invocation"][0]) for f in own]
         wanted = (*place(row), row[2], row[3])
         number = re.sub(r"(\d)e\+0", r"\1e+0", wanted[2]).replace("2.20000000e+09", "2.2e+09")
@@ -219,15 +233,15 @@ def found(path):
             print(f"{row[0]}\n  wanted {wanted}\n  found {told}")
             bad += 1
     strange = [f for f in findings if not f["pass"].startswith("w")]
-    print(f"{len(WRONG) - bad} of {len(WRONG)} found, {len(strange)} beside them")
+    print(f"{len(rows) - bad} of {len(rows)} found, {len(strange)} beside them")
     return bad or strange
 
 
-def silent(path):
-    with open(path, encoding="utf-8") as file:
-        findings = json.load(file)["undefined"]
+def silent(path, name):
+    findings = findings_of(path)
     for finding in findings:
-        print(finding, FINE[int(finding["pass"][1:])] if finding["pass"].startswith("f") else "")
+        number = finding["pass"].rsplit("_", 1)[-1]
+        print(finding, TABLES[name][int(number)] if number.isdigit() else "")
     return findings
 
 

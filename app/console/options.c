@@ -150,7 +150,7 @@ static const struct option_row rows[] = {
      "inject a fault into the result of a pass on one side: bit|texel|sign|missing"},
     {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL, 0, "KINDS",
      "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some of index, "
-     "arithmetic, loop, variable"},
+     "arithmetic, loop, variable, content, race, flow"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
      "1 to 255: fill all memory with this byte first, to show passes that read undefined content"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",

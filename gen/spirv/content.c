@@ -94,8 +94,8 @@ static uint32_t put_null(struct sanitizer *s, uint32_t type)
 
 static uint32_t pointer_type(struct sanitizer *s, uint32_t shape)
 {
-    return spirv_declare(&s->edit, SpvOpTypePointer, 0,
-                         (uint32_t[]){SpvStorageClassPrivate, shape}, 2);
+    return spirv_declare(&s->edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassPrivate, shape},
+                         2);
 }
 
 /* What a pointer leads to; else the type itself. */
@@ -306,8 +306,8 @@ static uint32_t put_reduced(struct sanitizer *s, uint32_t type, uint32_t mark)
         return mark;
     for (uint32_t k = 0; k < count; k++) {
         uint32_t part = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract,
-                  content_shape(s, part_type(i, k)), part, mark, k);
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, content_shape(s, part_type(i, k)),
+                  part, mark, k);
         all = put_max(s, sanitizer_uint(s), all, put_reduced(s, part_type(i, k), part));
     }
     return all;
@@ -390,8 +390,8 @@ static uint32_t put_pointer(struct sanitizer *s, uint32_t pointer)
     const uint32_t *i = spirv_definition(from, pointer);
     if (!holder || !spirv_is(i, SpvOpAccessChain))
         return holder;
-    uint32_t base = spirv_is(spirv_definition(from, i[3]), SpvOpAccessChain) ? put_pointer(s, i[3])
-                                                                             : holder;
+    uint32_t base =
+        spirv_is(spirv_definition(from, i[3]), SpvOpAccessChain) ? put_pointer(s, i[3]) : holder;
     for (uint32_t word = 4; word < spirv_length(i) && count < 32; word++)
         words[count++] = i[word];
     words[0] = pointer_type(s, content_shape(s, pointee(from, i[1])));
@@ -567,8 +567,8 @@ static uint32_t put_renumbered(struct sanitizer *s, const uint32_t *call, uint32
     for (uint32_t k = 0; k < (count ? count : 1); k++) {
         uint32_t part = count ? s->edit.bound++ : mark;
         if (count)
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, sanitizer_uint(s), part,
-                      mark, k);
+            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, sanitizer_uint(s), part, mark,
+                      k);
         parts[2 + k] =
             sanitizer_call(s, "diptych_renumber(u1;u1;", &(struct values){{part, number}, 2});
     }

@@ -266,7 +266,8 @@ static uint32_t visit_parts(struct words *words, const struct step_place *at, ui
     for (uint32_t k = 0; k < count; k++) {
         uint32_t own = spirv_is(type, SpvOpTypeStruct) ? type[2 + k] : type[2];
         if (!parts[2 + k])
-            parts[2 + k] = spirv_declare(&s->edit, SpvOpConstantNull, content_shape(s, own), NULL, 0);
+            parts[2 + k] =
+                spirv_declare(&s->edit, SpvOpConstantNull, content_shape(s, own), NULL, 0);
     }
     parts[1] = s->edit.bound++;
     spirv_put(&s->edit, &s->edit.code, SpvOpCompositeConstruct, parts, count + 2);
@@ -292,8 +293,8 @@ static uint32_t visit(struct words *words, const struct step_place *at, uint32_t
     case SpvOpTypeInt:
     case SpvOpTypeFloat:
     case SpvOpTypeBool: {
-        uint32_t word = at->word ? put_offset(s, at->word, at->offset)
-                                 : sanitizer_number(s, at->offset);
+        uint32_t word =
+            at->word ? put_offset(s, at->word, at->offset) : sanitizer_number(s, at->offset);
         return words->left && words->left-- ? words->visit(words, word, mark) : 0;
     }
     default:
@@ -361,11 +362,10 @@ uint32_t memory_cell(struct sanitizer *s, const struct memory *memory, uint32_t 
     return sanitizer_call(s, "diptych_shared_cell(u1;u1;", &values);
 }
 
-void memory_name(const struct sanitizer *s, const struct memory *memory,
-                 struct sanitize_site *site)
+void memory_name(const struct sanitizer *s, const struct memory *memory, struct sanitize_site *site)
 {
-    const char *name = memory->access ? access_word(memory->access)
-                                      : spirv_name(s->from, memory->variable);
+    const char *name =
+        memory->access ? access_word(memory->access) : spirv_name(s->from, memory->variable);
     snprintf(site->name, sizeof site->name, "%s", name && *name ? name : "a shared variable");
     if (memory->access) {
         site->resource = memory->access->resource;

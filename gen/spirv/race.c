@@ -57,7 +57,8 @@ static void put_race(struct sanitizer *s, const uint32_t *i)
     uint32_t pointer = spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpImageWrite) ? i[1] : i[3];
     struct memory memory = memory_of(s, pointer);
     bool texel = memory_image(atomic ? spirv_definition(s->from, pointer) : i, &use);
-    if (!is_stored(s, &memory) || (memory.access && memory.access->resource->kind == DT_IMAGE && !texel))
+    if (!is_stored(s, &memory) ||
+        (memory.access && memory.access->resource->kind == DT_IMAGE && !texel))
         return;
     uint32_t site = stores ? add_site(s, &memory) : 0;
     struct words words = {.s = s, .memory = &memory, .visit = visit_word, .site = site};

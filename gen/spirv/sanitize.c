@@ -552,8 +552,8 @@ static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image,
         return;
     if (type[3] == SpvDimCube) { /* without its face */
         uint32_t part = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, sanitizer_vector(s, int_type(s), 2), part,
-                  place, place, 0, 1);
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, sanitizer_vector(s, int_type(s), 2),
+                  part, place, place, 0, 1);
         place = part;
     }
     snprintf(name, sizeof name, "%s", base ? base : "an image");
