@@ -499,7 +499,7 @@ bool plan_model(struct model *model, struct diag *diag)
     unsigned errors = diag_error_count(diag);
     bool ordered = plan_order(model, diag);
 
-    if (!sanitize_plan(model))
+    if (ordered && !sanitize_plan(model))
         return false;
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         plan_ranges(&pipeline->passes[i], pipeline, diag);

@@ -228,7 +228,7 @@ static uint32_t put_part(struct sanitizer *s, uint32_t type, uint32_t value, uin
     return result;
 }
 
-enum { MOST_PARTS = 64 };
+enum { MOST_PARTS = 64 }; /* of a composite that has marks */
 
 static uint32_t visit(struct words *words, const struct step_place *at, uint32_t mark);
 
@@ -257,10 +257,12 @@ static uint32_t visit_parts(struct words *words, const struct step_place *at, ui
     struct sanitizer *s = words->s;
     uint32_t parts[MOST_PARTS + 2] = {content_shape(s, at->type)}, any = 0;
     for (uint32_t k = 0; k < count; k++) {
-        parts[2 + k] = visit_part(words, at, k, mark);
-        any |= parts[2 + k];
+        uint32_t own = visit_part(words, at, k, mark);
+        if (k < MOST_PARTS)
+            parts[2 + k] = own;
+        any |= own;
     }
-    if (!any || !parts[0])
+    if (!any || !parts[0] || count > MOST_PARTS)
         return 0;
     const uint32_t *type = spirv_definition(s->from, at->type);
     for (uint32_t k = 0; k < count; k++) {
@@ -295,19 +297,18 @@ static uint32_t visit(struct words *words, const struct step_place *at, uint32_t
     case SpvOpTypeBool: {
         uint32_t word =
             at->word ? put_offset(s, at->word, at->offset) : sanitizer_number(s, at->offset);
-        return words->left && words->left-- ? words->visit(words, word, mark) : 0;
+        return words->visit(words, word, mark);
     }
     default:
         return 0;
     }
-    return count <= MOST_PARTS ? visit_parts(words, at, count, mark) : 0;
+    return visit_parts(words, at, count, mark);
 }
 
 uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark)
 {
     struct step_place at = {.matrix = 0};
     bool shared = !words->memory->access;
-    words->left = 256;
     if (shared)
         at.offset = shared_before(words->s->from, words->memory->variable);
     follow_chain(words->s, &at, pointer, shared);

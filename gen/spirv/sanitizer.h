@@ -61,7 +61,6 @@ struct words {
     const struct memory *memory;
     uint32_t (*visit)(struct words *words, uint32_t word, uint32_t mark);
     uint32_t number, site; /* for the visitor */
-    uint32_t left;         /* words that are still visited */
 };
 /* mark: of the value that is stored, 0: none. Returns that of all words, 0 where no visitor returned one. */
 uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark);
