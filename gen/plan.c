@@ -347,8 +347,10 @@ static bool may_unroll(const struct range *range, uint64_t others, bool gpu)
     return count <= UNROLLED_BLOCK || (!range->reads_images && count + others <= UNROLLED_LIMIT);
 }
 
-/* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. */
-static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
+/* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. Under --sanitize, which makes each
+ * operation long, ranges are rolled and read in place: this changes no result. */
+static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, bool sanitize,
+                        struct diag *diag)
 {
     uint64_t unrolled = 0;
     struct range *range;
@@ -357,7 +359,12 @@ static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, stru
     for (uint32_t i = 0; i < pass->range_count; i++)
         pass->ranges[i].chunk = 0;
     while ((range = next_range(pass))) {
-        choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+        if (sanitize) {
+            range->storage = range->storage == STORAGE_SHARED ? STORAGE_AUTO : range->storage;
+            range->loop = LOOP_ROLL;
+        } else {
+            choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+        }
         plan_chunk(range);
         if (range->loop == LOOP_UNROLL && count_of(range) > UNROLLED_BLOCK)
             unrolled += count_of(range);
@@ -502,7 +509,7 @@ bool plan_model(struct model *model, struct diag *diag)
     if (ordered && !sanitize_plan(model))
         return false;
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        plan_ranges(&pipeline->passes[i], pipeline, diag);
+        plan_ranges(&pipeline->passes[i], pipeline, model->sanitize, diag);
         plan_kinds(pipeline, &pipeline->passes[i], diag);
         plan_bindings(&pipeline->passes[i], diag);
     }
