@@ -7,8 +7,9 @@ tool() { /usr/bin/python3 "$root/tests/sanitize.py" "$@"; }
 tool make "$work" || exit 1
 
 # The kinds that each table is about: checks of all kinds take the drivers' compilers several times as long.
-declare -A kinds=([wrong]=index,arithmetic,loop,variable [wrong_memory]=content,race,flow)
+declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow")
 kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]}
+# shellcheck disable=SC2317
 sanitized() { # table backend folder
     "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize=${kinds[$1]}" --json "$work/found.json"
 }
