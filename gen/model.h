@@ -232,6 +232,12 @@ struct barrier { /* before the pass: the accesses that `resource` waits for */
     const struct resource *alias;
 };
 
+/* Undefined behaviour that a pass means: --sanitize does not tell it. */
+struct allow {
+    unsigned kind; /* enum sanitize_kind */
+    struct loc loc;
+};
+
 struct pass {
     const char *name, *doc;
     struct loc loc;
@@ -275,6 +281,8 @@ struct pass {
     uint32_t range_count;
     struct define *defines;
     uint32_t define_count;
+    struct allow *allows;
+    uint32_t allow_count;
     /* draws */
     enum dt_cull cull;
     bool depth_test, depth_write;

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "read.h"
+#include "sanitize.h"
 
 /* ---- Lists ----------------------------------------------------------------------------------- */
 
@@ -467,6 +468,22 @@ static void read_files(struct reader *reader, const struct fields *fields, struc
     pass->shader = argument_text(reader, first, &pass->shader_loc);
 }
 
+static void read_allows(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct fields inner;
+    struct fy_node *node = field_node(fields, "allow");
+    if (!node ||
+        !fields_read(reader, node, SECTION_ALLOW, field_loc(reader, fields, "allow"), &inner))
+        return;
+    pass->allows = reader_alloc(reader, inner.count, sizeof *pass->allows);
+    for (unsigned kind = 1; pass->allows && kind < SANITIZE_ALL; kind <<= 1) {
+        const char *name = sanitize_kind_name(kind);
+        if (field_text(reader, &inner, name)) /* the reason is for readers */
+            pass->allows[pass->allow_count++] =
+                (struct allow){kind, field_loc(reader, &inner, name)};
+    }
+}
+
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     *pass = (struct pass){
@@ -493,6 +510,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     read_kind(reader, fields, pass);
     read_ranges(reader, fields, pass);
     read_defines(reader, fields, pass);
+    read_allows(reader, fields, pass);
     read_draw_state(reader, fields, pass);
 }
 

@@ -16,12 +16,18 @@ struct sanitize_sites {
     struct sanitize_site *list; /* site 0 is no place */
     uint32_t count, room;
     bool failed;
+    unsigned *silenced; /* per pass of the spec: mask of the kinds whose `allow` was of use */
 };
 
 /* ---- Kinds ----------------------------------------------------------------------------------- */
 
 static const char *const kinds[] = {"index", "arithmetic", "loop", "variable"};
 const char sanitize_names[] = "index, arithmetic, loop, variable";
+
+const char *sanitize_kind_name(unsigned kind)
+{
+    return kinds[__builtin_ctz(kind)];
+}
 
 unsigned sanitize_kinds(const char *list, const char **end)
 {
@@ -48,6 +54,9 @@ bool sanitize_begin(struct model *model)
     model->sites = calloc(1, sizeof *model->sites);
     if (!model->sites)
         return false;
+    model->sites->silenced = arena_alloc(model->arena, (model->pipeline.pass_count + 1) *
+                                                           sizeof *model->sites->silenced);
+    model->sites->failed = !model->sites->silenced;
     pthread_mutex_init(&model->sites->lock, NULL);
     sanitize_add(model, NULL, &(struct sanitize_site){0});
     return !model->sites->failed;
@@ -321,18 +330,38 @@ static const uint32_t *find_record(const uint32_t *site)
     return best;
 }
 
+/* Which operation the record of a place is of. */
+static const struct sanitize_site *find_site(const struct sanitize_sites *sites,
+                                             const uint32_t *words)
+{
+    const uint32_t *record = find_record(words);
+    return &sites->list[record[1] < sites->count ? record[1] : 0];
+}
+
+/* Whether the pass has an `allow` of what is told; notes that it is of use. */
+static bool is_allowed(const struct model *model, const struct sanitize_site *site)
+{
+    for (uint32_t i = 0; site->pass && i < site->pass->allow_count; i++)
+        if (site->pass->allows[i].kind == site->kind) {
+            model->sites->silenced[site->pass - model->pipeline.passes] |= site->kind;
+            return true;
+        }
+    return false;
+}
+
 static bool read_site(const struct model *model, uint32_t index, const uint32_t *words,
                       struct sanitize_report *report)
 {
     const struct sanitize_sites *sites = model->sites;
     const uint32_t *record = find_record(words);
-    const struct sanitize_site *what = &sites->list[record[1] < sites->count ? record[1] : 0];
+    const struct sanitize_site *what = find_site(sites, words);
     uint32_t key = ~record[0], width = words[4] ? words[4] : 1, height = words[5] ? words[5] : 1;
     *report = (struct sanitize_report){.count = words[0], .frame = words[3] - 1};
     report->invocation[0] = key % width;
     report->invocation[1] = key / width % height;
     report->invocation[2] = (uint32_t)(key / ((uint64_t)width * height));
     report->pass = what->pass ? what->pass->name : "";
+    report->kind = what->kind ? sanitize_kind_name(what->kind) : "";
     place(model, index ? &sites->list[index] : what, report);
     return write_text(what->text, record + 2, report);
 }
@@ -356,10 +385,42 @@ bool sanitize_read(const struct model *model, const void *bytes, uint64_t size,
     *count = 0;
     *reports = calloc(sites + 1, sizeof **reports);
     for (uint32_t i = 0; *reports && i < sites && i < model->sites->count; i++)
-        if (words[(size_t)i * SANITIZE_WORDS])
+        if (words[(size_t)i * SANITIZE_WORDS] &&
+            !is_allowed(model, find_site(model->sites, words + (size_t)i * SANITIZE_WORDS)))
             good &=
                 read_site(model, i, words + (size_t)i * SANITIZE_WORDS, &(*reports)[(*count)++]);
     if (*reports)
         qsort(*reports, *count, sizeof **reports, by_place);
     return *reports && good;
+}
+
+/* Passes of a group have one `allow` in the spec, which is of use if it is to any of them. */
+static bool is_idle(const struct model *model, const struct allow *allow)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    if (!(model->sanitize & allow->kind))
+        return false;
+    for (uint32_t i = 0; i < pipeline->pass_count; i++)
+        for (uint32_t k = 0; k < pipeline->passes[i].allow_count; k++) {
+            const struct allow *own = &pipeline->passes[i].allows[k];
+            if (own->kind == allow->kind &&
+                !strcmp(own->loc.source->path, allow->loc.source->path) &&
+                own->loc.line == allow->loc.line && own->loc.column == allow->loc.column &&
+                model->sites->silenced[i] & own->kind)
+                return false;
+        }
+    return true;
+}
+
+void sanitize_warn_idle(const struct model *model, struct diag *diag)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    for (uint32_t i = 0; i < pipeline->pass_count; i++)
+        for (uint32_t k = 0; k < pipeline->passes[i].allow_count; k++) {
+            const struct allow *allow = &pipeline->passes[i].allows[k];
+            if (is_idle(model, allow))
+                diag_warning(diag, allow->loc,
+                             "`allow: %s` of the pass `%s` has silenced nothing in this run",
+                             sanitize_kind_name(allow->kind), pipeline->passes[i].name);
+        }
 }

@@ -21,10 +21,13 @@ enum sanitize_kind { /* masks */
 /* The mask of a list like "index,loop"; "" is all. 0: *end is where the unknown word begins. */
 unsigned sanitize_kinds(const char *list, const char **end);
 extern const char sanitize_names[]; /* "index,arithmetic,..." */
+/* Of a mask with one kind. */
+const char *sanitize_kind_name(unsigned kind);
 
 /* An operation that may be undefined. */
 struct sanitize_site {
     const struct pass *pass; /* set by sanitize.c */
+    unsigned kind;           /* enum sanitize_kind */
     uint32_t file, line;     /* by OpLine; file 0: generated text */
     const char *word;        /* of the operation in the line; lives as long as the text below */
     uint32_t nth;            /* operation of this word in the line, from 0 */
@@ -54,10 +57,9 @@ bool sanitize_count(struct model *model, struct diag *diag);
 struct glsl;
 bool sanitize_glsl(struct glsl *glsl);
 
-/* What the buffer's content tells: messages in the order of their places, an empty text where nothing was found. Returns
- * the number of places. */
+/* What the buffer's content tells, in the order of places, without what `allow` of a pass silences. */
 struct sanitize_report {
-    const char *pass, *file;
+    const char *pass, *file, *kind;
     int line, column;
     uint32_t invocation[3], frame;
     uint32_t count;
@@ -66,5 +68,7 @@ struct sanitize_report {
 /* *reports: free(). False when out of memory. */
 bool sanitize_read(const struct model *model, const void *bytes, uint64_t size,
                    struct sanitize_report **reports, uint32_t *count);
+/* Warns of each `allow` that has silenced nothing in all contents so far, among the kinds that were looked for. */
+void sanitize_warn_idle(const struct model *model, struct diag *diag);
 
 #endif

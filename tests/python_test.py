@@ -267,6 +267,26 @@ def test_set_of_baked_parameters(negative):
         assert pipeline.render("frames")["frames"].tolist() == [6]
 
 
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_undefined_behaviour(tmp_path, backend):
+    spec = tmp_path / "roots.yaml"
+    spec.write_text("pipeline: roots\nbuffers: {roots: {of: float, count: 8}}\n"
+                    "passes: [{name: root, dispatch: 8, writes: [roots], shader: root.glsl}]\n")
+    (tmp_path / "root.glsl").write_text("void main() { int i = invocation().x;\n"
+                                        "    if (i < 8) roots[i] = sqrt(float(i) - 2.0); }\n")
+    with diptych.open(spec, backend=backend, size=SIZE, sanitize=True) as pipeline:
+        pipeline.render()
+        pipeline.render()
+        found, = pipeline.undefined
+        assert (found["line"], found["message"], found["invocation"], found["count"]) == (2, "sqrt(-2)", [0, 0, 0], 4)
+    with diptych.open(spec, backend=backend, size=SIZE, sanitize="index,loop") as pipeline:
+        pipeline.render()
+        assert pipeline.undefined == []
+    with diptych.open(spec, backend=backend, size=SIZE) as pipeline:
+        with pytest.raises(diptych.Error, match="without `sanitize`"):
+            pipeline.undefined
+
+
 def test_camera_and_timings():
     spec = ROOT + "/templates/rsm.yaml"
     with diptych.open(spec, scene=SCENE, size=SIZE, sets={"rsm_size": 16, "samples": 4}, timing=True) as pipeline:

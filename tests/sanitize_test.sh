@@ -41,4 +41,39 @@ compared() {
         ! grep -q 'sqrt' "$work/compared"
 }
 check "compare tells the kinds that it is asked for, and the sides" compared
+
+# What is found goes everywhere that results go; `allow` silences it, and is told where it silences nothing.
+specs=$root/tests/specs
+cp "$specs"/meant* "$work"
+sed '/meant_rest/,$d; s/, allow: .*}}/}/; /name: rest/,$d' "$specs/meant.yaml" >"$work/bare.yaml"
+# shellcheck disable=SC2317
+meant() {
+    "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend vk@llvmpipe --dump "$work/meant" --sanitize >"$work/told" 2>&1 &&
+        [ ! -s "$work/told" ] || { cat "$work/told" && return 1; }
+    "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend gl --dump "$work/meant" --sanitize --set turns=9 >"$work/told" 2>&1 || return
+    cat "$work/told"
+    # shellcheck disable=SC2016
+    grep -qF 'meant.yaml:17:49: warning: `allow: loop` of the pass `rest` has silenced nothing in this run' "$work/told" &&
+        [ "$(grep -c warning: "$work/told")" = 1 ]
+}
+check "allow silences what is meant, and is told where it silences nothing" meant
+# shellcheck disable=SC2317
+everywhere() {
+    "$diptych" compare --spec "$work/bare.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize --fault gl:logs:bit --bisect "$work/case" \
+        --junit "$work/junit.xml" --html "$work/page" --json "$work/pair.json" >/dev/null
+    [ $? = 1 ] && grep -qF 'meant_logs.glsl:4:20"><failure message="log(0)"/>' "$work/junit.xml" &&
+        grep -qF 'meant_logs.glsl:4:20</code>: undefined: log(0)</p>' "$work/page/index.html" &&
+        jq -e '.undefined == [{file: .undefined[0].file, line: 4, column: 20, kind: "arithmetic", message: "log(0)", pass: "logs",
+            invocation: [0, 0, 0], count: 1, frame: 0, sides: ["gl", "vk@llvmpipe"]}]' "$work/pair.json"
+}
+check "JUnit, the page and JSON of compare have the findings" everywhere
+# shellcheck disable=SC2317
+replayed() {
+    "$diptych" replay "$work/case" --backend vk@llvmpipe --sanitize --json "$work/replay.json" >"$work/told"
+    cat "$work/told"
+    grep -qF 'meant_logs.glsl:4:20: undefined: log(0)' "$work/told" && jq -e '.undefined | length == 1' "$work/replay.json" &&
+        "$diptych" replay "$work/case" --backend gl --sanitize=loop --json "$work/replay.json" >/dev/null
+    jq -e '.undefined == []' "$work/replay.json"
+}
+check "replay has them, too" replayed
 finish

@@ -265,6 +265,8 @@ static bool read_undefined(struct compare *compare)
                            &compare->console->log))
             return false;
     }
+    if (compare->options.setup.sanitize)
+        undefined_warn_idle(&compare->pipeline, compare->console);
     return true;
 }
 

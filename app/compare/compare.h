@@ -107,6 +107,9 @@ void compare_print(const struct compare *compare); /* on stdout */
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
 struct cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair);
 
+/* Findings of --sanitize, with the sides' labels. */
+struct cJSON *compare_undefined_json(const struct compare *compare);
+
 /* --html and --junit; log their errors. */
 bool compare_write_html(const struct compare *compare);
 bool compare_write_junit(const struct compare *compare);

@@ -123,6 +123,10 @@ bool compare_write_html(const struct compare *compare)
         cJSON_AddItemToObject(golden, "differing",
                               cJSON_Duplicate(compare->golden.differing, true));
     }
+    if (compare->options.setup.sanitize) {
+        cJSON *sanitized = cJSON_AddObjectToObject(page, "sanitized");
+        cJSON_AddItemToObject(sanitized, "undefined", compare_undefined_json(compare));
+    }
     bool good = fill_page(compare->console, "compare.html", path, page);
     cJSON_Delete(page);
     free(path);

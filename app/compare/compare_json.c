@@ -113,6 +113,15 @@ cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair)
     return item;
 }
 
+cJSON *compare_undefined_json(const struct compare *compare)
+{
+    const char *labels[32];
+    uint32_t count = compare->sides.count < 32 ? compare->sides.count : 32;
+    for (uint32_t i = 0; i < count; i++)
+        labels[i] = compare->sides.list[i].label;
+    return undefined_json(&compare->undefined, labels, count);
+}
+
 /* A single pair stands in the root. Of several, each stands in "pairs", and the root has the
  * outcome of the first that differs. */
 cJSON *compare_json(const struct compare *compare)
@@ -139,6 +148,6 @@ cJSON *compare_json(const struct compare *compare)
     if (compare->options.golden)
         cJSON_AddItemToObject(root, "golden", cJSON_Duplicate(compare->golden.differing, true));
     if (compare->options.setup.sanitize)
-        cJSON_AddItemToObject(root, "undefined", undefined_json(&compare->undefined));
+        cJSON_AddItemToObject(root, "undefined", compare_undefined_json(compare));
     return root;
 }

@@ -104,6 +104,34 @@ static void put_golden(FILE *out, const struct compare *compare)
     fputs("</testsuite>\n", out);
 }
 
+/* --sanitize: a case per finding, else one. */
+static void put_undefined(FILE *out, const struct compare *compare)
+{
+    cJSON *list = compare_undefined_json(compare);
+    const cJSON *item;
+    int count = cJSON_GetArraySize(list);
+    fprintf(out, "<testsuite name=\"%s: undefined behaviour\" tests=\"%d\" failures=\"%d\">\n",
+            compare->pipeline.info->name, count ? count : 1, count);
+    if (!count)
+        fputs("<testcase classname=\"sanitize\" name=\"nothing undefined\"/>\n", out);
+    cJSON_ArrayForEach(item, list)
+    {
+        char *place =
+            format_string("%s:%d:%d", cJSON_GetStringValue(cJSON_GetObjectItem(item, "file")),
+                          cJSON_GetObjectItem(item, "line")->valueint,
+                          cJSON_GetObjectItem(item, "column")->valueint);
+        fputs("<testcase", out);
+        put_attribute(out, "classname", cJSON_GetStringValue(cJSON_GetObjectItem(item, "pass")));
+        put_attribute(out, "name", place ? place : "");
+        fputs("><failure", out);
+        put_attribute(out, "message", cJSON_GetStringValue(cJSON_GetObjectItem(item, "message")));
+        fputs("/></testcase>\n", out);
+        free(place);
+    }
+    fputs("</testsuite>\n", out);
+    cJSON_Delete(list);
+}
+
 bool compare_write_junit(const struct compare *compare)
 {
     struct file_draft draft;
@@ -116,6 +144,8 @@ bool compare_write_junit(const struct compare *compare)
         put_suite(draft.out, compare, i);
     if (compare->options.golden && !compare->options.update)
         put_golden(draft.out, compare);
+    if (compare->options.setup.sanitize)
+        put_undefined(draft.out, compare);
     fputs("</testsuites>\n", draft.out);
     console_hold(compare->console);
     bool good = file_draft_end(&draft, compare->options.junit, &compare->console->log);

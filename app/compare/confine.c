@@ -155,7 +155,9 @@ static void add_replay(struct command *command, const struct options *options, i
 {
     char *self = realpath("/proc/self/exe", NULL);
     char *json = result >= 0 ? format_string("--json=/proc/self/fd/%d", result) : NULL;
-    command->failed |= !self || (result >= 0 && !json);
+    char *sanitize =
+        options->setup.sanitize ? format_string("--sanitize=%s", options->setup.sanitize) : NULL;
+    command->failed |= !self || (result >= 0 && !json) || (options->setup.sanitize && !sanitize);
     add(command, self ? self : "");
     add(command, "replay");
     add(command, options->folder);
@@ -168,8 +170,13 @@ static void add_replay(struct command *command, const struct options *options, i
         add(command, "--glsl");
     if (options->setup.debug)
         add(command, "--debug");
+    if (options->setup.sanitize && !*options->setup.sanitize)
+        add(command, "--sanitize");
+    else if (sanitize)
+        add(command, sanitize);
     if (json)
         add(command, json);
+    free(sanitize);
     free(json);
     free(self);
 }

@@ -10,6 +10,7 @@
 #include "console/options.h"
 #include "compare/evidence.h"
 #include "result/difference.h"
+#include "run/undefined.h"
 #include "run/worker.h"
 
 enum { POISON = 0xa5 };
@@ -21,6 +22,7 @@ struct lone_pass {
     struct evidence_case evidence;
     struct fault fault;
     struct worker worker;
+    struct undefined undefined; /* --sanitize */
     char *device;
     struct difference *differences; /* one per output row: difference from the expected content */
     bool *recorded; /* one per output row: equal to the other side's content in the folder */
@@ -86,6 +88,16 @@ static bool compare_outputs(struct lone_pass *alone)
     return good;
 }
 
+/* --sanitize: what the pass has done. */
+static bool read_undefined(struct lone_pass *alone)
+{
+    const struct pipeline *pipeline = &alone->evidence.pipeline;
+    struct dt_bytes bytes;
+    return !alone->options->setup.sanitize ||
+           (worker_read(&alone->worker, plan_reports(pipeline->plan), 0, &bytes) &&
+            undefined_add(&alone->undefined, pipeline, 0, &bytes, &alone->console->log));
+}
+
 /* Steps through the frame: skips all passes but one, and writes the inputs of that one before it
  * runs. */
 static bool run_pass(struct lone_pass *alone)
@@ -100,7 +112,7 @@ static bool run_pass(struct lone_pass *alone)
         if (!worker_resume(worker, action) || !worker_wait(worker, &place))
             return false;
         if (place.stop == WORKER_FINISHED)
-            return true;
+            return read_undefined(alone);
         action = DT_RUN;
         if (place.stop == WORKER_BEFORE_PASS && place.pass != pass)
             action = DT_SKIP;
@@ -251,6 +263,10 @@ static cJSON *replay_json(const struct lone_pass *alone)
         cJSON_AddItemToArray(results, entry);
     }
     cJSON_AddBoolToObject(root, "as_expected", first_difference(alone, count) == count);
+    if (alone->options->setup.sanitize)
+        cJSON_AddItemToObject(
+            root, "undefined",
+            undefined_json(&alone->undefined, (const char *const *)&alone->side.label, 1));
     return root;
 }
 
@@ -263,12 +279,15 @@ int verb_replay(struct console *console, const struct options *options)
     if (good) {
         uint32_t count = row_count(&alone.evidence.rows.outputs, alone.evidence.pass);
         print_table(&alone);
+        undefined_print(&alone.undefined, (const char *const *)&alone.side.label, 1);
         console->result = replay_json(&alone);
-        status = first_difference(&alone, count) == count ? EXIT_FINE : EXIT_DIFFER;
+        status = first_difference(&alone, count) == count && !alone.undefined.count ? EXIT_FINE
+                                                                                    : EXIT_DIFFER;
     }
     free(alone.differences);
     free(alone.recorded);
     free(alone.device);
+    undefined_free(&alone.undefined);
     evidence_free(&alone.evidence);
     side_free(&alone.side);
     return status;

@@ -60,6 +60,7 @@ class _Options(ctypes.Structure):
         ("height", ctypes.c_uint32),
         ("debug", ctypes.c_bool),
         ("timing", ctypes.c_bool),
+        ("sanitize", ctypes.c_char_p),
     ]
 
 
@@ -85,6 +86,7 @@ def _load():
         ("resize", ctypes.c_bool, player, u32, u32),
         ("camera", ctypes.c_bool, player, real * 3, real * 3, real * 3, real),
         ("timings", ctypes.c_bool, player, ctypes.POINTER(ctypes.c_double)),
+        ("undefined", ctypes.c_void_p, player),
         ("compare", ctypes.c_void_p, player, player),
     ):
         function = getattr(library, "dt_play_" + name)
@@ -208,7 +210,7 @@ def _png(array):
 class Pipeline:
     """A pipeline with a device of its own; see open(). Use it from one thread, in the process that opened it."""
 
-    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing):
+    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing, sanitize):
         self._player, self._process, self._rendering = None, os.getpid(), False
         self._messages, self._given, self._view = [], {}, None
         self._sets, self._size = dict(sets), size
@@ -224,6 +226,7 @@ class Pipeline:
             "input_count": len(files),
             "debug": debug,
             "timing": timing,
+            "sanitize": _text("" if sanitize is True else sanitize) if sanitize else None,
         }
         self._player = self._start(self._sets)
         for name, value in inputs.items():
@@ -403,6 +406,16 @@ class Pipeline:
         self._check(_library.dt_play_timings(self._handle(), found))
         return {name: None if ms != ms else ms for name, ms in zip(names, found)}
 
+    @property
+    def undefined(self):
+        """Undefined behaviour that the frames so far have shown, of a pipeline opened with sanitize=True: dicts with
+        file, line, column, kind, message, pass, invocation, count and frame."""
+        text = self._check(_library.dt_play_undefined(self._handle()))
+        try:
+            return json.loads(ctypes.string_at(text))
+        finally:
+            _free(text)
+
     def png(self, name=None):
         """PNG of the last frame, as bytes: of an image that read gives, of 8 bit codes; by default of the
         output `display`."""
@@ -439,13 +452,14 @@ class Pipeline:
         self.close()
 
 
-def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False):
+def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False, sanitize=False):
     """Reads a spec and opens a device, as the command line does.
 
     backend: "gl", "vk", "vk@DEVICE", "gl+glsl". size: (width, height) of the frame; by default that of an
     input file, else 1920x1080. sets: {PATH: VALUE} of --set. inputs: {NAME: array, or path of a file}.
-    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`."""
-    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing)
+    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`.
+    sanitize: for `undefined`; True, or kinds as --sanitize takes them."""
+    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing, sanitize)
 
 
 # ---- Compare -----------------------------------------------------------------------------------

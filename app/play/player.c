@@ -14,6 +14,7 @@
 #include "result/difference.h"
 #include "result/rows.h"
 #include "run/session.h"
+#include "run/undefined.h"
 
 struct dt_player {
     struct console console;
@@ -25,7 +26,7 @@ struct dt_player {
     char *description;
     const struct dt_observer *observer; /* of the caller, while a frame is rendered */
     uint32_t pass;                      /* the last one of that frame, or of the whole frame */
-    bool timing;
+    bool timing, sanitized;
     bool rendering; /* within render or compare */
     bool broken;    /* the last frame failed: resize before the next */
     pid_t process;  /* that opened it */
@@ -71,6 +72,7 @@ static struct setup setup_of(const struct dt_play_options *wanted)
         .size = {sized ? wanted->width : 1920, sized ? wanted->height : 1080},
         .frames = 1,
         .debug = wanted->debug,
+        .sanitize = wanted->sanitize,
     };
 }
 
@@ -110,6 +112,7 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
     console_attach(&player->console, &options->log);
     player->setup = setup_of(options);
     player->timing = options->timing;
+    player->sanitized = options->sanitize;
     player->process = getpid();
     if (start(player))
         return player;
@@ -382,6 +385,31 @@ bool dt_play_timings(struct dt_player *player, double *pass_ms)
 {
     return is_idle(player, "timings") &&
            player->session.runtime->timings(player->session.handle, pass_ms);
+}
+
+char *dt_play_undefined(struct dt_player *player)
+{
+    const struct pipeline *pipeline = &player->pipeline;
+    struct undefined undefined = {0};
+    struct dt_bytes bytes = {0};
+    if (!is_idle(player, "undefined"))
+        return NULL;
+    if (!player->sanitized) {
+        fail(player, "undefined: the player was opened without `sanitize`");
+        return NULL;
+    }
+    bool good = player->session.runtime->read(player->session.handle, plan_reports(pipeline->plan),
+                                              0, &bytes) &&
+                undefined_add(&undefined, pipeline, 0, &bytes, &player->console.log);
+    cJSON *list =
+        good ? undefined_json(&undefined, (const char *const *)&player->side.label, 1) : NULL;
+    char *text = list ? cJSON_PrintUnformatted(list) : NULL;
+    if (good && !text)
+        fail(player, "out of memory");
+    cJSON_Delete(list);
+    undefined_free(&undefined);
+    free(bytes.data);
+    return text;
 }
 
 /* ---- Compare --------------------------------------------------------------------------------- */

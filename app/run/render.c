@@ -171,6 +171,8 @@ static bool read_undefined(struct render *render)
         session->runtime->read(session->handle, plan_reports(render->pipeline.plan), 0, &bytes) &&
         undefined_add(&render->undefined, &render->pipeline, 0, &bytes, &render->console->log);
     free(bytes.data);
+    if (good)
+        undefined_warn_idle(&render->pipeline, render->console);
     return good;
 }
 
@@ -381,7 +383,9 @@ static cJSON *render_json(const struct render *render)
     if (options->setup.capture)
         cJSON_AddStringToObject(root, "capture", options->setup.capture);
     if (options->setup.sanitize)
-        cJSON_AddItemToObject(root, "undefined", undefined_json(&render->undefined));
+        cJSON_AddItemToObject(
+            root, "undefined",
+            undefined_json(&render->undefined, (const char *const *)&render->side.label, 1));
     return root;
 }
 
@@ -406,7 +410,7 @@ int verb_render(struct console *console, const struct options *options)
         good = write_picture(&render, options->output);
     good = dump_end(&render.dump, good) && good;
     if (good)
-        undefined_print(&render.undefined, NULL, 1);
+        undefined_print(&render.undefined, (const char *const *)&render.side.label, 1);
     good = good && !render.undefined.count;
     undefined_free(&render.undefined);
     free(render.picture.data);

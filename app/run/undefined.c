@@ -75,7 +75,7 @@ void undefined_print(const struct undefined *undefined, const char *const *label
         print_count(report->count);
         printf(" time%s; first in frame %u", report->count == 1 ? "" : "s", report->frame);
         const char *between = "; ";
-        for (uint32_t side = 0; labels && side < side_count; side++)
+        for (uint32_t side = 0; side_count > 1 && side < side_count; side++)
             if (undefined->sides[i] >> (side & 31) & 1) {
                 printf("%s%s", between, labels[side]);
                 between = ", ";
@@ -84,7 +84,17 @@ void undefined_print(const struct undefined *undefined, const char *const *label
     }
 }
 
-cJSON *undefined_json(const struct undefined *undefined)
+static cJSON *sides_json(uint32_t mask, const char *const *labels, uint32_t side_count)
+{
+    cJSON *sides = cJSON_CreateArray();
+    for (uint32_t side = 0; side < side_count; side++)
+        if (mask >> (side & 31) & 1)
+            cJSON_AddItemToArray(sides, cJSON_CreateString(labels[side]));
+    return sides;
+}
+
+cJSON *undefined_json(const struct undefined *undefined, const char *const *labels,
+                      uint32_t side_count)
 {
     cJSON *list = cJSON_CreateArray();
     for (uint32_t i = 0; i < undefined->count; i++) {
@@ -93,6 +103,7 @@ cJSON *undefined_json(const struct undefined *undefined)
         cJSON_AddStringToObject(item, "file", report->file);
         cJSON_AddNumberToObject(item, "line", report->line);
         cJSON_AddNumberToObject(item, "column", report->column);
+        cJSON_AddStringToObject(item, "kind", report->kind);
         cJSON_AddStringToObject(item, "message", report->text);
         cJSON_AddStringToObject(item, "pass", report->pass);
         for (int axis = 0; axis < 3; axis++)
@@ -100,7 +111,13 @@ cJSON *undefined_json(const struct undefined *undefined)
         cJSON_AddItemToObject(item, "invocation", invocation);
         cJSON_AddNumberToObject(item, "count", report->count);
         cJSON_AddNumberToObject(item, "frame", report->frame);
+        cJSON_AddItemToObject(item, "sides", sides_json(undefined->sides[i], labels, side_count));
         cJSON_AddItemToArray(list, item);
     }
     return list;
+}
+
+void undefined_warn_idle(const struct pipeline *pipeline, struct console *console)
+{
+    plan_warn_idle(pipeline->plan, console);
 }

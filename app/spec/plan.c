@@ -215,6 +215,18 @@ bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
     return sanitize_read(&plan->spec.model, bytes, size, reports, count);
 }
 
+void plan_warn_idle(const struct plan *plan, struct console *console)
+{
+    struct diag *diag = diag_create();
+    if (diag) {
+        sanitize_warn_idle(&plan->spec.model, diag);
+        tell(diag, false, console);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    diag_free(diag);
+}
+
 uint64_t plan_hash(const struct plan *plan)
 {
     const struct spec *spec = &plan->spec;

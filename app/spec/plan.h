@@ -51,6 +51,7 @@ bool plan_choices(const struct plan *plan,
 uint32_t plan_reports(const struct plan *plan);
 /* What its content tells; see sanitize_read in gen/sanitize.h. */
 struct sanitize_report;
+void plan_warn_idle(const struct plan *plan, struct console *console); /* sanitize_warn_idle */
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
                     struct sanitize_report **reports, uint32_t *count);
 

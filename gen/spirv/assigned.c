@@ -277,6 +277,7 @@ static void put_result(struct sanitizer *s, const uint32_t *instruction)
 
 void assigned_before(struct sanitizer *s, const uint32_t *instruction)
 {
+    s->kind = SANITIZE_VARIABLE;
     if (spirv_is(instruction, SpvOpLoad))
         put_read(s, instruction);
     else if (spirv_is(instruction, SpvOpSelect))

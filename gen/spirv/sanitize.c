@@ -126,7 +126,7 @@ static uint32_t count_word(struct sanitizer *s, const char *word)
 
 uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text)
 {
-    struct sanitize_site site = {.file = s->file, .line = s->line, .word = word};
+    struct sanitize_site site = {.file = s->file, .line = s->line, .word = word, .kind = s->kind};
     site.nth = count_word(s, *name ? name : word);
     snprintf(site.name, sizeof site.name, "%s", name);
     snprintf(site.text, sizeof site.text, "%s", text);
@@ -327,6 +327,7 @@ static uint32_t put_operands(struct sanitizer *s, const struct check *check,
     char text[96];
     if (!check->function || is_safe(s, instruction))
         return 0;
+    s->kind = SANITIZE_ARITHMETIC;
     const uint32_t *type = spirv_type(s->from, operands[check->first]);
     spell(check, letter_of(scalar_of(s->from, type)), text, sizeof text);
     uint32_t site = sanitizer_site(s, check->word, "", text);
@@ -408,6 +409,7 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
     }
     if (!all)
         return;
+    s->kind = SANITIZE_ARITHMETIC;
     snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
     put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));
 }
@@ -610,6 +612,7 @@ static uint32_t put_turn(struct sanitizer *s)
               sanitizer_number(s, 1));
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, turns);
     struct values values = {{turns}, 1};
+    s->kind = SANITIZE_LOOP;
     sanitizer_place(
         s, &values,
         sanitizer_site(s, "loop", "",
@@ -646,6 +649,7 @@ static void put_before(struct sanitizer *s, const uint32_t *instruction)
 {
     if (!(s->request->kinds & SANITIZE_INDEX))
         return;
+    s->kind = SANITIZE_INDEX;
     switch (spirv_opcode(instruction)) {
     case SpvOpAccessChain:
         put_chain(s, instruction);

@@ -10,6 +10,7 @@ struct sanitizer {
     struct spirv_edit edit;
     uint32_t glsl;
     uint32_t file, line;     /* of the operation; file 0: text of the generator */
+    unsigned kind;           /* of the next sites */
     uint32_t label;          /* of the block that is written; 0: none yet */
     bool begun;              /* the variables of the function are written */
     struct spirv_words seen; /* pairs of a hash of file, line and word, and the operations so far */
