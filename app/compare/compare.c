@@ -9,11 +9,8 @@
 #include "base/files.h"
 #include "spec/inputs.h"
 #include "compare/bisect.h"
+#include "compare/unwritten.h"
 #include "theirs/compare_dumps.h"
-
-/* Fills resources without history before the first frame: memory that no pass has written then
- * differs in every pair. */
-enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
 
 /* A dump holds only the last frame. */
 static uint32_t first_frame(const struct compare *compare)
@@ -47,8 +44,9 @@ static bool ask_why(struct pair *pair, const struct dt_resource *resource,
 
 bool compare_knows_why(const struct pair *pair)
 {
-    return pair->why.count && !pair->broken_early && pair->blame.outcome == BLAME_GUILTY &&
-           pair->blame.row == pair->broken_row && pair->blame.frame == pair->broken_frame;
+    return pair->why.count && !pair->unwritten && !pair->broken_early &&
+           pair->blame.outcome == BLAME_GUILTY && pair->blame.row == pair->broken_row &&
+           pair->blame.frame == pair->broken_frame;
 }
 
 /* Compares all sides' copies of one row at this stop; each pair's result goes to pair->found. */
@@ -332,6 +330,36 @@ static bool find_blame(struct compare *compare)
     return true;
 }
 
+static bool find_elsewhere(struct compare *compare)
+{
+    uint32_t runs = compare->options.repeat;
+    bool good = elsewhere_add_limits(&compare->elsewhere, compare->pipeline.vk->panel,
+                                     &compare->console->log);
+    for (uint32_t i = 0; i < compare->sides.count && runs && good; i++) {
+        const struct worker_info worker = describe_worker(compare, i);
+        if (!dump_of(compare, i))
+            good = elsewhere_repeat(&compare->elsewhere, &worker, &compare->rows, runs);
+    }
+    return good;
+}
+
+/* Whether the first row that broke depends on memory that nothing has written, unless a fault was injected. */
+static bool find_unwritten(struct compare *compare)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        const struct worker_info worker = describe_worker(compare, i + 1);
+        if (!pair->broken || pair->broken_early || compare->options.fault)
+            continue;
+        console_status(compare->console, "running %s with other fills of memory",
+                       pair->sides[1]->label);
+        if (!unwritten_find(&worker, broken_row(compare, pair), pair->broken_frame,
+                            &pair->unwritten))
+            return false;
+    }
+    return true;
+}
+
 /* --bisect: of the first pair with a guilty pass. */
 static bool keep_evidence(struct compare *compare)
 {
@@ -411,6 +439,7 @@ static void release(struct compare *compare)
         free(pair->outputs_differ);
         free(pair->history_differs);
         free(pair->fingerprints);
+        free(pair->unwritten);
     }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
         free(compare->devices[i]);
@@ -422,6 +451,7 @@ static void release(struct compare *compare)
     golden_free(&compare->golden);
     rows_free(&compare->rows);
     undefined_free(&compare->undefined);
+    elsewhere_free(&compare->elsewhere);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
     sides_free(&compare->sides);
@@ -528,7 +558,8 @@ static bool run(struct compare *compare)
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
-    return compare->complete && find_blame(compare) && keep_evidence(compare) &&
+    return compare->complete && find_unwritten(compare) && find_blame(compare) &&
+           keep_evidence(compare) && find_elsewhere(compare) &&
            atomic_load(&console->errors) == 0 && (!options->golden || golden_end(compare)) &&
            (!options->html || compare_write_html(compare)) &&
            (!options->junit || compare_write_junit(compare));
@@ -560,7 +591,8 @@ int verb_compare(struct console *console, const struct options *options)
         compare_print(&compare);
         golden_print(&compare);
         print_undefined(&compare);
-        differ = golden_differs(&compare) || compare.undefined.count;
+        differ =
+            golden_differs(&compare) || compare.undefined.count || compare.elsewhere.repeats_differ;
     }
     for (uint32_t i = 0; i < compare.pair_count; i++)
         differ |= compare.pairs && compare.pairs[i].broken;

@@ -7,6 +7,7 @@
 #include "console/options.h"
 #include "spec/pipeline.h"
 #include "compare/blame.h"
+#include "compare/elsewhere.h"
 #include "result/difference.h"
 #include "result/identity.h"
 #include "result/region.h"
@@ -52,7 +53,8 @@ struct pair {
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
     struct blame blame;
-    struct why why; /* of that row and frame, with all inputs as they were */
+    struct why why;  /* of that row and frame, with all inputs as they were */
+    char *unwritten; /* what unwritten_find tells of that row; NULL: nothing; owned */
     /* BLAME_WITHIN: results are the passes' own errors, in blame.frame */
     bool on_equal_inputs;
 };
@@ -70,7 +72,8 @@ struct compare {
     struct rows rows;
     struct source *sources;     /* one per side */
     struct undefined undefined; /* --sanitize */
-    char **devices;             /* names of the devices */
+    struct elsewhere elsewhere;
+    char **devices; /* names of the devices */
     struct pair *pairs;
     uint32_t pair_count;         /* sides.count - 1 */
     uint64_t compared;           /* compared elements of all rows, pairs and frames */
@@ -98,6 +101,10 @@ bool golden_end(struct compare *compare);
 bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
+
+/* The largest error of a result of the pair, as text, or that nothing has written it; free(). */
+char *compare_describe_worst(const struct compare *compare, const struct pair *pair,
+                             const struct row *row, const struct result *result);
 
 /* Whether `why` is of the guilty pass. */
 bool compare_knows_why(const struct pair *pair);

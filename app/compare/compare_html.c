@@ -67,8 +67,7 @@ static void add_row(cJSON *item, const struct compare *compare, const struct pai
     const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
     const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
     const struct result *result = &pair->results[index];
-    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
-    char *worst = difference_describe_worst(&result->difference, resource, labels);
+    char *worst = compare_describe_worst(compare, pair, row, result);
     cJSON_AddNumberToObject(item, "row", index);
     cJSON_AddStringToObject(item, "name", row->name);
     cJSON_AddBoolToObject(item, "opens_pass", compare->rows.outputs.first[row->pass] == index);
@@ -123,6 +122,8 @@ bool compare_write_html(const struct compare *compare)
         cJSON_AddItemToObject(golden, "differing",
                               cJSON_Duplicate(compare->golden.differing, true));
     }
+    if (compare->elsewhere.list)
+        cJSON_AddItemToObject(page, "elsewhere", cJSON_Duplicate(compare->elsewhere.list, true));
     if (compare->options.setup.sanitize) {
         cJSON *sanitized = cJSON_AddObjectToObject(page, "sanitized");
         cJSON_AddItemToObject(sanitized, "undefined", compare_undefined_json(compare));

@@ -91,8 +91,11 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
     cJSON_AddBoolToObject(root, "agree", !pair->broken);
     if (pair->on_equal_inputs)
         cJSON_AddBoolToObject(root, "on_equal_inputs", true);
-    add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
-    cJSON *event = add_event(root, "guilty", compare, guilty, true, blame->frame);
+    cJSON *event =
+        add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
+    if (pair->unwritten)
+        cJSON_AddStringToObject(event, "unwritten", pair->unwritten);
+    event = add_event(root, "guilty", compare, guilty, true, blame->frame);
     const char *shader = guilty ? compare->pipeline.info->passes[guilty->pass].shader : NULL;
     if (shader)
         cJSON_AddStringToObject(event, "shader", shader);
@@ -147,6 +150,8 @@ cJSON *compare_json(const struct compare *compare)
     add_outcome(root, compare, told);
     if (compare->options.golden)
         cJSON_AddItemToObject(root, "golden", cJSON_Duplicate(compare->golden.differing, true));
+    if (compare->elsewhere.list)
+        cJSON_AddItemToObject(root, "elsewhere", cJSON_Duplicate(compare->elsewhere.list, true));
     if (compare->options.setup.sanitize)
         cJSON_AddItemToObject(root, "undefined", compare_undefined_json(compare));
     return root;

@@ -29,8 +29,6 @@ static void put_attribute(FILE *out, const char *name, const char *text)
 static void put_case(FILE *out, const struct compare *compare, const struct pair *pair,
                      const struct row *row, const struct result *result, const char *pass)
 {
-    const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
-    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
     const struct difference *difference = &result->difference;
     fputs("<testcase", out);
     put_attribute(out, "classname", pass);
@@ -39,7 +37,7 @@ static void put_case(FILE *out, const struct compare *compare, const struct pair
         fputs("/>\n", out);
         return;
     }
-    char *worst = difference_describe_worst(difference, resource, labels);
+    char *worst = compare_describe_worst(compare, pair, row, result);
     fprintf(out, "><failure message=\"%llu of %llu differ; ",
             (unsigned long long)difference->differing, (unsigned long long)difference->elements);
     put_escaped(out, worst ? worst : "");
@@ -104,6 +102,30 @@ static void put_golden(FILE *out, const struct compare *compare)
     fputs("</testsuite>\n", out);
 }
 
+/* --repeat: a case per pass and side with several results, else one. */
+static void put_repeats(FILE *out, const struct compare *compare)
+{
+    const cJSON *item;
+    int count = 0;
+    cJSON_ArrayForEach(item, compare->elsewhere.list) count +=
+        cJSON_HasObjectItem(item, "distinct");
+    fprintf(out, "<testsuite name=\"%s: repeated runs\" tests=\"%d\" failures=\"%d\">\n",
+            compare->pipeline.info->name, count ? count : 1, count);
+    if (!count)
+        fputs("<testcase classname=\"repeat\" name=\"all runs are equal\"/>\n", out);
+    cJSON_ArrayForEach(item, compare->elsewhere.list)
+    {
+        if (!cJSON_HasObjectItem(item, "distinct"))
+            continue;
+        fputs("<testcase classname=\"repeat\"", out);
+        put_attribute(out, "name", cJSON_GetStringValue(cJSON_GetObjectItem(item, "pass")));
+        fputs("><failure", out);
+        put_attribute(out, "message", cJSON_GetStringValue(cJSON_GetObjectItem(item, "message")));
+        fputs("/></testcase>\n", out);
+    }
+    fputs("</testsuite>\n", out);
+}
+
 /* --sanitize: a case per finding, else one. */
 static void put_undefined(FILE *out, const struct compare *compare)
 {
@@ -144,6 +166,8 @@ bool compare_write_junit(const struct compare *compare)
         put_suite(draft.out, compare, i);
     if (compare->options.golden && !compare->options.update)
         put_golden(draft.out, compare);
+    if (compare->options.repeat)
+        put_repeats(draft.out, compare);
     if (compare->options.setup.sanitize)
         put_undefined(draft.out, compare);
     fputs("</testsuites>\n", draft.out);

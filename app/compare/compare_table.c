@@ -43,6 +43,16 @@ static bool shows_blame(const struct pair *pair)
     return pair->blame.outcome != BLAME_NOT_RUN && !pair->on_equal_inputs;
 }
 
+char *compare_describe_worst(const struct compare *compare, const struct pair *pair,
+                             const struct row *row, const struct result *result)
+{
+    const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
+    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
+    if (pair->unwritten && row == broken_row(compare, pair))
+        return strdup(pair->unwritten);
+    return difference_describe_worst(&result->difference, resource, labels);
+}
+
 /* One row: a resource after a pass, or before the first one. */
 static void print_result(const struct compare *compare, const struct pair *pair,
                          const struct row *row, const struct result *result,
@@ -53,7 +63,7 @@ static void print_result(const struct compare *compare, const struct pair *pair,
     const struct difference *difference = &result->difference;
     const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
     bool before = result >= pair->history && result < pair->history + compare->rows.history.count;
-    char *worst = difference_describe_worst(difference, resource, labels);
+    char *worst = compare_describe_worst(compare, pair, row, result);
     char *flips = difference_list_flips(difference, resource, labels);
     printf("%-*s  %-*s  %10llu  %10llu  %-7s  ", widths->pass,
            before ? "before" : info->passes[row->pass].name, widths->resource, row->name,
@@ -146,6 +156,8 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     else
         printf("pass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
                row->name, pair->broken_frame);
+    if (pair->unwritten)
+        printf("%s\n", pair->unwritten);
     print_verdict(compare, pair);
 }
 
@@ -212,6 +224,7 @@ void compare_print(const struct compare *compare)
         printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);
     else if (several)
         printf("\n%u pairs agree\n", compare->pair_count);
+    elsewhere_print(&compare->elsewhere);
     print_clues(compare, told);
-    print_outcome(compare, told);
+    print_outcome(compare, told); /* the last line is the verdict */
 }

@@ -151,6 +151,10 @@ static const struct option_row rows[] = {
     {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL | VERB_REPLAY, 0, "KINDS",
      "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some of index, "
      "arithmetic, loop, variable"},
+    {"--repeat", OPTION_COUNT, AT(repeat), VERB_COMPARE, 0, "N",
+     "run each backend N times more, Mesa's software drivers with other numbers of threads, and "
+     "count "
+     "the distinct results of each pass"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
      "1 to 255: fill all memory with this byte first, to show passes that read undefined content"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",

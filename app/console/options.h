@@ -43,6 +43,7 @@ struct options {
     bool update;
     const char *fault;
     const char *bisect; /* folder to write */
+    uint32_t repeat;    /* compare: 0: not given */
     const char *folder; /* of an earlier bisect, or of a bundle's run */
     uint32_t poison;    /* render: a byte, 0: none */
     uint32_t spp;       /* reference: 0: not given */

@@ -222,6 +222,16 @@ static bool run_session(struct child *child)
            run_frames(child) && stop_at(child, WORKER_FINISHED, 0) != DT_STOP;
 }
 
+static bool choose_threads(const struct child *child)
+{
+    char number[16];
+    snprintf(number, sizeof number, "%u", child->info->threads);
+    if (!child->info->threads || setenv("LP_NUM_THREADS", number, 1) == 0)
+        return true;
+    report_error(&child->info->session.console->log, "out of memory");
+    return false;
+}
+
 /* Ends without the parent's exit handlers, which must not run here. */
 static _Noreturn void be_child(const struct worker *worker, int socket)
 {
@@ -230,7 +240,7 @@ static _Noreturn void be_child(const struct worker *worker, int socket)
                           .shared = worker->shared,
                           .capacity = worker->capacity};
     worker->info.session.console->log = (struct dt_log){.message = say, .user = &child};
-    bool good = run_session(&child);
+    bool good = choose_threads(&child) && run_session(&child);
     session_close(&child.session);
     _exit(good || child.ended ? EXIT_FINE : EXIT_FAILED);
 }

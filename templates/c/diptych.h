@@ -335,7 +335,7 @@ struct dt_runtime_options {
     bool labels; /* vk: names for debuggers, as `debug` gives; gl has them always */
     bool glsl;   /* gl: programs from GLSL text instead of SPIR-V */
     bool timing; /* timestamps around every pass */
-    /* 1..255: new resources without history are filled with this byte; 0: not filled */
+    /* 1..255: resources without history are filled with this byte before their first use in each frame; 0: not filled */
     int poison;
     /* vk: omits the barrier of this number, to test whether its absence is detected; 0: none.
      * Counts from 1 over the frame in recording order. Logs its pass and resource. An observer

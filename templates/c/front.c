@@ -786,6 +786,39 @@ static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
     return enter(core) ? action : DT_STOP; /* the observer may have used other contexts */
 }
 
+static bool writes(const struct dt_core *core, uint32_t pass, uint32_t resource)
+{
+    const struct dt_pass *info = &core->pipeline->passes[pass];
+    for (uint32_t i = 0; i < info->write_count; i++)
+        if (info->writes[i] == resource)
+            return true;
+    return false;
+}
+
+/* Whether a frame uses the resource from this pass on, which discards what its memory held. */
+static bool is_discarded(const struct dt_core *core, uint32_t pass, uint32_t resource)
+{
+    if (core->pipeline->resources[resource].history || !writes(core, pass, resource))
+        return false;
+    for (uint32_t earlier = 0; earlier < pass; earlier++)
+        if (writes(core, earlier, resource))
+            return false;
+    return true;
+}
+
+/* With core->poison: fills the memory that the pass discards. An observer has let all earlier work finish. */
+static bool poison(struct dt_core *core, uint32_t pass)
+{
+    bool good = true, paused = core->observer;
+    for (uint32_t i = 0; i < core->pipeline->resource_count && core->poison && good; i++) {
+        if (!is_discarded(core, pass, i))
+            continue;
+        good = (paused || core->backend->pause(core)) && core->backend->fill_resource(core, i);
+        good = good && (paused || core->backend->resume(core));
+    }
+    return good;
+}
+
 static bool begin(void *runtime, uint32_t pass, bool runs)
 {
     struct dt_core *core = runtime;
@@ -793,8 +826,10 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
     core->skips = core->outside && !core->measures;
     if (core->outside)
         return true;
-    enum dt_action action = ask_observer(core, pass);
     core->pass = pass;
+    if (!poison(core, pass))
+        return false;
+    enum dt_action action = ask_observer(core, pass);
     core->has_viewport = core->has_scissor = false;
     core->skips = action == DT_SKIP;
     runs = runs && action == DT_RUN;

@@ -92,7 +92,7 @@ struct dt_backend {
      * connect programs. */
     bool (*create_resource)(struct dt_core *core, uint32_t resource, const uint32_t extent[3]);
     bool (*place_resources)(struct dt_core *core); /* allocates the slots; NULL: not needed */
-    /* Fills with zero if it has history; else with core->poison, if set. */
+    /* Fills with zero if it has history; else with core->poison, if set. Nothing is in flight. */
     bool (*fill_resource)(struct dt_core *core, uint32_t resource);
     bool (*connect_program)(struct dt_core *core, void *program, uint32_t pass);
     void (*disconnect_program)(struct dt_core *core, void *program);
