@@ -210,14 +210,30 @@ static bool stands(const char *line, const char *at, const char *word, size_t le
     return !twice;
 }
 
+static const char *behind_word(const char *at)
+{
+    while (is_word(*at))
+        at++;
+    return at;
+}
+
+static const char *behind_index(const char *at)
+{
+    int depth = 0;
+    do
+        depth += (*at == '[') - (*at == ']');
+    while (*at && *at++ != '\n' && depth);
+    return at;
+}
+
 /* Whether a name stands here to be read: it is neither declared nor assigned. */
 static bool is_read(const char *line, const char *at, size_t length)
 {
     const char *before = at, *after = at + length;
     while (before > line && (before[-1] == ' ' || before[-1] == '\t'))
         before--;
-    if (*after == '.')
-        after += strspn(after, ".xyzwrgbastpq");
+    while (*after == '.' || *after == '[') /* of a part */
+        after = *after == '[' ? behind_index(after) : behind_word(after + 1);
     after += strspn(after, " \t");
     bool declared = before < at && before > line && is_word(before[-1]) &&
                     !(before - line >= 6 && !strncmp(before - 6, "return", 6));

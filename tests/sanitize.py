@@ -64,6 +64,10 @@ WRONG = [
     ("r = float(-8 >> i - 1);", ">> i", "a shift by -1 of 32 bits", 0),
     ("r = float(bitfieldExtract(i, i, 8));", "bitfieldExtract", "8 bits from bit 25 of 32", 25),
     ("r = float(clamp(i, i, 50));", "clamp", "clamp from 51 to 50", 51),
+    ("r = float(7u / uint(i));", "/ uint", "7 / 0", 0),
+    ("int k = 7; k %= i - 2; r = float(k);", "%= i", "7 % -2", 0),
+    ("ivec2 q = ivec2(7) / ivec2(1, i - 9); r = float(q.y);", "/ ivec2", "7 / 0", 9),
+    ("r = float(bitfieldInsert(i, 3, i, 8));", "bitfieldInsert", "8 bits from bit 25 of 32", 25),
     # arithmetic of floats
     ("r = float(int(x * 1e8));", "int(x", "2.20000000e+09 as an int", 22),
     ("r = float(uint(x - 1.0));", "uint(", "-1 as a uint", 0),
@@ -74,6 +78,14 @@ WRONG = [
     ("r = log(x);", "log", "log(0)", 0),
     ("r = pow(x - 2.0, 0.5);", "pow", "pow(-2, 0.5)", 0),
     ("r = asin(x / 32.0);", "asin", "asin(1.03125)", 33),
+    ("r = acos(x / 32.0);", "acos", "acos(1.03125)", 33),
+    ("r = atanh(x / 32.0);", "atanh", "atanh(1)", 32),
+    ("r = inversesqrt(x);", "inversesqrt", "inversesqrt(0)", 0),
+    ("r = pow(x, zero - 1.0);", "pow", "pow(0, -1)", 0),
+    ("r = mix(x, uintBitsToFloat(0x7fc00000u), 0.5);", "mix", "mix of a NaN", 0),
+    ("r = ldexp(1.0, i * 4);", "ldexp", "`ldexp` of finite numbers makes inf", 32),
+    ("r = inverse(mat2(x, x, x, x))[0].x;", "inverse", "`inverse` of finite numbers makes", 0),
+    ("r = float(int(uintBitsToFloat(0x7fc00000u + uint(i))));", "int(uint", "nan as an int", 0),
     ("r = atan(x, x);", "atan", "atan(0, 0)", 0),
     ("r = normalize(vec3(x, 0.0, zero)).y;", "normalize", "normalize of zero", 0),
     ("r = smoothstep(x, 32.0, 5.0);", "smoothstep", "smoothstep from 32 to 32", 32),
@@ -95,6 +107,10 @@ WRONG = [
     ("Cell c, d; d = c; // here\n    r = d.weight;", "c; //", "`c` is read before it has a value", 0),
     ("int n; for (int k = 0; k < 3; k++) n += k; r = float(n);", "n +=", "`n` is read before it has a value", 0),
     ("r = g;", "g;", "`g` is read before it has a value", 0, "float g;\n"),
+    ("Cell c; c.parts[0] = x; r = c.weight;", "c.weight", "`c` is read before it has a value", 0),
+    ("float a[4]; a[0] = x; r = a[1];", "a[1]", "`a` is read before it has a value", 0),
+    ("mat2 m; m[0] = vec2(x); r = (m * vec2(x)).x;", "m *", "`m` is read before it has a value", 0),
+    ("float a[4]; r = a[i % 4];", "a[i", "`a` is read before it has a value", 0),
 ]
 FINE = [
     "r = taps[i / 8];", "float a[7] = float[7](x, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0); r = a[i % 7];", "vec4 v = vec4(x); r = v[i / 16];",
@@ -116,6 +132,9 @@ FINE = [
     "float best; bool found = false; for (int k = 0; k < 4; k++) if (!found || taps[k] > best) { best = taps[k]; found = true; } r = best;",
     "float a[4]; for (int k = 0; k < 4; k++) a[k] = x; r = a[i % 4];",
     "Cell c; c.weight = x; Cell d = c; r = d.weight;",
+    "float a[4]; a[1] = x; r = a[1]; mat2 m; m[0] = vec2(x); m[1] = m[0]; r += (m * vec2(x)).x;",
+    "r = float(7u / uint(i + 1)); int k = 7; k %= i + 2; ivec2 q = ivec2(7) / ivec2(1, i + 9); r += float(q.y + bitfieldInsert(i, 3, i / 2, 1));",
+    "r = acos(x / 64.0) + atanh(x / 64.0) + inversesqrt(x + 1.0) + pow(zero, one) + mix(x, 1e38, one) + ldexp(1.0, i) + inverse(mat2(1.0, x, 0.0, 1.0))[0].x;",
 ]
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # --sanitize finds undefined behaviour of bodies that are wrong in one place, there, on every driver; bodies that come near stay
-# silent and keep their bits. TAP.
+# silent and keep their bits. Long: all mutants of the checks. TAP.
 . "$(dirname "$0")/tap.sh"
 . "$root/tests/drivers.sh"
 tool() { /usr/bin/python3 "$root/tests/sanitize.py" "$@"; }
@@ -76,4 +76,8 @@ replayed() {
     jq -e '.undefined == []' "$work/replay.json"
 }
 check "replay has them, too" replayed
+
+mkdir "$work/mutants"
+cd "$root" || exit
+check "each check that is left out is missed" /usr/bin/python3 -B "$root/tests/sanitize_mutants.py" "$build" "$work/mutants" "${DIPTYCH_LONG:+long}"
 finish

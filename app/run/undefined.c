@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "console/console.h"
 #include "gen/sanitize.h"
@@ -53,6 +54,15 @@ void undefined_free(struct undefined *undefined)
     *undefined = (struct undefined){0};
 }
 
+/* The path as it is typed here: below the working directory without it. */
+static const char *typed(const char *path)
+{
+    char folder[4096];
+    size_t length = getcwd(folder, sizeof folder) ? strlen(folder) : 0;
+    bool below = length && !strncmp(path, folder, length) && path[length] == '/';
+    return below ? path + length + 1 : path;
+}
+
 /* With commas between thousands. */
 static void print_count(uint32_t count)
 {
@@ -69,7 +79,7 @@ void undefined_print(const struct undefined *undefined, const char *const *label
 {
     for (uint32_t i = 0; i < undefined->count; i++) {
         const struct sanitize_report *report = &undefined->list[i];
-        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ", report->file,
+        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ", typed(report->file),
                report->line, report->column, report->text, report->pass, report->invocation[0],
                report->invocation[1], report->invocation[2]);
         print_count(report->count);

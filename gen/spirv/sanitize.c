@@ -173,7 +173,6 @@ static const struct check operations[] = {
     {SpvOpSDiv, "divide", "/", "@0x / @1x", 0, 2, false},
     {SpvOpUDiv, "divide", "/", "@0x / @1x", 0, 2, false},
     {SpvOpSMod, "modulo", "%", "@0x % @1x", 0, 2, false},
-    {SpvOpSRem, "modulo", "%", "@0x % @1x", 0, 2, false},
     {SpvOpUMod, "modulo", "%", "@0x % @1x", 0, 2, false},
     {SpvOpShiftLeftLogical, "shift", "<<", "a shift by @0x of 32 bits", 1, 1, false},
     {SpvOpShiftRightLogical, "shift", ">>", "a shift by @0x of 32 bits", 1, 1, false},
@@ -407,8 +406,8 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
             is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
         all = finite ? put_bool(s, SpvOpLogicalAnd, all, finite) : all;
     }
-    if (!all)
-        return;
+    if (!all) /* all operands are constants, or integers */
+        all = spirv_declare(&s->edit, SpvOpConstantTrue, bool_type(s), NULL, 0);
     s->kind = SANITIZE_ARITHMETIC;
     snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
     put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));

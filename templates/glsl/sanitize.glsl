@@ -145,7 +145,7 @@ bool diptych_shift(const int count, const uint site, const uint what)
 
 bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
 {
-    return diptych_told(any(bvec4(offset < 0, bits < 0, offset > 32, bits > 32 - offset)), uint(offset), uint(bits), site, what);
+    return diptych_told(any(bvec3(offset < 0, bits < 0, bits > 32 - offset)), uint(offset), uint(bits), site, what);
 }
 
 bool diptych_clamp(const int low, const int high, const uint site, const uint what)
