@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # --sanitize finds undefined behaviour of bodies that are wrong in one place, there, on every driver; bodies that come near stay
-# silent and keep their bits. Long: all mutants of the checks. TAP.
+# silent and keep their bits. Long: all mutants of the checks, and all pipelines. TAP.
 . "$(dirname "$0")/tap.sh"
 . "$root/tests/drivers.sh"
 tool() { /usr/bin/python3 "$root/tests/sanitize.py" "$@"; }
@@ -76,6 +76,23 @@ replayed() {
     jq -e '.undefined == []' "$work/replay.json"
 }
 check "replay has them, too" replayed
+
+# shellcheck disable=SC2317
+is_silent() { # spec options...
+    "$diptych" render --spec "$1" --size 48x27 --scene cornell --backend vk@llvmpipe --dump "$work/swept" --sanitize "${@:2}" >"$work/told" 2>"$work/errors"
+    local status=$?
+    cat "$work/told"
+    grep "silenced nothing" "$work/errors"
+    [ $status = 0 ] && ! grep -q "silenced nothing" "$work/errors"
+}
+swept=("$specs"/{mips,parts,atomics,particles,groups,features}.yaml)
+if [ -n "${DIPTYCH_LONG:-}" ]; then
+    mapfile -t swept < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml "$root"/templates/*.yaml)
+fi
+for spec in "${swept[@]}"; do
+    grep -q '^pipeline:' "$spec" || continue
+    check "$(basename "$spec" .yaml) does nothing undefined, or says why" is_silent "$spec" --frames 2
+done
 
 mkdir "$work/mutants"
 cd "$root" || exit
