@@ -48,8 +48,9 @@ cp "$specs"/meant* "$work"
 sed '/meant_rest/,$d; s/, allow: .*}}/}/; /name: rest/,$d' "$specs/meant.yaml" >"$work/bare.yaml"
 # shellcheck disable=SC2317
 meant() {
-    "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend vk@llvmpipe --dump "$work/meant" --sanitize >"$work/told" 2>&1 &&
-        [ ! -s "$work/told" ] || { cat "$work/told" && return 1; }
+    "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend vk@llvmpipe --dump "$work/meant" --sanitize >"$work/told" 2>&1 || return
+    cat "$work/told"
+    [ ! -s "$work/told" ] || return
     "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend gl --dump "$work/meant" --sanitize --set turns=9 >"$work/told" 2>&1 || return
     cat "$work/told"
     # shellcheck disable=SC2016
@@ -83,7 +84,7 @@ is_silent() { # spec options...
     local status=$?
     cat "$work/told"
     grep "silenced nothing" "$work/errors"
-    [ $status = 0 ] && ! grep -q "silenced nothing" "$work/errors"
+    [ "$status" = 0 ] && ! grep -q "silenced nothing" "$work/errors"
 }
 swept=("$specs"/{mips,parts,atomics,particles,groups,features}.yaml)
 if [ -n "${DIPTYCH_LONG:-}" ]; then

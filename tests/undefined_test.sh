@@ -69,7 +69,7 @@ agrees() {
 # shellcheck disable=SC2317
 poisoned() { # backend
     for byte in 17 85; do
-        "$diptych" render --spec images.yaml --size 16x16 --backend "$1" --dump "$1-$byte" --poison $byte --frames 2 || return
+        "$diptych" render --spec images.yaml --size 16x16 --backend "$1" --dump "$1-$byte" --poison "$byte" --frames 2 || return
     done
     ! cmp "$1-17/02.three.second.raw" "$1-85/02.three.second.raw" && cmp "$1-17/01.two.mid.raw" "$1-85/01.two.mid.raw"
 }

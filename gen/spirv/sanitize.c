@@ -656,9 +656,6 @@ static void put_before(struct sanitizer *s, const uint32_t *instruction)
     case SpvOpVectorExtractDynamic:
         put_component(s, instruction, instruction[4]);
         break;
-    case SpvOpVectorInsertDynamic:
-        put_component(s, instruction, instruction[5]);
-        break;
     case SpvOpImageRead:
     case SpvOpImageFetch:
     case SpvOpImageWrite:
