@@ -22,8 +22,9 @@ static const struct verb verbs[] = {
      "Prints a table. Its last line names the guilty pass: the first with an error of its own when "
      "it gets\nthe first side's inputs.\nWith A and B nothing is run: the last line names the "
      "first pass that differs, lines before it say "
-     "why.\nExit status: 0 the backends agree, 1 they differ, 2 it "
-     "could not run.",
+     "why.\nLines that begin with `elsewhere:` tell what other devices or runs may do.\nExit "
+     "status: 0 the backends agree, 1 they differ, or --sanitize or --repeat has found something, "
+     "2 it could not run.",
      verb_compare, EXIT_USAGE},
     {"list", VERB_LIST, "name the parameters, resources and passes of a pipeline",
      "Parameters have their type, value and range; resources their format and size; passes what "
@@ -33,7 +34,7 @@ static const struct verb verbs[] = {
      verb_list, EXIT_FAILED},
     {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",
      "Prints how the results of the pass differ from the expected ones.\nExit status: 0 as "
-     "expected, 1 it differs, 2 it could not run.",
+     "expected, 1 it differs, or --sanitize has found something, 2 it could not run.",
      verb_replay, EXIT_USAGE},
     {"reference", VERB_REFERENCE, "path-trace a scene as ground truth for pipelines",
      "Surfaces are Lambertian; lights, camera and materials are the same as for "
