@@ -389,13 +389,6 @@ static bool allocate(struct compare *compare)
     return good;
 }
 
-static void free_result(struct result *result)
-{
-    free(result->picture);
-    for (int i = 0; i < SHOWN_PICTURES; i++)
-        free(result->shown[i]);
-}
-
 static void release(struct compare *compare)
 {
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
@@ -403,7 +396,7 @@ static void release(struct compare *compare)
         blame_free(&pair->blame);
         why_free(&pair->why);
         for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
-            free_result(&pair->results[k]);
+            sheet_free_shown(&pair->results[k].shown);
         free(pair->results);
         free(pair->history);
         free(pair->outputs_differ);
@@ -555,7 +548,7 @@ int verb_compare(struct console *console, const struct options *options)
         console->result = compare_json(&compare);
     console_status(console, "%s", "");
     if (compare.complete) {
-        compare_print(&compare);
+        good &= compare_print(&compare);
         golden_print(&compare);
         print_undefined(&compare);
         differ = golden_differs(&compare) || compare.undefined.count;

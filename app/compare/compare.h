@@ -11,24 +11,17 @@
 #include "result/identity.h"
 #include "result/region.h"
 #include "result/rows.h"
-#include "result/strip.h"
+#include "result/sheet.h"
 #include "run/source.h"
 #include "run/undefined.h"
 #include "theirs/why.h"
-
-enum { SHOWN_PICTURES = 3 };
 
 /* One row of one pair over all frames. */
 struct result {
     struct difference difference; /* of the frame with the largest difference */
     uint32_t frame;               /* that frame */
     uint32_t frames_differing;    /* frames in which bits differ */
-    char *picture;                /* file of that frame's strip, NULL: none; owned */
-    struct strip strip;           /* what it shows */
-    /* --html: files of first copy, second copy and difference in that frame; of equal copies the first;
-     * owned */
-    char *shown[SHOWN_PICTURES];
-    uint64_t bins[DIFFERENCE_BINS];
+    struct shown shown;           /* of that frame */
 };
 
 /* The folder of --golden: hashes of what the first side leaves in all frames, and its pictures. */
@@ -102,7 +95,14 @@ void golden_free(struct golden *golden);          /* takes a zeroed one */
 /* Whether `why` is of the guilty pass. */
 bool compare_knows_why(const struct pair *pair);
 
-void compare_print(const struct compare *compare); /* on stdout */
+/* Which resources with history, before the first frame, a sheet has above the outputs. */
+enum sheet_history { HISTORY_NONE, HISTORY_DIFFERING, HISTORY_ALL };
+/* False when out of memory, logged; compare_free_sheet either way. */
+bool compare_sheet(const struct compare *compare, const struct pair *pair,
+                   enum sheet_history history, struct sheet *sheet);
+void compare_free_sheet(struct sheet *sheet); /* takes a zeroed one */
+
+bool compare_print(const struct compare *compare); /* on stdout; false: out of memory, logged */
 
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
 struct cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair);

@@ -3,14 +3,14 @@
 
 #include "compare/compare.h"
 
-static cJSON *picture_json(const struct dt_resource *resource, const struct result *result)
+static cJSON *picture_json(const struct dt_resource *resource, const struct shown *shown)
 {
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "file", result->picture);
+    cJSON_AddStringToObject(root, "file", shown->strip);
     if (resource->layered)
-        cJSON_AddNumberToObject(root, "layer", result->strip.layer);
-    if (result->strip.amplification > 0)
-        cJSON_AddNumberToObject(root, "amplification", result->strip.amplification);
+        cJSON_AddNumberToObject(root, "layer", shown->what.layer);
+    if (shown->what.amplification > 0)
+        cJSON_AddNumberToObject(root, "amplification", shown->what.amplification);
     return root;
 }
 
@@ -27,8 +27,8 @@ static cJSON *result_json(const struct compare *compare, const struct pair *pair
     if (!pass)
         return root;
     cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
-    if (result->picture)
-        cJSON_AddItemToObject(root, "picture", picture_json(resource, result));
+    if (result->shown.strip)
+        cJSON_AddItemToObject(root, "picture", picture_json(resource, &result->shown));
     if (pair->blame.outcome == BLAME_NOT_RUN || pair->on_equal_inputs)
         return root;
     bool differ = pair->blame.inputs_differ[row->pass];

@@ -318,6 +318,24 @@ enum verdict difference_verdict(const struct difference *difference)
     return difference->differing ? VERDICT_WITHIN : VERDICT_EQUAL;
 }
 
+double difference_used(const struct difference *difference)
+{
+    const struct dt_contract *contract = &difference->contract;
+    double elements = (double)difference->elements, error = difference->worst.error;
+    double most = contract->tolerance, used = difference->worst.valid ? error : 0;
+    if (contract->kind == DT_CONTRACT_IMAGE && contract->outliers > 0) {
+        most = (double)allowed(contract, difference->elements);
+        used = (double)difference->beyond;
+    } else if (contract->kind == DT_CONTRACT_FLIPS) {
+        used = (double)difference->differing;
+    } else if (contract->kind == DT_CONTRACT_RASTER) {
+        most *= elements;
+        used = (double)difference->at_edges;
+    }
+    bool bound = contract->kind != DT_CONTRACT_EXACT && most > 0 && !difference->size_differs;
+    return bound && isfinite(used) ? used / most : NAN;
+}
+
 const char *verdict_name(enum verdict verdict)
 {
     static const char *const names[] = {"equal", "within", "DIFFERS"};

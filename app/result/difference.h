@@ -80,6 +80,9 @@ bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resour
                           const struct dt_bytes copies[2]);
 
 enum verdict difference_verdict(const struct difference *difference);
+/* How much of the contract's bound the copies use: 1 is all, more breaks it. NAN: the contract has no bound, or the
+ * numbers have no distance. */
+double difference_used(const struct difference *difference);
 const char *verdict_name(enum verdict verdict); /* "equal", "within", "DIFFERS" */
 
 /* ---- What is told (difference_report.c). `labels` name the two copies, like "gl" and "vk". --- */

@@ -241,6 +241,8 @@ void difference_json(cJSON *root, const struct difference *difference,
         cJSON_AddNumberToObject(root, "at_edges", (double)difference->at_edges);
     cJSON_AddNumberToObject(root, "not_finite", (double)difference->not_finite);
     cJSON_AddBoolToObject(root, "size_differs", difference->size_differs);
+    if (!isnan(difference_used(difference)))
+        cJSON_AddNumberToObject(root, "of_bound", difference_used(difference));
     cJSON_AddStringToObject(root, "verdict", verdict_name(difference_verdict(difference)));
     cJSON_AddItemToObject(root, "worst",
                           worst->valid ? pair_json(difference, resource, worst, labels)
