@@ -18,9 +18,10 @@ static const struct verb verbs[] = {
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.", verb_render,
      EXIT_FAILED},
     {"compare", VERB_COMPARE,
-     "run two or more backends, or take two dumps, and compare every resource after every pass",
+     "run two or more backends, or take dumps, and compare every resource after every pass",
      "Prints a table. Its last line names the guilty pass: the first with an error of its own when "
-     "it gets\nthe first side's inputs.\nWith A and B nothing is run: the last line names the "
+     "it gets\nthe first side's inputs.\nWith dumps nothing is run but --run: the last line names "
+     "the "
      "first pass that differs, lines before it say "
      "why.\nExit status: 0 the backends agree, 1 they differ, 2 it "
      "could not run.",

@@ -57,12 +57,13 @@ static const char *text_at(const void *options, const struct option_row *row)
     return *(const char *const *)(const void *)((const char *)options + row->offset);
 }
 
-/* The first positional argument without a value, or NULL. */
+/* The first positional argument without a value, or a list, which takes all the rest; or NULL. */
 static const struct option_row *find_alone(const struct command_line *command, const void *options)
 {
     for (uint32_t i = 0; i < command->row_count; i++) {
         const struct option_row *row = &command->rows[i];
-        if (takes(command, row) && row->name[0] != '-' && !text_at(options, row))
+        if (takes(command, row) && row->name[0] != '-' &&
+            (row->kind == OPTION_TEXTS || !text_at(options, row)))
             return row;
     }
     return NULL;

@@ -61,6 +61,26 @@ manifest("integers", mixed, {**buffer, "stride": 8, "fields": fields})
 mixed["f1"][3] = 4
 manifest("other_integers", mixed, {**buffer, "stride": 8, "fields": fields})
 
+# Triangle numbers of two halves, and a picture that differs beside their edge alone, or elsewhere too.
+ids = np.where(np.arange(8) < 4, 1, 2).astype(np.uint32) * np.ones((6, 1), np.uint32)
+edge = depth.copy(); edge[2, 4] += 1
+elsewhere = edge.copy(); elsewhere[2, 7] += 1
+for name, picture in ("drawn", depth), ("at_edge", edge), ("elsewhere", elsewhere):
+    arrays(name, draw__ids=ids, draw__picture=picture)
+flags, distance = np.zeros(9, np.uint32), np.linspace(0, 1, 9).astype(np.float32)
+arrays("flags", cull__visible=flags, cull__distance=distance)
+flipped = flags.copy(); flipped[1] = 1
+arrays("flipped", cull__visible=flipped, cull__distance=distance)
+speck = radiance.copy(); speck[0, 0] += 1
+arrays("speck", gbuffer__depth=depth, light__radiance=speck, count__bins=bins)
+for name, text in {"raster": "picture: {raster: 3%}", "flips": "visible: {flips: 2, margin: distance}", "no_margin": "visible: {flips: 2, margin: distence}",
+                   "image": "radiance: {image: {max: 1/255, outliers: 4%}}", "two": "radiance: {ulp: 1, abs: 1}", "share": "radiance: {raster: 300%}"}.items():
+    open(name + ".yaml", "w").write(text + "\n")
+# Three runs of each side: the second has noise of 1 ulp, and is 0.001 away; later noise grows, then the difference.
+for name, noise, away in ("gl", 0, 0), ("vk", 1, 1e-3), ("noisy", 400, 1e-3), ("far", 1, 0.1):
+    for k in range(3):
+        arrays(f"runs/{name}/{k}", gbuffer__depth=depth, light__radiance=up(radiance, noise * k) + np.float32(away))
+
 open("loose.yaml", "w").write("default: exact\nlight.radiance: {rel: 1e-5}\n")
 open("wrong.yaml", "w").write("default: exact\nradience: {rel: 1e-5}\n")
 

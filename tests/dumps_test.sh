@@ -43,6 +43,39 @@ check "... none is there by default" says 1 'first pass' plain ulp9
 check "a wrong contract is told with its place" says 2 'wrong.yaml:2:.*did you mean' plain plain --contracts wrong.yaml
 check "other sizes differ" says 1 '8x6x1 against 4x6x1 texels' size size2
 
+check "... by an exact name of what is missing" says 2 'margin: the first dump has no buffer of floats' flags flipped --contracts no_margin.yaml
+check "two bounds are refused" says 2 'exactly one of' plain plain --contracts two.yaml
+check "a share is at most 1" says 2 'share.yaml:1:.*`raster` is a number from 0 to 1' plain plain --contracts share.yaml
+check "differences at edges may be allowed" says 0 'within +7[0-9] %' drawn at_edge --contracts raster.yaml
+check "... and no others" says 1 'first pass that differs: draw, resource picture' drawn elsewhere --contracts raster.yaml
+check "flips are listed with their margins" says 0 'flip at \[1\].*margin flags 0.125 ' flags flipped --contracts flips.yaml
+check "... and use half of the bound" grep -Eq '^cull +visible .* within +50 %' said
+check "outliers are a share" says 0 'within +100 %' plain speck --contracts image.yaml
+
+check "three dumps: the first against each" says 1 '^late against plain$' plain ulp late --html page --pictures strips --junit xml --json json
+check "... names both pairs in JSON" /usr/bin/python3 -c '
+import json
+j = json.load(open("json"))
+assert not j["agree"] and [p["agree"] for p in j["pairs"]] == [True, False], j
+assert j["pairs"][0]["results"][0]["of_bound"] == 1, j'
+check "... and in a page, strips and XML" /usr/bin/python3 -B "$root/tests/dumps_pages.py"
+
+check "runs are measured" says 1 'gbuffer +depth +equal in all runs' runs/gl runs/vk --measure 3 --write-contracts measured.yaml --json json
+check "... noise of a side apart from the difference" /usr/bin/python3 -c '
+import json
+m = json.load(open("json"))["measured"][1]
+gl, vk, between = m["noise"]["gl"], m["noise"]["vk"], m["backends"]
+assert gl["differing"] == 0 and gl["pairs"] == vk["pairs"] == 3 and between["pairs"] == 9, m
+assert 1 <= vk["ulp"] <= 4 and 0.0009 < between["median"] < between["largest"] * 1.01 < 0.0011, m'
+check "... with contracts that pass" says 0 'light +radiance .* within ' runs/gl runs/vk --measure 3 --contracts measured.yaml
+check "... as tight as the largest error" grep -Eq '^light.radiance: \{rel: 0.00[01][0-9]+, noise: [0-9.e-]+, backends: 0.00[01][0-9]+\} +# noise of a side: .* largest' measured.yaml
+check "... and exact where all is equal" grep -q '^gbuffer.depth: exact  # equal in all runs$' measured.yaml
+check "noise that has grown is told" says 0 '^grown: light.radiance, noise of noisy: ' runs/gl runs/noisy --measure 3 --contracts measured.yaml
+check "... and a difference, also of one run" says 1 '^grown: light.radiance, difference of backends: 0.00.* when it was measured, is 0.0' runs/gl/0 runs/far/0 --contracts measured.yaml
+check "... and nothing else" [ "$(grep -c ^grown said)" = 1 ]
+check "a run too few" says 2 'runs/gl: --measure 4 needs 4 dumps' runs/gl runs/vk --measure 4
+check "contracts need runs" says 2 'needs --measure' plain plain --write-contracts x.yaml
+
 check "noise has no reason" says 1 "^first pass" big other_big
 check "... and none is given" sh -c "! grep ^why said"
 check "half the size may be a mip" says 1 'one mip off, or half the resolution' size half
@@ -53,6 +86,7 @@ done
 check "nothing in common" says 2 'nothing to compare' plain alone
 check "one dump is too few" says 2 'two dumps' plain
 check "options of a run are refused" says 2 'alone' plain plain --spec x.yaml
+check "a program runs passes of two dumps only" says 2 'takes two dumps' plain plain plain --run true
 
 # What render --dump writes.
 for backend in gl vk; do

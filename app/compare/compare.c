@@ -131,7 +131,8 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
 {
     const struct row *row = &compare->rows.outputs.list[index];
     uint64_t hash = 0;
-    if (!compare_copies(compare, row, frame, &hash))
+    if (!compare_copies(compare, row, frame, &hash) ||
+        (compare->options.repeats && !compare_measure(compare, index)))
         return false;
     if (compare->options.golden && !golden_add(compare, index, frame, hash))
         return false;
@@ -185,10 +186,10 @@ static bool compare_history(struct compare *compare, uint32_t frame)
 
 static bool advance(struct compare *compare, struct worker_place place)
 {
-    for (uint32_t i = 0; i < compare->sides.count; i++)
+    for (uint32_t i = 0; i < compare->source_count; i++)
         if (!source_resume(&compare->sources[i]))
             return false;
-    for (uint32_t i = 0; i < compare->sides.count; i++)
+    for (uint32_t i = 0; i < compare->source_count; i++)
         if (!source_reach(&compare->sources[i], place))
             return false;
     return true;
@@ -237,16 +238,21 @@ static struct worker_info describe_worker(struct compare *compare, uint32_t inde
 
 static bool start_all(struct compare *compare)
 {
+    uint32_t sides = compare->sides.count;
     console_status(compare->console, "opening the devices and creating the programs");
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
-        const struct worker_info info = describe_worker(compare, i);
-        if (!source_start(&compare->sources[i], &info, dump_of(compare, i)))
+    for (uint32_t i = 0; i < compare->source_count; i++) {
+        uint32_t side = i < sides ? i : (i - sides) / (compare->options.repeats - 1);
+        struct worker_info info = describe_worker(compare, side);
+        if (i >= sides) /* memory that no pass has written differs within a side as well */
+            info.session.poison = side ? POISON_FIRST : POISON_OTHERS;
+        if (!source_start(&compare->sources[i], &info, dump_of(compare, side)))
             return false;
     }
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
+    for (uint32_t i = 0; i < compare->source_count; i++) {
         if (!source_reach(&compare->sources[i], (struct worker_place){.stop = WORKER_READY}))
             return false;
-        compare->devices[i] = strdup(source_device(&compare->sources[i]));
+        if (i < sides)
+            compare->devices[i] = strdup(source_device(&compare->sources[i]));
     }
     return true;
 }
@@ -276,7 +282,7 @@ static bool run_all(struct compare *compare)
         good = run_frame(compare, frame);
     good = good && read_undefined(compare) &&
            advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
-    for (uint32_t i = 0; i < compare->sides.count; i++)
+    for (uint32_t i = 0; i < compare->source_count; i++)
         source_close(&compare->sources[i]);
     return good;
 }
@@ -377,7 +383,8 @@ static bool allocate(struct compare *compare)
 {
     uint32_t sides = compare->sides.count;
     compare->pair_count = sides - 1;
-    compare->sources = calloc(sides, sizeof *compare->sources);
+    compare->source_count = sides * (compare->options.repeats ? compare->options.repeats : 1);
+    compare->sources = calloc(compare->source_count, sizeof *compare->sources);
     compare->devices = calloc(sides, sizeof *compare->devices);
     compare->pairs = calloc(compare->pair_count, sizeof *compare->pairs);
     compare->golden.hashes = calloc(compare->rows.outputs.count, sizeof *compare->golden.hashes);
@@ -402,6 +409,7 @@ static void release(struct compare *compare)
         free(pair->outputs_differ);
         free(pair->history_differs);
         free(pair->fingerprints);
+        free(pair->measured.rows);
     }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
         free(compare->devices[i]);
@@ -413,6 +421,7 @@ static void release(struct compare *compare)
     golden_free(&compare->golden);
     rows_free(&compare->rows);
     undefined_free(&compare->undefined);
+    contracts_free(&compare->contracts);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
     sides_free(&compare->sides);
@@ -488,8 +497,10 @@ static bool load(struct compare *compare)
         return false;
     if (options->bisect && !evidence_can_write(console, options->bisect))
         return false;
-    if (!pipeline_load(&compare->pipeline, console, &options->setup) || !golden_suits(compare) ||
-        !rows_make(&compare->rows, compare->pipeline.info, &console->log))
+    if (!pipeline_load(&compare->pipeline, console, &options->setup) ||
+        (options->contracts && !pipeline_contracts(&compare->pipeline, options->contracts,
+                                                   &compare->contracts, &console->log)) ||
+        !golden_suits(compare) || !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
         (options->fault && !find_fault(compare)))
@@ -501,19 +512,38 @@ static bool load(struct compare *compare)
     return !options->setup.against || check_dump(compare);
 }
 
+static bool check_options(const struct options *options, const struct dt_log *log)
+{
+    const char *wrong = NULL;
+    if (options->update && !options->golden)
+        wrong = "--update: needs --golden DIR, the folder that it writes";
+    else if (options->write_contracts && !options->repeats)
+        wrong = "--write-contracts: needs --measure N";
+    else if (options->repeats && options->setup.against)
+        wrong = "--measure: --against is a single run; compare dumps of several runs: compare A B";
+    else if (options->run_second)
+        wrong = "--run: is for two dumps: compare A B --run PROGRAM";
+    if (wrong)
+        report_error(log, "%s", wrong);
+    return !wrong;
+}
+
 static bool run(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
-    if (options->update && !options->golden) {
-        report_error(&console->log, "--update: needs --golden DIR, the folder that it writes");
+    if (!check_options(options, &console->log) ||
+        !sides_read(&compare->sides, &options->setup, &console->log))
+        return false;
+    if (options->repeats && compare->sides.count * options->repeats > CONSOLE_CHILDREN) {
+        report_error(&console->log, "--measure: %u sides run %u times are more than %d processes",
+                     compare->sides.count, options->repeats, CONSOLE_CHILDREN);
         return false;
     }
-    if (!sides_read(&compare->sides, &options->setup, &console->log))
-        return false;
     if ((options->pictures && !file_make_folders(options->pictures, &console->log)) ||
         (options->html && !file_make_folders(options->html, &console->log)) ||
-        (options->junit && !file_can_write(options->junit, &console->log)))
+        (options->junit && !file_can_write(options->junit, &console->log)) ||
+        (options->write_contracts && !file_can_write(options->write_contracts, &console->log)))
         return false;
     if (!load(compare) || !allocate(compare))
         return false;
@@ -522,7 +552,8 @@ static bool run(struct compare *compare)
     return compare->complete && find_blame(compare) && keep_evidence(compare) &&
            atomic_load(&console->errors) == 0 && (!options->golden || golden_end(compare)) &&
            (!options->html || compare_write_html(compare)) &&
-           (!options->junit || compare_write_junit(compare));
+           (!options->junit || compare_write_junit(compare)) &&
+           (!options->write_contracts || compare_write_contracts(compare));
 }
 
 static void print_undefined(const struct compare *compare)
@@ -539,7 +570,7 @@ static void print_undefined(const struct compare *compare)
 int verb_compare(struct console *console, const struct options *options)
 {
     struct compare compare = {.console = console, .options = *options};
-    if (options->dumps[0] || options->contracts)
+    if (options->dumps.count)
         return compare_dumps(console, options);
     bool differ = false;
     bool good = run(&compare);

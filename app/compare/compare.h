@@ -9,6 +9,7 @@
 #include "compare/blame.h"
 #include "result/difference.h"
 #include "result/identity.h"
+#include "result/measured.h"
 #include "result/region.h"
 #include "result/rows.h"
 #include "result/sheet.h"
@@ -45,6 +46,8 @@ struct pair {
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
     struct blame blame;
+    struct measured
+        measured; /* --measure: one row per row of rows.outputs, over all frames; rows are owned */
     struct why why; /* of that row and frame, with all inputs as they were */
     /* BLAME_WITHIN: results are the passes' own errors, in blame.frame */
     bool on_equal_inputs;
@@ -61,7 +64,10 @@ struct compare {
     struct fault fault;
     uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
-    struct source *sources;     /* one per side */
+    /* one per side; with --measure, behind them, further runs of the first side, of the second ... */
+    struct source *sources;
+    uint32_t source_count;
+    struct contracts contracts; /* --contracts */
     struct undefined undefined; /* --sanitize */
     char **devices;             /* names of the devices */
     struct pair *pairs;
@@ -76,6 +82,10 @@ struct compare {
 /* --pictures and --html: writes what they show of this row of rows.outputs in the pair's last result, and
  * notes it in the kept one. Logs its error. */
 bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
+
+/* --measure: adds what all runs of all sides have left in a row of rows.outputs. Logs its error. */
+bool compare_measure(struct compare *compare, uint32_t output);
+bool compare_write_contracts(const struct compare *compare);
 
 /* First row of a pair that broke its contract. */
 const struct row *broken_row(const struct compare *compare, const struct pair *pair);

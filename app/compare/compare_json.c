@@ -89,6 +89,8 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
     const struct row *strayed =
         blame->outcome == BLAME_NOT_REPEATABLE ? &outputs[blame->row] : NULL;
     cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    if (pair->measured.rows)
+        cJSON_AddItemToObject(root, "measured", measured_json(&pair->measured));
     if (pair->on_equal_inputs)
         cJSON_AddBoolToObject(root, "on_equal_inputs", true);
     add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);

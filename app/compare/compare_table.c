@@ -169,6 +169,19 @@ static void print_clues(const struct compare *compare, const struct pair *pair)
            compare->pipeline.info->passes[row->pass].shader, compare->pipeline.spec);
 }
 
+/* What is larger than when contracts were measured. */
+static void print_grown(const struct compare *compare, const struct pair *pair)
+{
+    for (uint32_t i = 0; i < pair->measured.count; i++)
+        measured_grown(&pair->measured, &pair->measured.rows[i]);
+    for (uint32_t i = 0; i < compare->rows.outputs.count && !pair->measured.rows; i++) {
+        const struct row *row = &compare->rows.outputs.list[i];
+        const char *name = compare->pipeline.info->resources[row->resource].name;
+        measured_compare(contracts_find(&compare->contracts, "", name), MEASURED_BACKENDS, "", name,
+                         difference_error(&pair->results[i].difference));
+    }
+}
+
 static bool print_pair(const struct compare *compare, const struct pair *pair)
 {
     struct sheet sheet;
@@ -182,6 +195,9 @@ static bool print_pair(const struct compare *compare, const struct pair *pair)
     if (good)
         sheet_print(&sheet);
     compare_free_sheet(&sheet);
+    if (pair->measured.rows)
+        measured_print(&pair->measured);
+    print_grown(compare, pair);
     return good;
 }
 

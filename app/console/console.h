@@ -14,7 +14,7 @@
  * they could not run. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8, CONSOLE_CAPTURES = 2 };
+enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 64, CONSOLE_CAPTURES = 2 };
 
 struct console {
     struct dt_log log;

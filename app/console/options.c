@@ -17,15 +17,20 @@
 static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
      "folder that compare --bisect wrote"},
-    {"A", OPTION_STRING, AT(dumps[0]), VERB_COMPARE, 0, NULL,
-     "folder with a dump of any renderer (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
-     ".exr, "
-     ".npy); then nothing is run"},
-    {"B", OPTION_STRING, AT(dumps[1]), VERB_COMPARE, 0, NULL, "the dump to compare with it"},
+    {"A B...", OPTION_TEXTS, AT(dumps), VERB_COMPARE, 0, NULL,
+     "folders with dumps of any renderers (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
+     ".exr, .npy); the first is compared with each of the others, and nothing is run"},
     {"--contracts", OPTION_STRING, AT(contracts), VERB_COMPARE, 0, "FILE",
-     "A B: how far resources may differ (YAML), like `radiance: {rel: 1e-3}` (default: integers "
-     "not "
-     "at all, others 1 ulp)"},
+     "how far resources may differ (YAML), like `radiance: {rel: 1e-3}`, in place of the spec's "
+     "contracts (A B: default: integers not at all, others 1 ulp)"},
+    {"--measure", OPTION_COUNT, AT(repeats), VERB_COMPARE, 0, "N",
+     "run each side N times, and show how far runs of a side, and of both sides, are apart; A B: "
+     "each folder holds N dumps in folders of their own"},
+    {"--write-contracts", OPTION_STRING, AT(write_contracts), VERB_COMPARE, 0, "FILE",
+     "--measure: write contracts that all these runs keep, and that are as tight as that"},
+    {"--run", OPTION_STRING, AT(run_second), VERB_COMPARE, 0, "PROGRAM",
+     "A B: on a difference, runs PROGRAM PASS INPUTS OUTPUTS for passes of B's renderer on A's "
+     "resources, which tells whose error it is"},
     {"DIR", OPTION_STRING, AT(folder), VERB_REPORT, 0, NULL,
      "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},
@@ -270,10 +275,11 @@ void options_free(struct options *options)
     free(options->scene_list.items);
     free(options->size_list.items);
     free(options->grid.items);
+    free(options->dumps.items);
     options->setup.sets = NULL;
     options->setup.set_count = 0;
     options->setup.inputs = options->scene_list = options->size_list = options->grid =
-        (struct text_list){0};
+        options->dumps = (struct text_list){0};
 }
 
 void options_help(const struct verb *verb)

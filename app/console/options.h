@@ -27,11 +27,14 @@ enum verb_id {
 struct options {
     struct setup setup;
     const char *output;
-    const char *with;      /* overlay of sets, which stand in set_list */
-    char *with_text;       /* owned */
-    uint32_t frame;        /* reference: of the motion */
-    const char *dumps[2];  /* compare: folders of two dumps, or NULL */
-    const char *contracts; /* of these */
+    const char *with;       /* overlay of sets, which stand in set_list */
+    char *with_text;        /* owned */
+    uint32_t frame;         /* reference: of the motion */
+    struct text_list dumps; /* compare: folders of dumps */
+    const char *contracts;
+    const char *write_contracts;
+    uint32_t repeats;       /* compare: runs of each side; 0: not measured */
+    const char *run_second; /* compare: program that runs a pass of the second dump's renderer */
     const char *dump;
     const char *timings;
     const char *show;

@@ -3,6 +3,7 @@
 #include "result/difference.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -284,6 +285,124 @@ bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resour
         }
     free(numbers.components);
     return good;
+}
+
+/* ---- Many pairs ------------------------------------------------------------------------------ */
+
+double errors_step(int step)
+{
+    static const char *const digits[] = {"1", "1.5", "2", "3", "5", "7"};
+    char text[16];
+    snprintf(text, sizeof text, "%se%d", digits[step % 6], step / 6 - 20);
+    return strtod(text, NULL);
+}
+
+/* Steps below the error; `steps` are those of errors_step. */
+static int steps_below(const double *steps, double error)
+{
+    int low = 0, high = ERROR_STEPS;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (steps[middle] < error)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* The element's largest absolute error; 0: it is equal. */
+static double add_error(struct errors *errors, const struct numbers *numbers,
+                        const uint8_t *const places[2], bool *differs)
+{
+    double largest = 0;
+    for (uint32_t c = 0; c < numbers->count; c++) {
+        const struct component *component = &numbers->components[c];
+        enum number_kind kind = component->kind;
+        uint32_t bits[2];
+        double values[2];
+        bool odd = false;
+        for (int i = 0; i < 2; i++) {
+            bits[i] = number_bits(kind, places[i] + component->offset);
+            values[i] = number_of_bits(kind, bits[i]);
+            odd |= not_finite(kind, bits[i]);
+        }
+        errors->odd |= odd;
+        if (odd || flushed(kind, bits[0]) == flushed(kind, bits[1]))
+            continue;
+        *differs = true;
+        largest = fmax(largest, measure(DT_CONTRACT_ABS, kind, bits, values));
+        errors->ulp = fmax(errors->ulp, measure(DT_CONTRACT_ULP, kind, bits, values));
+        errors->rel = fmax(errors->rel, measure(DT_CONTRACT_REL, kind, bits, values));
+    }
+    errors->abs = fmax(errors->abs, largest);
+    return largest;
+}
+
+static void add_pair(struct errors *errors, const struct numbers *numbers,
+                     const struct dt_bytes copies[2])
+{
+    double steps[ERROR_STEPS];
+    uint64_t counts[ERROR_STEPS + 1] = {0}, differing = 0;
+    for (int i = 0; i < ERROR_STEPS; i++)
+        steps[i] = errors_step(i);
+    for (uint64_t i = 0; i < errors->elements; i++) {
+        size_t at = i * numbers->stride;
+        const uint8_t *const places[2] = {copies[0].data + at, copies[1].data + at};
+        bool differs = false;
+        double error = add_error(errors, numbers, places, &differs);
+        differing += differs;
+        counts[steps_below(steps, error)]++;
+    }
+    for (int i = ERROR_STEPS - 1; i >= 0; i--) {
+        counts[i] += counts[i + 1];
+        if (counts[i + 1] > errors->beyond[i])
+            errors->beyond[i] = counts[i + 1];
+    }
+    errors->differing = differing > errors->differing ? differing : errors->differing;
+}
+
+bool errors_add(struct errors *errors, const struct dt_resource *resource,
+                const struct dt_bytes copies[2])
+{
+    struct numbers numbers;
+    bool good = numbers_of(&numbers, resource);
+    bool buffer = resource->kind == DT_BUFFER;
+    errors->pairs++;
+    errors->elements = resource_elements(resource, copies[0].extent);
+    if (copies[0].size != copies[1].size ||
+        (good && copies[0].size < errors->elements * numbers.stride) ||
+        memcmp(copies[0].extent, copies[1].extent, (buffer ? 1 : 3) * sizeof(uint32_t)) != 0)
+        errors->odd = true;
+    else if (good)
+        add_pair(errors, &numbers, copies);
+    free(numbers.components);
+    return good;
+}
+
+void errors_join(struct errors *errors, const struct errors *more)
+{
+    errors->pairs += more->pairs;
+    errors->odd |= more->odd;
+    errors->elements = more->elements > errors->elements ? more->elements : errors->elements;
+    errors->differing = more->differing > errors->differing ? more->differing : errors->differing;
+    errors->ulp = fmax(errors->ulp, more->ulp);
+    errors->rel = fmax(errors->rel, more->rel);
+    errors->abs = fmax(errors->abs, more->abs);
+    for (int i = 0; i < ERROR_STEPS; i++)
+        errors->beyond[i] =
+            more->beyond[i] > errors->beyond[i] ? more->beyond[i] : errors->beyond[i];
+}
+
+double errors_quantile(const struct errors *errors, double q)
+{
+    double most = (1 - q) * (double)errors->elements;
+    if ((double)errors->differing <= most)
+        return 0;
+    for (int i = 0; i < ERROR_STEPS; i++)
+        if ((double)errors->beyond[i] <= most)
+            return fmin(errors_step(i), errors->abs);
+    return errors->abs;
 }
 
 /* ---- Margins and verdict --------------------------------------------------------------------- */

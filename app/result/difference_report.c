@@ -133,6 +133,17 @@ char *difference_describe_worst(const struct difference *difference,
     return text;
 }
 
+void difference_write_used(const struct difference *difference, char text[16])
+{
+    double used = difference_used(difference);
+    if (isnan(used))
+        strcpy(text, "-");
+    else if (used > 9.99)
+        strcpy(text, "> 999 %");
+    else
+        snprintf(text, 16, "%.0f %%", fabs(ceil(used * 100 - 1e-9)));
+}
+
 static char *describe_flip(const struct difference *difference, const struct dt_resource *resource,
                            const struct flip *flip, const char *const labels[2])
 {

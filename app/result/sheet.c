@@ -62,24 +62,13 @@ static void print_strip(const struct sheet_row *row)
         printf("differences are white\n");
 }
 
-/* "12 %", rounded up, so that 0 is nothing and 100 is not broken. */
-static void print_used(const struct difference *difference)
-{
-    double used = difference ? difference_used(difference) : NAN;
-    char text[16] = "-";
-    if (used > 9.99)
-        strcpy(text, "> 999 %");
-    else if (!isnan(used))
-        snprintf(text, sizeof text, "%.0f %%", ceil(used * 100 - 1e-9));
-    printf("%7s  ", text);
-}
-
 static void print_row(const struct sheet *sheet, const struct sheet_row *row,
                       const struct widths *widths)
 {
     const struct difference *difference = row->difference;
-    char elements[24] = "-", differing[24] = "-", *worst = NULL, *flips = NULL;
+    char elements[24] = "-", differing[24] = "-", used[16] = "-", *worst = NULL, *flips = NULL;
     if (difference) {
+        difference_write_used(difference, used);
         snprintf(elements, sizeof elements, "%" PRIu64, difference->elements);
         snprintf(differing, sizeof differing, "%" PRIu64, difference->differing);
         worst = difference_describe_worst(difference, row->resource, sheet->labels);
@@ -88,7 +77,7 @@ static void print_row(const struct sheet *sheet, const struct sheet_row *row,
     printf("%-*s  %-*s  %10s  %10s  %-7s  ", widths->pass, row->pass, widths->name, row->name,
            elements, differing, verdict_of(row));
     if (widths->used)
-        print_used(difference);
+        printf("%8s  ", used);
     printf("%-*s%s%s\n%s", widths->own, row->own, widths->own ? "  " : "",
            difference  ? worst ? worst : ""
            : row->text ? row->text

@@ -60,7 +60,7 @@ bool sheet_draw(struct shown *shown, const struct sheet_files *files,
                 const struct dt_bytes copies[2], const struct dt_log *log);
 void sheet_free_shown(struct shown *shown);
 
-/* Characters other than letters, digits, ".", "_" and "+" become a dash: for names of files. free(). */
+/* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
 char *sheet_word(const char *text);
 
 #endif

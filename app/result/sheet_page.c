@@ -15,8 +15,8 @@ char *sheet_word(const char *text)
 {
     char *word = strdup(text);
     for (char *at = word; at && *at; at++)
-        if (!isalnum((unsigned char)*at) && !strchr("+._", *at))
-            *at = '-';
+        if (!isalnum((unsigned char)*at) && !strchr("+._-", *at))
+            *at = '_';
     return word;
 }
 
@@ -161,11 +161,12 @@ static void add_row(cJSON *item, const struct sheet *sheet, uint32_t index)
 {
     const struct sheet_row *row = &sheet->rows[index];
     const struct difference *difference = row->difference;
-    double used = difference ? difference_used(difference) : NAN;
+    char used[16] = "-";
     char *worst =
         difference ? difference_describe_worst(difference, row->resource, sheet->labels) : NULL;
-    char *share = isnan(used) ? NULL : format_string("%.0f %%", ceil(used * 100 - 1e-9));
     bool opens = !index || strcmp(row->pass, sheet->rows[index - 1].pass) != 0;
+    if (difference)
+        difference_write_used(difference, used);
     add_missing(item, row);
     cJSON_AddNumberToObject(item, "row", index);
     add_text(item, "name", row->name);
@@ -174,14 +175,13 @@ static void add_row(cJSON *item, const struct sheet *sheet, uint32_t index)
     add_text(item, "about", row->resource ? row->resource->doc : NULL);
     cJSON_AddBoolToObject(item, "equal", difference && !differs(difference));
     add_text(item, "largest", difference ? worst : row->text);
-    add_text(item, "used", share ? share : "-");
+    add_text(item, "used", used);
     add_text(item, "remark", row->note);
     if (difference && row->shown) {
         add_pictures(item, row);
         add_histogram(item, row->shown);
     }
     free(worst);
-    free(share);
 }
 
 void sheet_page(const struct sheet *sheet, cJSON *results)

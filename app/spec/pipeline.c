@@ -12,6 +12,7 @@
 #include "console/live.h"
 #include "console/tool.h"
 #include "gen/sanitize.h"
+#include "result/contracts.h"
 #include "spec/inputs.h"
 #include "base/nearest.h"
 
@@ -248,4 +249,66 @@ const struct dt_param *pipeline_find_live(const struct dt_pipeline *info, const 
         report_error(log, "%s %s: it is not live: give its value when the spec is read", what,
                      name);
     return param && param->live ? param : NULL;
+}
+
+/* ---- Contracts --------------------------------------------------------------------------------- */
+
+static bool is_drawn(const struct dt_pipeline *info, uint32_t resource)
+{
+    for (uint32_t i = 0; i < info->pass_count; i++)
+        for (uint32_t k = 0; k < info->passes[i].write_count; k++)
+            if (info->passes[i].kind == DT_PASS_DRAW_SCENE && info->passes[i].writes[k] == resource)
+                return true;
+    return false;
+}
+
+static bool find_margin(const struct dt_pipeline *info, const struct kept_contract *kept,
+                        struct dt_contract *contract)
+{
+    for (uint32_t i = 0; i < info->resource_count && kept->margin; i++) {
+        int16_t field = contracts_margin(kept, &info->resources[i]);
+        if (field >= 0) {
+            contract->margin_resource = (uint16_t)i;
+            contract->margin_field = field;
+            return true;
+        }
+    }
+    return !kept->margin;
+}
+
+static bool set_contract(const struct dt_pipeline *info, uint32_t index,
+                         const struct kept_contract *kept, const char *path,
+                         const struct dt_log *log)
+{
+    /* the plan, which the pipeline owns, has made them */
+    struct dt_resource *resource = (struct dt_resource *)&info->resources[index];
+    resource->contract = kept->contract;
+    const char *wrong = NULL;
+    if (kept->contract.kind == DT_CONTRACT_RASTER && !is_drawn(info, index))
+        wrong = "`raster` is for images that a draw of the scene writes";
+    else if (kept->contract.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
+        wrong = "`image` is for images";
+    else if (!find_margin(info, kept, &resource->contract))
+        wrong = "`margin` names no buffer of floats, and no float of a buffer";
+    if (wrong)
+        report_error(log, "%s: %s: %s", path, resource->name, wrong);
+    return !wrong;
+}
+
+bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct contracts *contracts,
+                        const struct dt_log *log)
+{
+    const struct dt_pipeline *info = pipeline->info;
+    const char **names = calloc(info->resource_count + 1, sizeof *names);
+    for (uint32_t i = 0; names && i < info->resource_count; i++)
+        names[i] = info->resources[i].name;
+    bool good = names && contracts_read(contracts, path, names, info->resource_count, log);
+    if (!names)
+        report_error(log, "out of memory");
+    for (uint32_t i = 0; i < info->resource_count && good; i++) {
+        const struct kept_contract *kept = contracts_find(contracts, "", info->resources[i].name);
+        good = !kept || set_contract(info, i, kept, path, log);
+    }
+    free(names);
+    return good;
 }

@@ -236,3 +236,47 @@ bool dumps_convert(struct match *match, struct dt_bytes copies[2])
     }
     return buffer ? convert_buffers(match, copies) : convert_images(match, copies);
 }
+
+/* ---- One copy ---------------------------------------------------------------------------------- */
+
+static const char *buffer_into(const struct their_entry *from, const struct their_entry *to,
+                               struct dt_bytes *bytes)
+{
+    uint8_t *moved = calloc(bytes->extent[0], to->what.stride);
+    const char *reason = moved ? NULL : "out of memory";
+    for (uint32_t i = 0; i < to->what.field_count && !reason; i++) {
+        const struct dt_field *field = &to->what.fields[i];
+        const struct dt_field *source = find_field(&from->what, field->name);
+        if (!source || source->type != field->type || source->array_count != field->array_count)
+            reason = "a field has no equal in the first dump";
+        else
+            move_field(source, field, from->what.stride, to->what.stride, bytes->extent[0],
+                       bytes->data, moved);
+    }
+    free(reason ? moved : bytes->data);
+    if (!reason) {
+        bytes->data = moved;
+        bytes->size = (size_t)bytes->extent[0] * to->what.stride;
+    }
+    return reason;
+}
+
+const char *dumps_into(const struct their_entry *from, const struct their_entry *to,
+                       struct dt_bytes *bytes)
+{
+    if (from->what.kind != to->what.kind)
+        return "a buffer here, an image there";
+    if (to->what.kind == DT_BUFFER)
+        return same_layout(&from->what, &to->what) ? NULL : buffer_into(from, to, bytes);
+    const struct format_info *source = format_info(from->what.format);
+    const struct format_info *target = format_info(to->what.format);
+    if (from->what.format != to->what.format &&
+        (source->channels < target->channels ||
+         number_is_integer(source->kind) != number_is_integer(target->kind)))
+        return "the formats have no common one";
+    if (from->what.format != to->what.format && !to_format(bytes, &from->what, &to->what))
+        return "out of memory";
+    if (from->origin && to->origin && from->origin != to->origin)
+        flip_rows(&to->what, bytes);
+    return NULL;
+}

@@ -138,8 +138,9 @@ static bool shape_buffer(struct their_entry *entry, const struct array *array)
     uint32_t numbers = 1;
     for (uint32_t i = 1; i < array->dimensions; i++)
         numbers *= array->shape[i];
-    free(entry->fields);
-    struct dt_field *field = entry->fields = calloc(1, sizeof *field);
+    if (!entry->fields) /* else what was made of an earlier load may point to it */
+        entry->fields = calloc(1, sizeof *entry->fields);
+    struct dt_field *field = entry->fields;
     if (!field)
         return false;
     *field = (struct dt_field){.name = "", .type = vectors[kind][numbers <= 4 ? numbers - 1 : 0]};
