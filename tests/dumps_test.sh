@@ -45,7 +45,7 @@ check "other sizes differ" says 1 '8x6x1 against 4x6x1 texels' size size2
 
 check "... by an exact name of what is missing" says 2 'margin: the first dump has no buffer of floats' flags flipped --contracts no_margin.yaml
 check "two bounds are refused" says 2 'exactly one of' plain plain --contracts two.yaml
-check "a share is at most 1" says 2 'share.yaml:1:.*`raster` is a number from 0 to 1' plain plain --contracts share.yaml
+check "a share is at most 1" says 2 'share.yaml:1:.*raster. is a number from 0 to 1' plain plain --contracts share.yaml
 check "differences at edges may be allowed" says 0 'within +7[0-9] %' drawn at_edge --contracts raster.yaml
 check "... and no others" says 1 'first pass that differs: draw, resource picture' drawn elsewhere --contracts raster.yaml
 check "flips are listed with their margins" says 0 'flip at \[1\].*margin flags 0.125 ' flags flipped --contracts flips.yaml
