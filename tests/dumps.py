@@ -39,6 +39,9 @@ arrays("ulp", gbuffer__depth=up(depth, 1), light__radiance=radiance, count__bins
 arrays("ulp9", gbuffer__depth=depth, light__radiance=up(radiance, 9), count__bins=bins)
 holes = depth.copy(); holes[1, 1:3] = np.nan; holes[2, 2] = np.inf
 arrays("nan", gbuffer__depth=holes)
+signs = np.zeros((6, 8), np.float32)
+arrays("zeros", a__b=signs)
+arrays("minus", a__b=-signs)
 more_holes = holes.copy(); more_holes[4, 4] = np.nan
 arrays("nan2", gbuffer__depth=more_holes)
 arrays("size", a__b=depth.reshape(1, 6, 8, 1))

@@ -37,6 +37,7 @@ check "fields are matched by name" says 0 'fields matched by name: 16 and 12 byt
 check "an integer in a buffer has no tolerance" says 1 'first pass that differs' integers other_integers
 check "one ulp of a float is nothing" says 0 'agree' plain ulp
 check "NaN in both is equal" says 0 '3 numbers are NaN or infinite in both' nan nan
+check "zeros of two signs are equal" says 0 '^a +b +48 +0 +equal' zeros minus
 check "NaN in one is not" says 1 'where nan2 is NaN|where second is NaN|NaN' nan nan2
 check "a contract allows a difference" says 0 'within' plain ulp9 --contracts loose.yaml
 check "... none is there by default" says 1 'first pass' plain ulp9

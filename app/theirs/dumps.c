@@ -69,13 +69,9 @@ bool dumps_match(struct dumps *dumps)
 
 /* ---- Loading ----------------------------------------------------------------------------------- */
 
-static bool not_finite(const struct component *component, const uint8_t *place)
-{
-    return !number_is_integer(component->kind) && !isfinite(number_value(component->kind, place));
-}
-
-/* A number that is NaN in both copies, or the same infinity, becomes 0 in both. */
-static bool drop_not_finite(struct match *match, struct dt_bytes copies[2])
+/* A number that is NaN in both copies, or the same infinity, becomes 0 in both; so does a zero of two signs, which is no
+ * difference between two renderers. */
+static bool level(struct match *match, struct dt_bytes copies[2])
 {
     struct component *list = NULL;
     uint32_t count = resource_components(&match->what, &list);
@@ -85,13 +81,13 @@ static bool drop_not_finite(struct match *match, struct dt_bytes copies[2])
              number_is_float(list[c].kind) && at < copies[0].size && at < copies[1].size;
              at += stride) {
             uint8_t *a = copies[0].data + at, *b = copies[1].data + at;
-            double x = not_finite(&list[c], a) ? number_value(list[c].kind, a) : 0;
-            double y = x != 0 && not_finite(&list[c], b) ? number_value(list[c].kind, b) : 0;
-            if (y == 0 || (isnan(x) != isnan(y)) || (!isnan(x) && x != y))
+            double x = number_value(list[c].kind, a), y = number_value(list[c].kind, b);
+            bool finite = isfinite(x) || isfinite(y), same = x == y || (isnan(x) && isnan(y));
+            if (!same || (finite && x != 0))
                 continue;
             number_set_bits(list[c].kind, 0, a);
             number_set_bits(list[c].kind, 0, b);
-            match->not_finite++;
+            match->not_finite += !finite;
         }
     free(list);
     return count;
@@ -110,7 +106,7 @@ bool dumps_load(const struct theirs *const sides[2], struct match *match, struct
     *same = dumps_convert(match, copies);
     if (!*same && match->note)
         return true;
-    if (!*same || !drop_not_finite(match, copies)) {
+    if (!*same || !level(match, copies)) {
         report_error(sides[0]->log, "out of memory");
         return false;
     }

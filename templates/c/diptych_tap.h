@@ -8,7 +8,13 @@
  *     texels.origin = TAP_TOP;                                (where row 0 is)
  *     texels.bytes = pixels;
  *     tap_image(tap, "lighting", "radiance", &texels);
+ *     struct tap_field fields[] = {{"position", "vec3", 0, 0, 0}, {"power", "float", 12, 0, 0}};
+ *     tap_buffer(tap, "lighting", "lights", lights, count, 16, fields, 2);
  *     if (!tap_close(tap)) ...                                (the folder has no manifest)
+ *
+ * The origin is that of your memory: where y grows upwards from row 0, as in OpenGL's textures and many software
+ * renderers, it is TAP_BOTTOM. Formats may differ between two renderers, and layouts of fields; sizes may not. More than
+ * one frame: tap_frame before each, with the same numbers in both.
  *
  * Use the same names of passes and resources in both renderers. Call in the order of execution, from one
  * thread. diptych_tap_gl.h and diptych_tap_vk.h read textures and buffers back. Failures are printed once,
