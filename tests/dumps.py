@@ -84,6 +84,22 @@ for name, noise, away in ("gl", 0, 0), ("vk", 1, 1e-3), ("noisy", 400, 1e-3), ("
     for k in range(3):
         arrays(f"runs/{name}/{k}", gbuffer__depth=depth, light__radiance=up(radiance, noise * k) + np.float32(away))
 
+# Runs of two versions of one backend: codes, counts, few texels far off, rounding.
+for version in range(2):
+    for k in range(2):
+        folder = f"versions/{version}/{k}"
+        os.makedirs(folder)
+        codes = np.full((20, 60, 4), 100, np.uint8); codes[3, 3 + k] += 1 + 4 * version
+        counts = np.arange(50, dtype=np.uint32); counts[: 3 * version] += 1
+        far = np.tile(radiance[:, :, :1], (20, 20, 1))[:100, :100, 0].copy() + np.float32(1e-4 * k); far[7, 7] += np.float32(version)
+        near = up(depth, 5 * version)
+        entries = []
+        for name, a, more in (("codes", codes, {"format": "rgba8"}), ("far", far, {"format": "r32f"}), ("near", near, {"format": "r32f"}),
+                              ("counts", counts, {"kind": "buffer", "count": 50, "stride": 4, "fields": [{"name": "", "type": "uint", "offset": 0}]})):
+            a.tofile(f"{folder}/{name}.raw")
+            entries.append({"pass": "p", "resource": name, "file": name + ".raw", "kind": "image", "width": a.shape[1] if a.ndim > 1 else 1, "height": a.shape[0], **more})
+        json.dump({"version": 1, "backend": "gl", "entries": entries}, open(f"{folder}/manifest.json", "w"))
+
 open("loose.yaml", "w").write("default: exact\nlight.radiance: {rel: 1e-5}\n")
 open("wrong.yaml", "w").write("default: exact\nradience: {rel: 1e-5}\n")
 

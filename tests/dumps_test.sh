@@ -71,9 +71,31 @@ assert 1 <= vk["ulp"] <= 4 and 0.0009 < between["median"] < between["largest"] *
 check "... with contracts that pass" says 0 'light +radiance .* within ' runs/gl runs/vk --measure 3 --contracts measured.yaml
 check "... as tight as the largest error" grep -Eq '^light.radiance: \{rel: 0.00[01][0-9]+, noise: [0-9.e-]+, backends: 0.00[01][0-9]+\} +# noise of a side: .* largest' measured.yaml
 check "... and exact where all is equal" grep -q '^gbuffer.depth: exact  # equal in all runs$' measured.yaml
-check "noise that has grown is told" says 0 '^grown: light.radiance, noise of noisy: ' runs/gl runs/noisy --measure 3 --contracts measured.yaml
+check "noise that has grown is told" says 1 '^grown: light.radiance, noise of noisy: ' runs/gl runs/noisy --measure 3 --contracts measured.yaml
 check "... and a difference, also of one run" says 1 '^grown: light.radiance, difference of backends: 0.00.* when it was measured, is 0.0' runs/gl/0 runs/far/0 --contracts measured.yaml
 check "... and nothing else" [ "$(grep -c ^grown said)" = 1 ]
+check "a contract that only some runs break" says 1 '^light, radiance: breaks its contract in some runs$' runs/gl runs/noisy --measure 3 --contracts measured.yaml
+check "... is no agreement" grep -qx 'the first runs agree, but not all do' said
+
+check "two versions of one backend drift" says 1 'drift ' versions/0 versions/1 --measure 2 --write-contracts drift.yaml
+# shellcheck disable=SC2317 # called through check
+keeps() { # each run of one version against each of the other
+    local a b
+    for a in 0 1; do
+        for b in 0 1; do
+            says 0 'all 4 resources' versions/0/$a versions/1/$b --contracts drift.yaml || return
+        done
+    done
+}
+check "... and all runs keep what is written" keeps
+check "... in the measure that is tightest" /usr/bin/python3 -c '
+import re
+text = open("drift.yaml").read()
+found = dict(re.findall(r"^p\.(\w+): \{(\w+)", text, re.M))
+assert found == {"codes": "ulp", "far": "image", "near": "ulp", "counts": "flips"}, text
+assert "p.codes: {ulp: 5, noise: 5, drift: 5}" in text and "p.counts: {flips: 3, noise: 0, drift: 3}" in text and "p.near: {ulp: 5, noise: 0, drift: 5}" in text, text'
+sed -i 's/flips: 3/flips: 2/' drift.yaml
+check "... no tighter one" says 1 'first pass that differs: p, resource counts' versions/0/0 versions/1/0 --contracts drift.yaml
 check "a run too few" says 2 'runs/gl: --measure 4 needs 4 dumps' runs/gl runs/vk --measure 4
 check "contracts need runs" says 2 'needs --measure' plain plain --write-contracts x.yaml
 
@@ -97,7 +119,8 @@ done
 check "dumps of render agree" says 0 'agree$' gl vk
 
 features=(--spec "$root/tests/specs/features.yaml" --scene "$root/scenes/cornell.yaml" --size 64x36)
-check "backends are explained as well" says 1 '^why: blurred: differs where vk has one value' "${features[@]}" --fault vk:blur:missing
+check "backends are explained as well" says 1 '^why: blurred: differs where vk has one value' "${features[@]}" --fault vk:blur:missing --html own
+check "... on their page as well" grep -q '<p>Why: differs where vk has one value' own/index.html
 # shellcheck disable=SC2016
 check "... but not a single number" sh -c '! grep "^why" "$1"' - <("$diptych" compare "${features[@]}" --fault vk:blur:bit 2>&1)
 

@@ -45,6 +45,11 @@ static bool ask_why(struct pair *pair, const struct dt_resource *resource,
            difference_verdict(&pair->found) != VERDICT_DIFFERS || why_find(&pair->why, &question);
 }
 
+bool compare_agrees(const struct pair *pair)
+{
+    return !pair->broken && (pair->on_equal_inputs || !measured_breaks(&pair->measured));
+}
+
 bool compare_knows_why(const struct pair *pair)
 {
     return pair->why.count && !pair->broken_early && pair->blame.outcome == BLAME_GUILTY &&
@@ -584,8 +589,8 @@ int verb_compare(struct console *console, const struct options *options)
         print_undefined(&compare);
         differ = golden_differs(&compare) || compare.undefined.count;
     }
-    for (uint32_t i = 0; i < compare.pair_count; i++)
-        differ |= compare.pairs && compare.pairs[i].broken;
+    for (uint32_t i = 0; compare.pairs && i < compare.pair_count; i++)
+        differ |= !compare_agrees(&compare.pairs[i]);
     release(&compare);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

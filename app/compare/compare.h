@@ -102,6 +102,8 @@ bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
 
+/* In all runs of --measure. */
+bool compare_agrees(const struct pair *pair);
 /* Whether `why` is of the guilty pass. */
 bool compare_knows_why(const struct pair *pair);
 

@@ -88,7 +88,7 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
     const struct row *guilty = blame->outcome == BLAME_GUILTY ? &outputs[blame->row] : NULL;
     const struct row *strayed =
         blame->outcome == BLAME_NOT_REPEATABLE ? &outputs[blame->row] : NULL;
-    cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    cJSON_AddBoolToObject(root, "agree", compare_agrees(pair));
     if (pair->measured.rows)
         cJSON_AddItemToObject(root, "measured", measured_json(&pair->measured));
     if (pair->on_equal_inputs)

@@ -143,6 +143,10 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     const struct dt_pipeline *info = compare->pipeline.info;
     if (pair->on_equal_inputs)
         print_edges(compare, pair);
+    if (!pair->broken && !compare_agrees(pair)) {
+        printf("the first runs agree, but not all do\n");
+        return;
+    }
     if (!pair->broken) {
         print_agreement(info);
         return;

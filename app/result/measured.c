@@ -10,6 +10,45 @@
 
 #include "base/files.h"
 
+double errors_under(const struct errors *errors, const struct dt_contract *contract)
+{
+    if (errors->odd)
+        return INFINITY;
+    switch (contract->kind) {
+    case DT_CONTRACT_ULP:
+        return errors->ulp;
+    case DT_CONTRACT_REL:
+        return errors->rel;
+    case DT_CONTRACT_FLIPS:
+    case DT_CONTRACT_RASTER:
+        return (double)errors->differing;
+    case DT_CONTRACT_EXACT:
+    case DT_CONTRACT_ABS:
+    case DT_CONTRACT_IMAGE:
+        break;
+    }
+    return errors->abs;
+}
+
+static bool breaks(const struct measured_row *row)
+{
+    const struct dt_contract *contract = &row->resource->contract;
+    double error = errors_under(&row->between, contract);
+    if (contract->kind == DT_CONTRACT_IMAGE || contract->kind == DT_CONTRACT_RASTER)
+        return row->between.odd;
+    if (contract->kind == DT_CONTRACT_EXACT)
+        return row->between.odd || row->between.differing;
+    return error > contract->tolerance;
+}
+
+bool measured_breaks(const struct measured *measured)
+{
+    bool found = false;
+    for (uint32_t i = 0; i < measured->count; i++)
+        found |= breaks(&measured->rows[i]);
+    return found;
+}
+
 /* ---- The table --------------------------------------------------------------------------------- */
 
 static const char *const between_names[MEASURED_KINDS] = {"", "drift", "difference of backends"};
@@ -93,6 +132,10 @@ void measured_print(const struct measured *measured)
            "largest", "ulp", "relative");
     for (uint32_t i = 0; i < measured->count; i++)
         print_row(measured, &measured->rows[i], &columns);
+    for (uint32_t i = 0; i < measured->count; i++)
+        if (breaks(&measured->rows[i]))
+            printf("%s, %s: breaks its contract in some runs\n", measured->rows[i].pass,
+                   measured->rows[i].name);
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------- */
@@ -208,26 +251,6 @@ static struct dt_contract choose(const struct bound *bound, FILE *out)
     rounded_up(all->abs, text);
     fprintf(out, "{abs: %s", text);
     return (struct dt_contract){.kind = DT_CONTRACT_ABS};
-}
-
-double errors_under(const struct errors *errors, const struct dt_contract *contract)
-{
-    if (errors->odd)
-        return INFINITY;
-    switch (contract->kind) {
-    case DT_CONTRACT_ULP:
-        return errors->ulp;
-    case DT_CONTRACT_REL:
-        return errors->rel;
-    case DT_CONTRACT_FLIPS:
-    case DT_CONTRACT_RASTER:
-        return (double)errors->differing;
-    case DT_CONTRACT_EXACT:
-    case DT_CONTRACT_ABS:
-    case DT_CONTRACT_IMAGE:
-        break;
-    }
-    return errors->abs;
 }
 
 double difference_error(const struct difference *difference)

@@ -37,6 +37,9 @@ void measured_compare(const struct kept_contract *kept, enum measured_kind kind,
 /* The same of noise and of the difference in all runs. */
 void measured_grown(const struct measured *measured, const struct measured_row *row);
 
+/* Whether two runs of both sides break the contract of some row's resource: of one with a single bound, or exact. */
+bool measured_breaks(const struct measured *measured);
+
 /* The largest error in a contract's own measure. */
 double errors_under(const struct errors *errors, const struct dt_contract *contract);
 double difference_error(const struct difference *difference);

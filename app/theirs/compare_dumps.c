@@ -256,7 +256,8 @@ int compare_dumps(struct console *console, const struct options *options)
     bool good = open_all(&comparison) && tell_apart(&comparison) && pair_up(&comparison);
     for (uint32_t i = 0; i < comparison.pair_count && good; i++) {
         good = dumps_compare(&comparison.pairs[i]);
-        differ |= comparison.pairs[i].first != NULL;
+        const struct dumps *dumps = &comparison.pairs[i];
+        differ |= dumps->first || measured_breaks(&dumps->measured);
     }
     for (uint32_t i = 0; i < comparison.pair_count && good; i++)
         dumps_print(&comparison.pairs[i]);

@@ -100,7 +100,9 @@ static void print_outcome(const struct dumps *dumps)
     char frame[32] = "";
     if (told && told->sides[0]->frame)
         snprintf(frame, sizeof frame, ", in frame %u", told->sides[0]->frame);
-    if (!dumps->first)
+    if (!dumps->first && measured_breaks(&dumps->measured))
+        printf("the first runs agree, but not all do\n");
+    else if (!dumps->first)
         printf("all %u resources that both have agree\n", dumps->count - dumps->alone[0]);
     else if (!told)
         printf("no pass is guilty alone: on the resources of %s, each keeps its contracts\n",
@@ -184,7 +186,7 @@ static void add_pair(cJSON *root, const struct dumps *dumps)
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
     for (int i = 0; i < 2; i++)
         cJSON_AddItemToArray(sides, cJSON_CreateString(dumps->sides[i]->label));
-    cJSON_AddBoolToObject(root, "agree", !dumps->first);
+    cJSON_AddBoolToObject(root, "agree", !dumps->first && !measured_breaks(&dumps->measured));
     if (dumps->guilty)
         cJSON_AddItemToObject(root, "guilty", entry_json(dumps->guilty->sides[0]));
     else
@@ -209,7 +211,7 @@ cJSON *dumps_json(const struct dumps *pairs, uint32_t count)
         return root;
     }
     for (uint32_t i = 0; i < count; i++)
-        agree &= !pairs[i].first;
+        agree &= !pairs[i].first && !measured_breaks(&pairs[i].measured);
     cJSON_AddBoolToObject(root, "agree", agree);
     list = cJSON_AddArrayToObject(root, "pairs");
     for (uint32_t i = 0; i < count; i++) {
