@@ -136,10 +136,8 @@ char *difference_describe_worst(const struct difference *difference,
 void difference_write_used(const struct difference *difference, char text[16])
 {
     double used = difference_used(difference);
-    if (isnan(used))
-        strcpy(text, "-");
-    else if (used > 9.99)
-        strcpy(text, "> 999 %");
+    if (isnan(used) || used > 9.99)
+        snprintf(text, 16, "%s", isnan(used) ? "-" : "> 999 %");
     else
         snprintf(text, 16, "%.0f %%", fabs(ceil(used * 100 - 1e-9)));
 }

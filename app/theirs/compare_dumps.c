@@ -164,7 +164,7 @@ static bool read_contracts(struct comparison *comparison)
 static bool pair_up(struct comparison *comparison)
 {
     uint32_t count = comparison->sides - 1, runs = comparison->runs;
-    comparison->pairs = calloc(count, sizeof *comparison->pairs);
+    comparison->pairs = calloc(comparison->sides, sizeof *comparison->pairs);
     if (!comparison->pairs) {
         report_error(&comparison->console->log, "out of memory");
         return false;

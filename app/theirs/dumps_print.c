@@ -48,12 +48,12 @@ static struct sheet_row row_of(const struct match *match)
 static bool make_sheet(const struct dumps *dumps, bool alone, struct sheet *sheet)
 {
     const struct theirs *first = dumps->sides[0], *second = dumps->sides[1];
-    *sheet = (struct sheet){.title = format_string("%s against %s", second->label, first->label),
-                            .labels = {first->label, second->label},
-                            .devices = {first->folder, second->folder},
-                            .columns =
-                                dumps->options->run_second && dumps->first ? "own error   " : NULL,
-                            .rows = calloc(dumps->count + second->count, sizeof *sheet->rows)};
+    *sheet = (struct sheet){
+        .title = format_string("%s against %s", second->label, first->label),
+        .labels = {first->label, second->label},
+        .devices = {first->folder, second->folder},
+        .columns = dumps->options->run_second && dumps->first ? "own error   " : NULL,
+        .rows = calloc((size_t)dumps->count + second->count + 1, sizeof *sheet->rows)};
     if (!sheet->title || !sheet->rows) {
         report_error(&dumps->console->log, "out of memory");
         return false;
