@@ -101,6 +101,7 @@ check "contracts need runs" says 2 'needs --measure' plain plain --write-contrac
 
 check "noise has no reason" says 1 "^first pass" big other_big
 check "... and none is given" sh -c "! grep ^why said"
+check "... on any inputs: nothing is run" says 1 '^first pass that differs: a, resource b$' size size2 --run false
 check "half the size may be a mip" says 1 'one mip off, or half the resolution' size half
 
 for bad in no_entries no_format no_file outside long fields version nothing link fortran short; do

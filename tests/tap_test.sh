@@ -52,7 +52,8 @@ check "... and is a flip" grep -q '^why: small: equal after a flip in y' "$work/
 # shellcheck disable=SC2016 # the program's own
 printf '#!/bin/sh\nexec "%s" "$3" faulty "$1" "$2"\n' "$work/tap_vk" >"$work/again"
 chmod +x "$work/again"
-check "on equal inputs downsample is guilty" says 1 '^guilty, on the same inputs: downsample, resource small$' "$work/gl" "$work/faulty" --run "$work/again" --json "$work/again.json"
+check "on equal inputs downsample is guilty" says 1 '^guilty, on the same inputs: downsample, resource small$' "$work/gl" "$work/faulty" --run "$work/again" --json "$work/again.json" --html "$work/page"
+check "... on the page as well" grep -q "Guilty, on the same inputs: pass downsample: resource small" "$work/page/index.html"
 check "... and present is not" grep -Eq '^present +screen .* DIFFERS .* none ' "$work/said"
 check "... and why is of the pass alone" grep -q '^why: small: equal after a flip in y' "$work/said"
 sed -i 's/ faulty / faulty present /' "$work/again"

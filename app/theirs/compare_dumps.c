@@ -4,6 +4,7 @@
 #include <dirent.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/files.h"
 #include "theirs/dumps.h"
@@ -36,7 +37,8 @@ static bool list_runs(const struct comparison *comparison, const char *folder, c
     uint32_t found = 0;
     for (int i = 0; i < count; i++) {
         char *path = format_string("%s/%s", folder, files[i]->d_name);
-        bool run = path && files[i]->d_type == DT_DIR;
+        struct stat info;
+        bool run = path && stat(path, &info) == 0 && S_ISDIR(info.st_mode);
         if (run && found < comparison->runs)
             folders[found] = path;
         else

@@ -96,7 +96,7 @@ static void print_grown(const struct dumps *dumps)
 
 static void print_outcome(const struct dumps *dumps)
 {
-    const struct match *told = dumps->options->run_second ? dumps->guilty : dumps->first;
+    const struct match *told = dumps->guilty;
     char frame[32] = "";
     if (told && told->sides[0]->frame)
         snprintf(frame, sizeof frame, ", in frame %u", told->sides[0]->frame);
@@ -109,8 +109,7 @@ static void print_outcome(const struct dumps *dumps)
                dumps->sides[0]->label);
     else
         printf("%s: %s, resource %s%s\n",
-               dumps->options->run_second ? "guilty, on the same inputs"
-                                          : "first pass that differs",
+               told->ran ? "guilty, on the same inputs" : "first pass that differs",
                told->sides[0]->pass, told->sides[0]->resource, frame);
 }
 
@@ -187,10 +186,10 @@ static void add_pair(cJSON *root, const struct dumps *dumps)
     for (int i = 0; i < 2; i++)
         cJSON_AddItemToArray(sides, cJSON_CreateString(dumps->sides[i]->label));
     cJSON_AddBoolToObject(root, "agree", !dumps->first && !measured_breaks(&dumps->measured));
-    if (dumps->guilty)
-        cJSON_AddItemToObject(root, "guilty", entry_json(dumps->guilty->sides[0]));
-    else
-        cJSON_AddNullToObject(root, "guilty");
+    cJSON *guilty = dumps->guilty ? entry_json(dumps->guilty->sides[0]) : cJSON_CreateNull();
+    if (dumps->guilty && dumps->guilty->ran)
+        cJSON_AddBoolToObject(guilty, "ran_again", true);
+    cJSON_AddItemToObject(root, "guilty", guilty);
     cJSON *results = cJSON_AddArrayToObject(root, "results");
     for (uint32_t i = 0; i < dumps->count; i++)
         cJSON_AddItemToArray(results, match_json(dumps, &dumps->matches[i]));
