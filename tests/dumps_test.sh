@@ -83,7 +83,7 @@ keeps() { # each run of one version against each of the other
     local a b
     for a in 0 1; do
         for b in 0 1; do
-            says 0 'all 4 resources' versions/0/$a versions/1/$b --contracts drift.yaml || return
+            says 0 'all 4 resources' "versions/0/$a" "versions/1/$b" --contracts drift.yaml || return
         done
     done
 }
