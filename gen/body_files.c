@@ -44,6 +44,42 @@ static void blank_comments(char *at)
     }
 }
 
+/* The directive; NULL: the text, without comments, begins with something else. */
+static char *find_version(char *code)
+{
+    char *at = code + strspn(code, " \t\r\n\xef\xbb\xbf"); /* or a byte order mark */
+    size_t blanks = *at == '#' ? strspn(at + 1, " \t") : 0;
+    return *at == '#' && !strncmp(at + 1 + blanks, "version", 7) ? at : NULL;
+}
+
+bool source_is_whole(const struct source *source)
+{
+    char *code = strndup(source->text, source->length);
+    if (code)
+        blank_comments(code);
+    bool whole = code && find_version(code);
+    free(code);
+    return whole;
+}
+
+/* The text for glslang: the generated text has its #version before this one's. */
+static const char *without_version(struct model *model, const struct source *source, char *code,
+                                   bool *whole)
+{
+    char *version = find_version(code), *text;
+    if (!version)
+        return source->text;
+    size_t length = strcspn(version, "\r\n");
+    *whole = true;
+    text = arena_strndup(model->arena, source->text, source->length);
+    if (text && text[0] == '\xef')
+        memset(text, ' ', 3);
+    if (text)
+        memset(text + (version - code), ' ', length);
+    memset(version, ' ', length);
+    return text;
+}
+
 static bool add_file(struct model *model, struct body_files *files, const struct source *source)
 {
     struct body_file *file = &files->list[files->count];
@@ -51,11 +87,12 @@ static bool add_file(struct model *model, struct body_files *files, const struct
     if (!code || !glsl_source_add(model, source, &file->number))
         return false;
     blank_comments(code);
+    file->text = without_version(model, source, code, &files->whole);
     file->name = arena_printf(model->arena, "%u", file->number);
     file->source = source;
     file->code = code;
     files->count++;
-    return file->name;
+    return file->name && file->text;
 }
 
 /* Beside the including file, then in the templates, then in templates/glsl. */
@@ -139,7 +176,7 @@ bool body_include(const void *user, const char *from, const char *name, struct g
         const struct body_include *include = &files->includes[i];
         if (include->from != number || strcmp(include->name, name) != 0)
             continue;
-        *file = (struct glslang_file){include->file->name, include->file->source->text,
+        *file = (struct glslang_file){include->file->name, include->file->text,
                                       include->file->source->length};
         return true;
     }

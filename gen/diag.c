@@ -10,6 +10,7 @@
 
 #include "base/input.h"
 #include "base/yaml.h"
+#include "spirv/cross.h"
 
 enum { MOST_SOURCE_BYTES = 64 << 20 }; /* a spec or a GLSL file */
 
@@ -133,6 +134,21 @@ const char *source_list(struct model *model, const char *path, const char **reas
     return list_input(model, plain) ? plain : NULL;
 }
 
+/* A module of SPIR-V as GLSL, which has the same meaning and can be read; takes over `words`. */
+static char *module_text(struct model *model, char *words, size_t *length, const char **reason)
+{
+    struct text text = {0};
+    char *why = NULL;
+    bool good = spirv_cross_whole((const uint32_t *)words, *length / 4, &text, &why);
+    free(words);
+    *reason = good ? NULL : why ? arena_printf(model->arena, "%s", why) : strerror(ENOMEM);
+    free(why);
+    if (!good)
+        text_free(&text);
+    *length = text.length;
+    return text.data;
+}
+
 const struct source *source_read(struct model *model, const char *path, const char **reason)
 {
     const char *plain = allowed_path(model, path, reason);
@@ -142,6 +158,8 @@ const struct source *source_read(struct model *model, const char *path, const ch
     if (!plain || !source)
         return NULL;
     char *text = input_read(plain, MOST_SOURCE_BYTES, &source->length, reason);
+    if (text && spirv_is_module(text, source->length))
+        text = module_text(model, text, &source->length, reason);
     if (!text)
         return NULL;
     source->path = plain;

@@ -36,7 +36,7 @@ bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     for (uint32_t i = 0; i < glsl->shader->wanted_count; i++)
         if (!strcmp(glsl->shader->wanted[i], word))
             return true;
-    return !glsl->expanded && body_mentions(glsl->files, word);
+    return !glsl->expanded && !glsl->whole && body_mentions(glsl->files, word);
 }
 
 void glsl_binding(int binding, struct text *out)
@@ -86,7 +86,7 @@ static void add_block(const struct glsl *glsl, struct text *out)
                 text_add(out, "layout(offset = %u) ", param->offset);
             text_add(out, "%s %s;\n", glsl_type(param->type), param->name);
         }
-    text_add(out, "};\n");
+    text_add(out, glsl->whole ? "} " GLSL_LIVE ";\n" : "};\n");
 }
 
 static void add_params(struct glsl *glsl, struct text *out)
@@ -99,7 +99,8 @@ static void add_params(struct glsl *glsl, struct text *out)
         block |= param->live || param->uniform;
         if (param->live || param->uniform)
             continue;
-        text_add(out, "const %s %s = ", glsl_type(param->type), param->name);
+        text_add(out, "const %s %s%s = ", glsl_type(param->type), glsl->whole ? GLSL_BAKED : "",
+                 param->name);
         if (param->components > 1)
             text_add(out, "%s(", glsl_type(param->type));
         for (uint32_t k = 0; k < param->components; k++) {
@@ -524,6 +525,8 @@ static void add_head(struct glsl *glsl)
     for (size_t i = 0; glsl->subgroups && i < DT_ARRAY_COUNT(subgroups); i++)
         text_add(out, "#extension GL_KHR_shader_subgroup_%s : enable\n", subgroups[i]);
     glsl_macros(glsl, out);
+    if (glsl->whole)
+        return;
     if (glsl->stage == STAGE_IS_COMPUTE)
         text_add(out, "\nlayout(local_size_x = %u, local_size_y = %u, local_size_z = %u) in;\n",
                  pass->local[0], pass->local[1], pass->local[2]);
@@ -579,10 +582,12 @@ static bool add_parts(struct glsl *glsl)
         add_fullscreen_vertex(glsl);
     } else {
         glsl->files = glsl->pass->files;
+        glsl->whole = glsl->files->whole;
         if (!glsl_body(glsl))
             return false;
         glsl_end(glsl);
         glsl_zero(glsl);
+        glsl_values(glsl);
         if (!sanitize_glsl(glsl))
             return false;
         glsl_texels(glsl);

@@ -520,7 +520,7 @@ void glsl_resources(struct glsl *glsl)
                     pass->materials_binding, out);
     if (!textures)
         add_builtin(glsl, DT_SCENE_TEXTURES, DT_READ_TEXTURE, pass->textures_binding, out);
-    if (glsl->stage == STAGE_IS_FRAGMENT)
+    if (glsl->stage == STAGE_IS_FRAGMENT && !glsl->whole)
         add_targets(glsl, out);
 }
 

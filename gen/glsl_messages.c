@@ -600,6 +600,8 @@ void glsl_report(struct model *model, const struct pass *pass, const char *log, 
             note_uniforms(&model->pipeline, &message.loc, diag);
     }
     diag_free(silent);
-    if (diag_error_count(diag) == before)
+    if (diag_error_count(diag) == before && !strstr(log, "ERROR: "))
+        diag_error(diag, pass->shader_loc, "pass `%s`: %s", pass->name, log); /* of bind.c */
+    else if (diag_error_count(diag) == before)
         diag_error(diag, pass->shader_loc, "pass %s does not compile: %s", pass->name, log);
 }

@@ -519,6 +519,7 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
         resources[i].format = from->format;
         resources[i].shape = from->shape;
         resources[i].layered = from->layers;
+        resources[i].top = l->from->top;
         resources[i].mips = expr_value(from->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
     }
     pipeline->resources = resources;

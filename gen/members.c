@@ -138,7 +138,7 @@ TABLE(resource, true, M(resource, name, TEXT), M(resource, doc, TEXT),
       M(resource, layered, FLAG), M(resource, mips, UNSIGNED),
       M(resource, fields, ROWS, .rows = &field_members, COUNT(resource, field_count)),
       M(resource, field_count, UNSIGNED), M(resource, stride, STRIDE),
-      M(resource, controls_work, FLAG));
+      M(resource, controls_work, FLAG), M(resource, top, FLAG));
 TABLE(pass, true, M(pass, name, TEXT), M(pass, doc, TEXT), M(pass, shader, TEXT),
       M(pass, kind, WORD, ALWAYS, .word = pass_word), M(pass, uses_scene, FLAG),
       M(pass, reads, RESOURCES, COUNT(pass, read_count)), M(pass, read_count, UNSIGNED),

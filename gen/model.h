@@ -219,6 +219,12 @@ struct define { /* a macro of the body */
     const char *param;  /* of an argument: the parameter of any type that it is; then no value */
 };
 
+/* What a uniform or an input of a whole shader holds. */
+struct value {
+    const char *name, *text; /* GLSL: TYPE(...) */
+    struct loc loc;          /* of the text */
+};
+
 enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
 
 struct barrier { /* before the pass: the accesses that `resource` waits for */
@@ -275,6 +281,8 @@ struct pass {
     uint32_t range_count;
     struct define *defines;
     uint32_t define_count;
+    struct value *values;
+    uint32_t value_count;
     /* draws */
     enum dt_cull cull;
     bool depth_test, depth_write;
@@ -311,6 +319,7 @@ struct pipeline {
     bool fast; /* exactness: fast; default exact */
     /* target: gpu; default software. The plan chooses storage classes and loop shapes for it. */
     bool gpu;
+    bool top; /* origin: top; default bottom */
     struct param *params;
     uint32_t param_count;
     struct constant *constants;
@@ -329,6 +338,8 @@ struct pipeline {
     uint32_t pass_count;         /* spec order; without passes whose `when` folds to false */
     const struct pass **dropped; /* check: passes whose `when` folds to false, in spec order */
     uint32_t dropped_count;
+    struct value *values; /* of every pass that has none of the name */
+    uint32_t value_count;
     struct assertion *assertions;
     uint32_t assertion_count;
     struct expr *jitter;                        /* points of the camera's jitter; NULL: none */

@@ -1,6 +1,7 @@
 /* The plan: makes the decisions that both backends share: order, kinds of access, bindings,
  * ranges, lifetimes, memory slots, barriers. */
 #include "plan.h"
+#include "body_files.h"
 #include "expr.h"
 #include "sanitize.h"
 #include "stages.h"
@@ -39,8 +40,9 @@ static bool suits_uniform(const struct pipeline *pipeline, const struct pass *pa
 {
     uint64_t count = 0;
 
-    if (pipeline->gpu || !buffer->count || expr_reach(buffer->count) ||
-        !std140_equals_std430(buffer) || (pass->asks_length && !expr_is_literal(buffer->count)))
+    if (pipeline->gpu || files_are_whole(pass->files) || !buffer->count ||
+        expr_reach(buffer->count) || !std140_equals_std430(buffer) ||
+        (pass->asks_length && !expr_is_literal(buffer->count)))
         return false;
     count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
     return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;

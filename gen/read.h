@@ -178,6 +178,8 @@ void read_contracts(struct reader *reader, const struct fields *top);
  * and sets the resource's size from its header. */
 void read_content(struct reader *reader, const struct fields *fields, struct resource *resource);
 /* read_passes.c */
+uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
+                            struct value **values);
 void read_passes(struct reader *reader, const struct fields *top);
 
 #endif

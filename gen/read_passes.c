@@ -217,6 +217,28 @@ static void read_defines(struct reader *reader, const struct fields *fields, str
         each_word(reader, words.node, add_word, &words);
 }
 
+/* Values must say their type, since the functions that give them have one. */
+uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
+                            struct value **values)
+{
+    uint32_t count = 0;
+    struct named_list list = fields_named(reader, fields, "values");
+    *values = list.count ? reader_alloc(reader, list.count, sizeof **values) : NULL;
+    for (uint32_t i = 0; *values && i < list.count; i++) {
+        const char *text = argument_text(reader, list.items[i].value, NULL);
+        struct loc loc = node_loc(reader, list.items[i].value);
+        size_t length = text ? strcspn(text, "(") : 0;
+        if (!length || text[length] != '(' || strspn(text, " ") || text[strlen(text) - 1] != ')')
+            diag_error(reader->diag, loc,
+                       "a value is a GLSL expression that begins with its type, such as "
+                       "`vec2(frame.width, frame.height)`");
+        else
+            (*values)[count++] =
+                (struct value){.name = list.items[i].name, .text = text, .loc = loc};
+    }
+    return count;
+}
+
 /* ---- The kind and the size ------------------------------------------------------------------- */
 
 static bool names_image(const struct pipeline *pipeline, const char *text)
@@ -493,6 +515,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     read_kind(reader, fields, pass);
     read_ranges(reader, fields, pass);
     read_defines(reader, fields, pass);
+    pass->value_count = read_shader_values(reader, fields, &pass->values);
     read_draw_state(reader, fields, pass);
 }
 

@@ -211,6 +211,15 @@ const struct section_info table_sections[SECTION_COUNT] = {
                          "{TAPS: 2 * radius + 1}"},
     [SECTION_RANGE] = {"a range", "passes[].ranges.NAME", "range", "One range.",
                        "{of: vpls, count: 32, first: \"0\"}"},
+    [SECTION_VALUES] =
+        {"`values`", "values", "values",
+         "What a whole shader, one with `#version` or of SPIR-V, finds in its uniforms, in the "
+         "members of its uniform blocks and push constants, and in its inputs: vertex attributes, "
+         "and in a fullscreen draw without vertex part the fragment's inputs. A value is a GLSL "
+         "expression that begins with its type, over parameters, constants, `frame` and built-in "
+         "inputs of the stage. A name without a value has that of the parameter of its name. "
+         "Those of a pass go before those of the spec.",
+         "{size: \"vec2(frame.width, frame.height)\", count: \"uint(frame.index)\"}"},
     [SECTION_ASSERT] =
         {"an assertion", "asserts[]", "assert",
          "A condition that must hold for the values in force; frame sizes count as 1920 x 1080, "
@@ -258,6 +267,10 @@ const struct key table_keys[] = {
      "scene's vertices and indices from texel buffers, whose size some devices limit to 65,536 "
      "elements.",
      "gpu"},
+    {SECTION_TOP, "origin", KEY_CHOICE, SECTION_NONE, "bottom|top", OPTIONAL, "bottom",
+     "Which row of a picture is row 0 of an image: of files and inputs, and of pictures that are "
+     "written. Nothing else depends on it: row 0 is at NDC y = -1.",
+     "top"},
     {SECTION_TOP, "params", KEY_MAP, SECTION_PARAMS, NULL, OPTIONAL, NULL, "Parameters.",
      "{clusters: 8}"},
     {SECTION_TOP, "constants", KEY_MAP, SECTION_CONSTANTS, NULL, OPTIONAL, NULL,
@@ -277,6 +290,9 @@ const struct key table_keys[] = {
     {SECTION_TOP, "passes", KEY_LIST, SECTION_PASS, NULL, OPTIONAL, "**required** in a spec",
      "The passes. An element `{include: FILE}` stands for the passes of a file.",
      "[{name: fill, dispatch: picture, writes: [picture], shader: fill.glsl}]"},
+    {SECTION_TOP, "values", KEY_MAP, SECTION_VALUES, NULL, OPTIONAL, "none",
+     "Values of the uniforms and inputs of whole shaders, by name.",
+     "{count: \"uint(frame.index)\"}"},
     {SECTION_TOP, "groups", KEY_MAP, SECTION_GROUPS, NULL, OPTIONAL, NULL,
      "Passes and resources to use several times.", "{maps: {args: [points], passes: []}}"},
     {SECTION_TOP, "asserts", KEY_LIST, SECTION_ASSERT, NULL, OPTIONAL, NULL,
@@ -561,7 +577,9 @@ const struct key table_keys[] = {
     {SECTION_PASS, "uses", KEY_NAMES, SECTION_NONE, NULL, OPTIONAL, "none",
      "Point sets, metrics and interleaves that the body calls.", "[vpl_distance]"},
     {SECTION_PASS, "shader", KEY_BODY, SECTION_NONE, NULL, REQUIRED, NULL,
-     "GLSL file of the body, beside the spec or below the templates; or two that make one body.",
+     "GLSL file of the body, beside the spec or below the templates; or two that make one body. A "
+     "file with `#version` is a whole shader and keeps its own declarations, one of SPIR-V (.spv) "
+     "is, too; of two, the first is the vertex part.",
      "shade.glsl"},
     {SECTION_PASS, "when", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "always",
      "The pass runs when this is not 0; may use live parameters. Skipped, it clears what it "
@@ -573,6 +591,9 @@ const struct key table_keys[] = {
      "Runs of buffers that a workgroup reads alike.", "{lights: {of: vpls, count: 32}}"},
     {SECTION_PASS, "defines", KEY_MAP, SECTION_DEFINES, NULL, OPTIONAL, "none",
      "Macros of the body, by name.", "{TAPS: 2 * radius + 1}"},
+    {SECTION_PASS, "values", KEY_MAP, SECTION_VALUES, NULL, OPTIONAL, "none",
+     "Values of the uniforms and inputs of its whole shader, by name.",
+     "{size: \"vec2(frame.width, frame.height)\"}"},
     {SECTION_PASS, "cull", KEY_CHOICE, SECTION_CULL, "none|back|front", OPTIONAL, "none",
      "draw: faces that are dropped, or which triangles of the scene are kept.", "back"},
     {SECTION_PASS, "depth", KEY_CHOICE, SECTION_NONE, "off|less|less_equal|greater|always",
@@ -639,6 +660,8 @@ const struct key table_keys[] = {
      "Factor of the target's alpha.", "one_minus_src_alpha"},
     {SECTION_BLEND, "alpha_op", KEY_CHOICE, SECTION_NONE, OPERATIONS, OPTIONAL, "`op`",
      "Operation of alpha.", "max"},
+    {SECTION_VALUES, "*", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "A value, by the name of the uniform, member or input.", "vec4(1.0)"},
     {SECTION_DEFINES, "*", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A macro, by its name: an integer; baked.", "2 * radius + 1"},
     {SECTION_RANGES, "*", KEY_MAP, SECTION_RANGE, NULL, OPTIONAL, NULL, "A range, by its name.",

@@ -1,5 +1,5 @@
-/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom: rows
- * are flipped here, and nowhere else. */
+/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom
+ * unless the spec has `origin: top`: rows are flipped here, and nowhere else. */
 #include "result/picture.h"
 
 #include <math.h>
@@ -75,7 +75,7 @@ bool picture_linear(struct picture *picture, const struct dt_resource *resource,
         uint32_t left = layer % sheet.columns * extent[0];
         uint32_t top = layer / sheet.columns * extent[1];
         for (uint32_t y = 0; y < extent[1]; y++) {
-            size_t row = top + (extent[1] - 1 - y);
+            size_t row = top + (resource->top ? y : extent[1] - 1 - y);
             float *out = picture->linear + (row * sheet.width + left) * 3;
             for (uint32_t x = 0; x < extent[0]; x++, texel += texel_size, out += 3)
                 fetch(resource, texel, out);

@@ -60,7 +60,7 @@ __attribute__((format(printf, 2, 3))) static void report(const struct loading *l
 
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
-/* Linear RGBA, or what an image of codes or data takes for that; row 0 is the bottom. */
+/* Linear RGBA, or what an image of codes or data takes for that; row 0 is the image's. */
 struct picture_level {
     uint32_t width, height;
     float *texels;
@@ -120,11 +120,20 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
     size_t row = (size_t)CHANNELS * level->width;
     level->texels = good ? malloc(row * level->height * sizeof(float)) : NULL;
     good = level->texels;
-    for (uint32_t y = level->height; good && y-- > 0;) /* the file begins with the top */
+    for (uint32_t i = 0; good && i < level->height; i++) { /* the file begins with the top */
+        uint32_t y = loading->resource->top ? i : level->height - 1 - i;
         good = fread(level->texels + y * row, sizeof(float), row, result) == row;
+    }
     if (result)
         fclose(result);
     return good || refuse(loading, "%s", heard.reason);
+}
+
+static size_t row_from_top(const struct loading *loading, const struct picture_level *level,
+                           size_t texel)
+{
+    size_t row = texel / level->width;
+    return loading->resource->top ? row : level->height - 1 - row;
 }
 
 /* Codes to linear light, where the image has that. */
@@ -135,7 +144,7 @@ static bool decode(const struct loading *loading, const struct picture_level *le
         if (!isfinite(level->texels[i])) {
             size_t texel = i / CHANNELS;
             return refuse(loading, "its texel (%zu, %zu), from the top left, is not finite",
-                          texel % level->width, level->height - 1 - texel / level->width);
+                          texel % level->width, row_from_top(loading, level, texel));
         }
         if (holds_light(loading) && i % CHANNELS < 3)
             level->texels[i] = srgb_decode(level->texels[i]);
@@ -200,7 +209,7 @@ static bool encode(const struct loading *loading, const struct picture_level *le
                 return refuse(loading,
                               "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
                               "of %s",
-                              i % level->width, level->height - 1 - i / level->width, (double)value,
+                              i % level->width, row_from_top(loading, level, i), (double)value,
                               format_info(format)->name);
         }
     return true;

@@ -257,7 +257,8 @@ static void add_quad(const struct view *view, uint32_t index, const float quad[4
                      uint32_t first)
 {
     static const uint8_t corners[6] = {0, 1, 2, 2, 1, 3};
-    bool flipped = view->direct && index == 0;
+    bool flipped =
+        view->direct && index == 0 && !view->pipeline.info->resources[view->resource].top;
     float x[2] = {quad[0] + (quad[2] - quad[0]) * from, quad[0] + (quad[2] - quad[0]) * to};
     float y[2] = {quad[1], quad[3]}, u[2] = {from, to};
     float v[2] = {flipped ? 1 : 0, flipped ? 0 : 1};

@@ -128,6 +128,7 @@ struct dt_resource {
     enum dt_shape shape;
     bool layered; /* texels have a third coordinate: not a single 2D image */
     uint32_t mips;
+    bool top; /* row 0 is the first of a picture, not the last */
 };
 
 enum dt_pass_kind {
