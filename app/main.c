@@ -25,6 +25,12 @@ static const struct verb verbs[] = {
      "why.\nExit status: 0 the backends agree, 1 they differ, 2 it "
      "could not run.",
      verb_compare, EXIT_USAGE},
+    {"import", VERB_IMPORT, "make a spec of shaders, or of a preset of RetroArch",
+     "The shaders stay as they are; the spec declares what they read and write. It checks and runs "
+     "at "
+     "once;\ncomments name what a shader does not tell, such as sizes.\nExit status: 0 done, 1 it "
+     "failed (the reason is on stderr), 2 wrong usage.",
+     verb_import, EXIT_FAILED},
     {"list", VERB_LIST, "name the parameters, resources and passes of a pipeline",
      "Parameters have their type, value and range; resources their format and size; passes what "
      "they\n"

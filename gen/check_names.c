@@ -129,28 +129,38 @@ static bool is_windows_macro(const char *name)
     return in_words(windows_words, name);
 }
 
+enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
+
+/* What is wrong with a name, as a format for it; NULL: nothing. */
+static const char *refusal_of(const char *name, bool scoped)
+{
+    return !strncmp(name, "gl_", 3) ? "`%s`: names that start with gl_ belong to GLSL"
+           : strstr(name, "__") ? "`%s`: names with two underscores in a row are reserved in GLSL"
+           : in_words(reserved_words, name) || is_glsl_type(name)
+               ? "`%s` is a reserved word of GLSL, C or C++; choose another name"
+           : is_macro(name) ? "`%s` may be a macro of a C header; choose another name"
+           : *name == '_' && isupper((unsigned char)name[1])
+               ? "`%s`: C reserves names that start with _ and a capital"
+           : !scoped && in_words(function_words, name)
+               ? "`%s` is a function of GLSL; choose another name"
+           : !scoped && in_words(taken_words, name)
+               ? "`%s` is already a name in every pass body; choose another"
+               : NULL;
+}
+
+bool name_is_free(const char *name)
+{
+    return strlen(name) <= MOST_NAME && !refusal_of(name, false) && !is_windows_macro(name);
+}
+
 static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
 {
-    enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
+    const char *refusal = refusal_of(name, scoped);
     if (strlen(name) > MOST_NAME)
         diag_error(c->diag, loc, "the name `%.20s...` has %zu characters; at most %d", name,
                    strlen(name), MOST_NAME);
-    else if (!strncmp(name, "gl_", 3))
-        diag_error(c->diag, loc, "`%s`: names that start with gl_ belong to GLSL", name);
-    else if (strstr(name, "__"))
-        diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL",
-                   name);
-    else if (in_words(reserved_words, name) || is_glsl_type(name))
-        diag_error(c->diag, loc, "`%s` is a reserved word of GLSL, C or C++; choose another name",
-                   name);
-    else if (is_macro(name))
-        diag_error(c->diag, loc, "`%s` may be a macro of a C header; choose another name", name);
-    else if (*name == '_' && isupper((unsigned char)name[1]))
-        diag_error(c->diag, loc, "`%s`: C reserves names that start with _ and a capital", name);
-    else if (!scoped && in_words(function_words, name))
-        diag_error(c->diag, loc, "`%s` is a function of GLSL; choose another name", name);
-    else if (!scoped && in_words(taken_words, name))
-        diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
+    else if (refusal)
+        diag_error(c->diag, loc, refusal, name);
 }
 
 /* A member of a struct in the generated header, which has no prefix there. */

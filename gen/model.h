@@ -105,6 +105,7 @@ struct resource {
     bool srgb;       /* `encoding: srgb`: pictures from outside hold sRGB codes */
     bool encoding_is_given;
     struct loc encoding_loc;
+    bool filter_mips; /* passes of read_copies.c fill the mips */
     /* plan */
     uint32_t index;            /* in pipeline->resources */
     unsigned usage;            /* mask of enum dt_access over all passes */
@@ -163,6 +164,7 @@ struct access {
     const char *as; /* its name in the body; NULL: `name`. See access_word */
     struct loc as_loc;
     enum access_mode mode;
+    uint32_t previous;   /* frames back; `name` is then of the image that keeps them */
     struct expr *mip;    /* NULL: mip 0 for storage and targets, all mips for sampling */
     struct expr *layer;  /* one layer of an array, in the body a plain image; NULL: all */
     const char *sampler; /* reads: {name: X, sampler: S}: filtered; NULL: by texel */

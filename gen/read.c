@@ -92,6 +92,7 @@ static void read_sections(struct reader *reader)
     read_interleaves(reader, top);
     pipeline->value_count = read_shader_values(reader, top, &pipeline->values);
     read_passes(reader, top);
+    read_copies(reader);
     read_asserts(reader, top);
     read_contracts(reader, top);
     read_jitter(reader, top);

@@ -180,6 +180,7 @@ void read_content(struct reader *reader, const struct fields *fields, struct res
 /* read_passes.c */
 uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
                             struct value **values);
+void read_copies(struct reader *reader); /* read_copies.c */
 void read_passes(struct reader *reader, const struct fields *top);
 
 #endif

@@ -100,6 +100,8 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     }
     access->sampler = field_reference(reader, &fields, "sampler");
     access->sampler_loc = field_loc(reader, &fields, "sampler");
+    double previous = field_number(reader, &fields, "previous", 0);
+    access->previous = previous < UINT16_MAX ? (uint32_t)previous : UINT16_MAX;
     access->mip = field_expr(reader, &fields, "mip");
     access->layer = field_expr(reader, &fields, "layer");
     access->own_blend = field_given(&fields, "blend");

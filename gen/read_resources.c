@@ -167,6 +167,7 @@ static void read_image(struct reader *reader, const struct named *named, struct 
     }
     read_shape(reader, &fields, size, image);
     image->mips = field_expr(reader, &fields, "mips");
+    image->filter_mips = field_bool(reader, &fields, "filter_mips", false);
     image->history = field_bool(reader, &fields, "history", false);
     image->srgb = field_choice(reader, &fields, "encoding", 0) == 1;
     image->encoding_is_given = field_given(&fields, "encoding");

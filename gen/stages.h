@@ -12,6 +12,8 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
 /* check.c: resolves names and expressions, checks everything that needs no plan. templates_dir:
  * folder for shader bodies that are not in the spec's own folder. */
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag);
+/* check_names.c: whether a parameter or a resource can have the name. */
+bool name_is_free(const char *name);
 /* layout.c: std430 offsets of structs, std140 offsets of the live block. */
 void layout_model(struct model *model);
 /* plan.c: order (reports cycles, read before write, two writers without order), access kinds,

@@ -397,6 +397,11 @@ const struct key table_keys[] = {
      "true"},
     {SECTION_IMAGE, "mips", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1",
      "Mip levels; does not depend on the frame.", "4"},
+    {SECTION_IMAGE, "filter_mips", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: when mip 0 is written, passes NAME.mip_1 and so on fill the other mips, each by means "
+     "of "
+     "the one above it.",
+     "true"},
     {SECTION_IMAGE, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "true: keeps last frame's content; zero before the first.", "true"},
     {SECTION_IMAGE, "file", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "no file",
@@ -637,6 +642,10 @@ const struct key table_keys[] = {
      "points"},
     {SECTION_ACCESS, "sampler", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "by texel",
      "reads: the filtering sampler of `NAME_sample` and `NAME_compare`.", "soft"},
+    {SECTION_ACCESS, "previous", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "0",
+     "reads: what the image held that many frames ago, up to 64; zero before the first. The image "
+     "NAME.before_1 keeps it, and a pass NAME.keep_1 fills that at the end of each frame.",
+     "1"},
     {SECTION_ACCESS, "mip", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL,
      "0; all for a sampler without `layer`", "The mip level; baked.", "1"},
     {SECTION_ACCESS, "layer", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "all",

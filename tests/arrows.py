@@ -6,7 +6,7 @@ import re
 import sys
 
 # A room of the application may include itself and all rooms of the steps before its own.
-ROOMS = [["console"], ["result"], ["theirs"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["report", "view", "bundle"]]
+ROOMS = [["console"], ["result"], ["theirs", "import"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["report", "view", "bundle"]]
 # A folder may include itself and these.
 BELOW = {
     "templates": [],

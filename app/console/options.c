@@ -3,13 +3,14 @@
 
 #include <stdlib.h>
 
-#define ALL       (VERB_RENDER | VERB_COMPARE)
-#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE)
-#define SHOWN     (SCENE | VERB_FLICKER)
-#define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
-#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
-#define MAKING    (SPEC | VERB_REPORT | VERB_LIST)
-#define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
+#define ALL    (VERB_RENDER | VERB_COMPARE)
+#define SCENE  (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE)
+#define SHOWN  (SCENE | VERB_FLICKER)
+#define MOVING (ALL | VERB_REFERENCE | VERB_FLICKER)
+#define SPEC   (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
+#define MAKING (SPEC | VERB_REPORT | VERB_LIST)
+#define TELLING                                                                                    \
+    (SHOWN | VERB_IMPORT | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define TRACING   (VERB_REFERENCE | VERB_REPORT | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
@@ -22,6 +23,14 @@ static const struct option_row rows[] = {
      ".exr, "
      ".npy); then nothing is run"},
     {"B", OPTION_STRING, AT(dumps[1]), VERB_COMPARE, 0, NULL, "the dump to compare with it"},
+    {"FILE", OPTION_STRING, AT(files[0]), VERB_IMPORT, VERB_IMPORT, NULL,
+     "a preset of RetroArch (.slangp), or a shader, GLSL or SPIR-V: .comp, .frag, .vert, .spv"},
+    {"FRAGMENT", OPTION_STRING, AT(files[1]), VERB_IMPORT, 0, NULL,
+     "the fragment shader, if FILE is a vertex shader"},
+    {"-o", OPTION_STRING, AT(output), VERB_IMPORT, VERB_IMPORT, "DIR",
+     "folder to write: a spec, and copies of the shaders and pictures"},
+    {"--picture", OPTION_STRING, AT(picture), VERB_IMPORT, 0, "FILE",
+     "picture that the shaders read (default: a test card)"},
     {"--contracts", OPTION_STRING, AT(contracts), VERB_COMPARE, 0, "FILE",
      "A B: how far resources may differ (YAML), like `radiance: {rel: 1e-3}` (default: integers "
      "not "

@@ -19,7 +19,8 @@ enum verb_id {
     VERB_FLICKER = 512,
     VERB_LIST = 1024,
     VERB_HELP = 2048,
-    VERB_TUNE = 4096
+    VERB_TUNE = 4096,
+    VERB_IMPORT = 8192
 };
 
 /* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
@@ -32,6 +33,8 @@ struct options {
     uint32_t frame;        /* reference: of the motion */
     const char *dumps[2];  /* compare: folders of two dumps, or NULL */
     const char *contracts; /* of these */
+    const char *files[3];  /* import: one or two, then NULL */
+    const char *picture;
     const char *dump;
     const char *timings;
     const char *show;
@@ -101,6 +104,7 @@ int verb_report(struct console *console, const struct options *options);
 int verb_view(struct console *console, const struct options *options);
 int verb_list(struct console *console, const struct options *options);
 int verb_tune(struct console *console, const struct options *options);
+int verb_import(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either
