@@ -66,13 +66,26 @@ static void pass_messages_on(FILE *messages, const struct dt_log *log)
 
 /* ---- The child ------------------------------------------------------------------------------- */
 
+/* The caller's own limit may be lower; nobody raises it. */
+static bool limit_processor_time(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_CPU, &limit) != 0)
+        return false;
+    if (limit.rlim_max > CHILD_SECONDS + 1)
+        limit.rlim_max = CHILD_SECONDS + 1;
+    if (limit.rlim_cur > CHILD_SECONDS)
+        limit.rlim_cur = CHILD_SECONDS;
+    return setrlimit(RLIMIT_CPU, &limit) == 0;
+}
+
 static _Noreturn void run(child_work *work, void *user, FILE *result, FILE *messages,
                           struct shared *shared)
 {
-    const struct rlimit seconds = {CHILD_SECONDS, CHILD_SECONDS + 1}, no_core = {0};
+    const struct rlimit no_core = {0};
     const struct dt_log log = {.message = send_message, .user = messages};
     shared_with_parent = shared;
-    bool good = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && setrlimit(RLIMIT_CPU, &seconds) == 0 &&
+    bool good = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && limit_processor_time() &&
                 setrlimit(RLIMIT_CORE, &no_core) == 0;
     if (!good)
         log_message(&log, DT_ERROR, "a child process cannot be limited: %s", strerror(errno));

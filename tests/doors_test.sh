@@ -6,10 +6,10 @@ cd "$root" || exit 1
 grey=(--spec tests/specs/grey.yaml --size 16x8)
 
 # shellcheck disable=SC2317 # called through check
-refuses() { # text command...: exit status 1 or 2, with that message, within 20 s and 1 GB
+refuses() { # text command...: exit status 1 or 2, with that message, within 20 s of processor time and 4 GB
     local text=$1 status
     shift
-    (ulimit -v 4000000 && timeout 20 "$@") >"$work/said" 2>&1
+    (ulimit -v 4000000 && limited 20 "$@") >"$work/said" 2>&1
     status=$?
     cat -v "$work/said"
     [[ $status = [12] ]] && grep -qF -- "$text" "$work/said"

@@ -48,7 +48,7 @@ sed "s|shader: fill.glsl|shader: zero|" "$work/fill.yaml" >"$work/body_zero.yaml
 refuses() { # text command...
     local text=$1 status
     shift
-    timeout 20 "$@" >"$work/said" 2>&1
+    limited 20 "$@" >"$work/said" 2>&1
     status=$?
     cat "$work/said"
     [[ $status = [12] ]] && grep -qF -- "$text" "$work/said"
@@ -105,20 +105,21 @@ for backend in gl vk; do
 done
 
 # shellcheck disable=SC2317
+has_children() { # pid
+    pgrep -f "$work/orphans" | grep -vqx "$1"
+}
+# shellcheck disable=SC2317
+are_gone() {
+    ! pgrep -f "$work/orphans" >/dev/null
+}
+# shellcheck disable=SC2317
 leaves_nobody() { # command...: killed once its children run
     "$@" >"$work/said" 2>&1 &
     local pid=$! began=no
-    for _ in $(seq 300); do
-        ! pgrep -f "$work/orphans" | grep -vqx "$pid" || began=yes
-        [ "$began" = no ] || break
-        sleep 0.1
-    done
+    wait_until has_children "$pid" && began=yes
     sleep 0.5
     kill -KILL "$pid"
-    for _ in $(seq 100); do
-        pgrep -f "$work/orphans" >/dev/null || { [ "$began" = yes ] && return; }
-        sleep 0.1
-    done
+    wait_until are_gone && [ "$began" = yes ] && return
     cat "$work/said"
     pgrep -af "$work/orphans"
     return 1
@@ -134,7 +135,7 @@ check "... a killed comparison" leaves_nobody "$diptych" compare --scene scenes/
 warns() { # text command...: prints the warning and succeeds
     local text=$1
     shift
-    timeout 60 "$@" >"$work/said" 2>&1 || { cat "$work/said"; return 1; }
+    limited 60 "$@" >"$work/said" 2>&1 || { cat "$work/said"; return 1; }
     cat "$work/said"
     grep -qF -- "$text" "$work/said"
 }

@@ -107,7 +107,7 @@ check_status 1 "a file that cannot be written" "$diptych" reference "${scene[@]}
 check "... is told before the work" [ ! -e "$work/c.exr" ]
 mkfifo "$work/pipe"
 for verb in check reference; do
-    timeout 20 cat "$work/pipe" >"$work/piped.json" &
+    limited 20 cat "$work/pipe" >"$work/piped.json" &
     if [ $verb = check ]; then
         "$build/diptych-gen" --check "$wrong" --json "$work/pipe" 2>"$work/said"
     else

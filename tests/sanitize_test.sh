@@ -34,7 +34,7 @@ refused() {
 check "an unknown kind is refused" refused
 # shellcheck disable=SC2317
 compared() {
-    timeout 60 "$diptych" compare --spec "$work/wrong.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize=index,loop >"$work/compared"
+    limited 60 "$diptych" compare --spec "$work/wrong.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize=index,loop >"$work/compared"
 # shellcheck disable=SC2016
     [ $? = 1 ] && grep -qF 'w0.glsl:5:9: undefined: index 8 of `taps`, which has 8 elements' "$work/compared" &&
         grep -qF '  pass w0, invocation (32, 0, 0), 32 times; first in frame 0; gl, vk@llvmpipe' "$work/compared" &&

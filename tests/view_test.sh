@@ -20,10 +20,7 @@ exec 3<>display.number
 Xvfb -noreset -screen 0 800x400x24 -displayfd 3 2>/dev/null &
 server=$!
 trap 'kill $server; rm -rf "$work"' EXIT
-for _ in $(seq 100); do
-    [ ! -s display.number ] || break
-    sleep 0.1
-done
+wait_until [ -s display.number ]
 DISPLAY=:$(cat display.number)
 export DISPLAY
 unset WAYLAND_DISPLAY
@@ -36,14 +33,11 @@ open_window() { # option...: does not wait for the first picture; `see` does
 see() { # file condition...
     local file=$1
     shift
-    /usr/bin/python3 "$root/tests/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
+    /usr/bin/python3 "$root/tests/view.py" "$file" $((tap_failed ? 30 : 600)) "$@" || { cat view.err && return 1; }
 }
 # shellcheck disable=SC2317
-says() { # text: the window's process prints the text within 30 s
-    for _ in $(seq 300); do
-        ! grep -qF -- "$1" view.err || return 0
-        sleep 0.1
-    done
+says() { # text: the window's process prints the text
+    wait_until grep -qF -- "$1" view.err && return
     cat view.err
     return 1
 }
@@ -229,24 +223,14 @@ check "... and it is the same picture" cmp lost.png saved.png
 
 # A window manager minimises and restores the window, and a user drags its corner.
 # shellcheck disable=SC2317 # called through check
-rests() { # within 30 s, the window's process is idle for a second
-    local before after=0
-    for _ in $(seq 30); do
-        before=$after
-        after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") || return 1
-        [ $((after - before)) -gt 15 ] || return 0
-        sleep 1
-    done
-    echo "in the last second it took $((after - before)) ticks"
-    return 1
+rests() { # the window's process is idle for a second
+    local before after
+    before=$(awk '{ print $14 + $15 }' "/proc/$window/stat") && sleep 1 &&
+        after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") && [ $((after - before)) -le 15 ]
 }
 # shellcheck disable=SC2317
-is_gone() { # within 10 s, the window is not visible
-    for _ in $(seq 100); do
-        xdotool search --onlyvisible --name '^diptych' || return 0
-        sleep 0.1
-    done
-    return 1
+is_gone() { # the window is not visible
+    ! xdotool search --onlyvisible --name '^diptych'
 }
 if command -v twm >/dev/null; then
     printf '%s\n' NoTitle RandomPlacement IconifyByUnmapping NoGrabServer 'BorderWidth 0' \
@@ -259,8 +243,8 @@ if command -v twm >/dev/null; then
         xdotool mousemove --window "$id" 50 75 key h
         check "... without the panel" see bare.ppm shown not=$backend.ppm still
         xdotool windowminimize "$id"
-        check "... is gone when it is minimised" is_gone
-        check "... lets the processor be, then" rests
+        check "... is gone when it is minimised" wait_until is_gone
+        check "... lets the processor be, then" wait_until rests
         xdotool windowmap --sync "$id"
         check "... comes back as it was" see back.ppm as=bare.ppm
         xdotool key Tab
@@ -269,11 +253,11 @@ if command -v twm >/dev/null; then
             xdotool windowsize "$id" $((1 + k * 97 % 300)) $((1 + k * 53 % 200))
         done
         xdotool windowminimize "$id"
-        is_gone >/dev/null
+        wait_until is_gone >/dev/null
         xdotool windowsize "$id" 260 90 windowmap --sync "$id"
         check "... stands being pulled about" see storm.ppm shown size=260x90
         xdotool windowminimize "$id"
-        is_gone >/dev/null
+        wait_until is_gone >/dev/null
         xdotool windowmap --sync "$id" mousemove --window "$id" 50 75 key Escape
         check "... and ends in silence" ends 0
     done
