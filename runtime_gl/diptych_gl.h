@@ -112,6 +112,10 @@ struct dt_gl_scene {
     /* Array of all textures: GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full
      * chain of mips. 0: no material has a texture. */
     unsigned textures;
+    /* Each triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+     * dt_number_triangles makes such arrays. The runtime does not read them: it takes the host's
+     * word, and resize fails without it where a pass reads vertex_triangle, which NAME.h tells. */
+    bool numbered;
 };
 /* Call before resize. Import and resize again when a name, a size or index_count changes. A
  * pipeline whose passes neither draw nor read the scene needs no scene. */

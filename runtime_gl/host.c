@@ -110,7 +110,7 @@ static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *sce
 
 bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
-    if (!dt_front_import_scene(&rt->core, scene->index_count))
+    if (!dt_front_import_scene(&rt->core, scene->index_count, scene->numbered))
         return false;
     bool good = gl_state_enter(&rt->core);
     gl_scene_destroy(rt);

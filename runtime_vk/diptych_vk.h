@@ -171,10 +171,7 @@ struct dt_vk_attribute {
     uint32_t stride;
 };
 
-/* The scene that passes draw and read. Where NAME.h says that a pass reads vertex_triangle, each
- * triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
- * dt_number_triangles makes such arrays. Other arrays give a wrong picture and no error, since the
- * runtime does not read them. The host owns the buffers; they must live until the next import or
+/* The scene that passes draw and read. The host owns the buffers; they must live until the next import or
  * close. The host may write them between frames; the next frame uses the new content. */
 struct dt_vk_scene {
     /* struct dt_vertex[]; usage VERTEX_BUFFER, UNIFORM_TEXEL_BUFFER, and of pipelines with `target:
@@ -196,6 +193,10 @@ struct dt_vk_scene {
      * of mips; usage SAMPLED; in SHADER_READ_ONLY_OPTIMAL during every frame. VK_NULL_HANDLE: no
      * material has a texture. */
     VkImageView textures;
+    /* Each triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+     * dt_number_triangles makes such arrays. The runtime does not read them: it takes the host's
+     * word, and resize fails without it where a pass reads vertex_triangle, which NAME.h tells. */
+    bool numbered;
 };
 /* Call before resize. Import and resize again when a handle, a size or index_count changes. A
  * pipeline whose passes neither draw nor read the scene needs no scene. */

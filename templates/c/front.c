@@ -561,7 +561,11 @@ static bool check_geometry(const struct dt_core *core, uint32_t pass)
         if ((program->attributes & ~core->attributes) >> i & 1)
             return dt_error(core, "resize: the pass %s reads %s; give it to import_scene",
                             pass_name(core, pass), dt_attributes[i].name);
-    return true;
+    return core->numbered || !(program->attributes >> DT_TRIANGLE & 1) ||
+           dt_error(core,
+                    "resize: the pass %s reads vertex_triangle; number the triangles by "
+                    "dt_number_triangles, and tell import_scene that they are `numbered`",
+                    pass_name(core, pass));
 }
 
 static bool check_work(struct dt_core *core);
@@ -637,8 +641,9 @@ bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offse
                     (unsigned long long)size, core->device_name, (unsigned long long)most);
 }
 
-bool dt_front_import_scene(struct dt_core *core, uint32_t index_count)
+bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered)
 {
+    core->numbered = numbered;
     core->sized = false; /* programs are connected with the former scene until the next resize */
     return (index_count && index_count % 3 == 0) ||
            dt_error(core, "import_scene: %u indices, but triangles have three each", index_count);
@@ -1153,6 +1158,7 @@ bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
 {
     struct dt_core *core = runtime;
     core->sized = false; /* programs are connected with the former scene until the next resize */
+    core->numbered = true;
     return check_scene(core, scene) &&
            leave(core, enter(core) && core->backend->upload_scene(core, scene));
 }

@@ -24,6 +24,7 @@ struct dt_core {
     uint32_t messages;                         /* of validation or KHR_debug so far */
     bool lost;                                 /* a call reported a lost device */
     bool has_scene, has_objects, has_vertices; /* vertices: as struct dt_vertex[] */
+    bool numbered;                             /* the scene's triangles, for vertex_triangle */
     uint8_t attributes;                        /* mask by enum dt_attribute */
 
     /* The pipeline; NULL before create. */
@@ -190,7 +191,7 @@ extern const struct dt_field_place dt_attributes[DT_ATTRIBUTES];
 /* Whether elements of a host's buffer can be this attribute. */
 bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride);
 /* Checks that index_count fits triangles. A resize must follow. */
-bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
+bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered);
 /* `age`: 0 is the frame rendered last, 1 the one before. */
 bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms);
 void dt_front_destroy(struct dt_core *core); /* destroys the pipeline and its objects */
