@@ -36,6 +36,7 @@ struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
     rt->core = bare;
     rt->core.timing = host->timing;
     rt->core.frames = host->frames;
+    rt->core.keep_history = host->keep_history;
     rt->glsl = host->glsl;
     rt->leave_state = host->leave_state;
     if (!open_in(rt, host)) {

@@ -375,13 +375,29 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
                                   : gl_buffer_fill(rt, &resource->buffer, byte);
 }
 
-static void destroy_resource(struct dt_core *core, uint32_t index)
+static void destroy_resource(struct dt_core *core, void *resource)
 {
     struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
-    struct gl_resource *resource = resource_of(rt, index);
-    gl_buffer_destroy(rt, &resource->buffer);
-    gl_image_destroy(rt, &resource->image);
-    *resource = (struct gl_resource){0};
+    struct gl_resource *made = resource;
+    gl_buffer_destroy(rt, &made->buffer);
+    gl_image_destroy(rt, &made->image);
+    *made = (struct gl_resource){0};
+}
+
+static bool detach_resource(struct dt_core *core, uint32_t index)
+{
+    for (uint32_t i = 0; i < core->pipeline->resource_count; i++)
+        if (core->panel->storage[i].share == (int32_t)index)
+            return false;
+    return !gl_image_of((struct dt_gl_runtime *)core, index)->borrowed;
+}
+
+static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
+{
+    struct gl_resource *made = resource;
+    made->stored = false;
+    made->buffer.name = made->image.name = core->pipeline->resources[index].name;
+    return core->panel->storage[index].share < 0;
 }
 
 const struct dt_backend gl_backend = {
@@ -409,6 +425,8 @@ const struct dt_backend gl_backend = {
     .connect_program = connect_program,
     .disconnect_program = disconnect_program,
     .destroy_resource = destroy_resource,
+    .detach_resource = detach_resource,
+    .adopt_resource = adopt_resource,
     .render = gl_render,
     .write = gl_write,
     .verbs =

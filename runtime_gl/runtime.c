@@ -50,6 +50,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->core = bare;
     rt->core.timing = options->timing;
     rt->core.poison = options->poison;
+    rt->core.keep_history = options->keep_history;
     rt->debug = options->debug;
     rt->glsl = options->glsl;
     set_backend(rt);

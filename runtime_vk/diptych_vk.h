@@ -131,6 +131,10 @@ struct dt_vk_host {
     /* frames in flight whose timings are kept, up to 16; 0: 1. All else may have any number of frames
      * in flight */
     uint32_t frames;
+    /* Resources with history, and inputs, keep their content over resize and create, where name, size
+     * and layout are the same. Not after a failed frame, nor from one not recorded to its end; all
+     * recorded commands have been submitted. */
+    bool keep_history;
 };
 
 /* Whether the pipeline runs on host->physical_device; if not, logs the features that the device lacks,
@@ -269,7 +273,7 @@ bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageU
 bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage);
 
 /* Creates all other resources, for a frame size in pixels. The next frame sets resources with
- * history to zero, but not imported ones. */
+ * history to zero, but not imported ones, nor those that keep_history has kept. */
 bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs

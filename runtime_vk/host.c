@@ -131,7 +131,8 @@ struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
                                 .log = host->log,
                                 .hosted = true,
                                 .timing = host->timing,
-                                .frames = host->frames};
+                                .frames = host->frames,
+                                .keep_history = host->keep_history};
     rt->instance = host->instance;
     rt->device = host->device;
     rt->queue_family = host->queue_family;
@@ -478,7 +479,8 @@ static void fill_now(struct dt_vk_runtime *rt)
     struct vk_image *textures = &rt->builtin.textures;
     for (uint32_t i = 0; rt->fills && i < pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
-        if (!pipeline->resources[i].history || pipeline->resources[i].input || rt->core.imported[i])
+        if (!pipeline->resources[i].history || pipeline->resources[i].input ||
+            rt->core.imported[i] || rt->core.resumed[i])
             continue;
         if (resource->image.handle)
             clear(rt, &resource->image, 0, VK_IMAGE_LAYOUT_GENERAL);

@@ -256,6 +256,15 @@ static bool create_buffer(struct dt_vk_runtime *rt, uint32_t index, VkDeviceSize
     return true;
 }
 
+/* Whether passes bind single layers. */
+static bool by_layer(const struct dt_vk_runtime *rt, uint32_t index)
+{
+    const struct dt_storage *storage = &rt->core.panel->storage[index];
+    return storage->by_layer ||
+           (rt->core.pipeline->resources[index].layered && !vk_has_layers(rt) &&
+            storage->usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH));
+}
+
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
@@ -274,18 +283,51 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
         .mips = resource->mips,
         .shape = resource->shape,
         .layered = resource->layered,
-        .by_layer = storage->by_layer || (resource->layered && !vk_has_layers(rt) &&
-                                          storage->usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH)),
+        .by_layer = by_layer(rt, index),
         .import = choice->image.image ? &choice->image : NULL,
     };
     return vk_image_create(rt, &vk_resource_at(rt, index)->image, &info);
 }
 
-static void destroy_resource(struct dt_core *core, uint32_t index)
+static void destroy_resource(struct dt_core *core, void *resource)
+{
+    struct vk_resource *made = resource;
+    vk_buffer_destroy(vk_runtime_of(core), &made->buffer);
+    vk_image_destroy(vk_runtime_of(core), &made->image);
+}
+
+static bool owns_memory(const struct vk_resource *resource)
+{
+    return resource->image.memory.memory || resource->buffer.memory.memory;
+}
+
+static bool detach_resource(struct dt_core *core, uint32_t index)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
-    vk_buffer_destroy(rt, &vk_resource_at(rt, index)->buffer);
-    vk_image_destroy(rt, &vk_resource_at(rt, index)->image);
+    struct vk_resource *resource = vk_resource_at(rt, index);
+    uint16_t slot = core->panel->storage[index].slot;
+    for (uint32_t i = 0; i < core->pipeline->resource_count; i++)
+        if (i != index && core->panel->storage[i].slot == slot)
+            return false;
+    if (owns_memory(resource))
+        return true;
+    *(resource->image.handle ? &resource->image.memory : &resource->buffer.memory) =
+        rt->slots[slot];
+    rt->slots[slot] = (struct dt_vk_memory){0};
+    return true;
+}
+
+static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
+{
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
+    const struct dt_storage *storage = &core->panel->storage[index];
+    struct vk_resource *made = resource;
+    bool image = made->image.handle;
+    VkFlags usage = image ? made->image.usage : made->buffer.usage;
+    VkFlags wanted = rt->choices[index].usage |
+                     (image ? vk_image_usage(storage->usage) : vk_buffer_usage(storage->usage));
+    *(image ? &made->image.name : &made->buffer.name) = core->pipeline->resources[index].name;
+    return (usage & wanted) == wanted && made->image.by_layer >= by_layer(rt, index);
 }
 
 static void release_memory(struct dt_core *core)
@@ -313,8 +355,8 @@ static bool allocate_slot(struct dt_vk_runtime *rt, uint32_t slot)
     const char *name = NULL; /* the largest resource; errors name it */
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         const struct vk_resource *resource = vk_resource_at(rt, i);
-        if (rt->core.panel->storage[i].slot != slot || rt->core.imported[i])
-            continue; /* the host has bound its memory */
+        if (rt->core.panel->storage[i].slot != slot || rt->core.imported[i] || rt->core.resumed[i])
+            continue; /* its memory is bound */
         VkMemoryRequirements own = requirements(rt, resource);
         needs.memoryTypeBits &= own.memoryTypeBits;
         if (own.alignment > needs.alignment) /* powers of two */
@@ -337,6 +379,8 @@ static bool place_resources(struct dt_core *core)
     for (uint32_t i = 0; good && i < core->pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
         const struct dt_vk_memory *memory = &rt->slots[core->panel->storage[i].slot];
+        if (core->resumed[i])
+            continue;
         good = resource->image.handle ? vk_image_bind(rt, &resource->image, memory)
                                       : vk_buffer_bind(rt, &resource->buffer, memory);
     }
@@ -464,6 +508,8 @@ const struct dt_backend vk_backend = {
     .connect_program = connect_program,
     .disconnect_program = disconnect_program,
     .destroy_resource = destroy_resource,
+    .detach_resource = detach_resource,
+    .adopt_resource = adopt_resource,
     .release_memory = release_memory,
     .timings = vk_frame_timings,
 };

@@ -51,6 +51,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->core.log = options->log;
     rt->core.timing = options->timing;
     rt->core.poison = options->poison;
+    rt->core.keep_history = options->keep_history;
     rt->core.window = options->context && strcmp(options->context, "window") == 0;
     rt->debug = options->debug;
     rt->labels = options->debug || options->labels;

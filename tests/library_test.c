@@ -728,6 +728,40 @@ static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
     assert_int_equal(heard.validation, 0);
 }
 
+/* The image `trail` after frames, a resize, and the same frames again. */
+static void vulkan_trail(bool keeps, uint32_t width, uint8_t trail[TRAIL_BYTES])
+{
+    struct dt_vk_host host = vk_host();
+    host.keep_history = keeps;
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
+                dt_vk_resize(rt, width, HEIGHT));
+    if (width == WIDTH)
+        run_frames(rt, trail);
+    assert_true(dt_vk_create(rt, &features_vk) && dt_vk_resize(rt, WIDTH, HEIGHT) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, trail);
+    dt_vk_close(rt);
+}
+
+static void vulkan_keeps_history(void **state)
+{
+    (void)state;
+    static uint8_t twice[TRAIL_BYTES], found[TRAIL_BYTES];
+    struct dt_vk_runtime *rt = open_features();
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, found);
+    run_frames(rt, twice);
+    dt_vk_close(rt);
+    vulkan_trail(true, WIDTH, found);
+    assert_memory_equal(found, twice, TRAIL_BYTES);
+    vulkan_trail(true, 2 * WIDTH, found); /* another size */
+    assert_memory_not_equal(found, twice, TRAIL_BYTES);
+    vulkan_trail(false, WIDTH, found);
+    assert_memory_not_equal(found, twice, TRAIL_BYTES);
+    assert_int_equal(heard.validation, 0);
+}
+
 static void vulkan_takes_times(void **state)
 {
     (void)state;
@@ -2486,6 +2520,7 @@ int main(void)
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
         cmocka_unit_test(vulkan_draws_vertices_of_another_layout),
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
+        cmocka_unit_test(vulkan_keeps_history),
         cmocka_unit_test(vulkan_takes_times),
         cmocka_unit_test(vulkan_describes_imports),
         cmocka_unit_test(vulkan_records_two_frames_at_once),

@@ -256,6 +256,14 @@ def test_resize(negative):
         assert found["frames"].tolist() == [1] and (found["seen"]["weight"] == [0.5, 1.5, 2.5]).all()
 
 
+def test_resize_keeps_history(negative):
+    with open_negative(negative, "gl", keep_history=True) as pipeline:
+        pipeline.render()
+        pipeline.resize(9, 5)
+        pipeline.write("photo", photo()[:5, :9])
+        assert pipeline.render("frames")["frames"].tolist() == [2]
+
+
 def test_set_of_baked_parameters(negative):
     with open_negative(negative) as pipeline:
         pipeline.set(white=0)

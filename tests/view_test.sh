@@ -161,6 +161,36 @@ done
 xdotool key Escape
 check "... and the window ends as ever" ends 0
 
+# What frames have left in a history outlives an edit.
+cat >once.yaml <<'END'
+pipeline: once
+buffers: {seen: {of: uint, count: 1, history: true}}
+images: {display: {format: rgba8, size: frame}}
+passes:
+  - {name: note, dispatch: 1, updates: [seen], shader: note.glsl}
+  - {name: show, dispatch: display, reads: [seen], writes: [display], shader: show.glsl}
+output: {display: display}
+END
+echo 'void main() { if (invocation().x == 0 && seen[0] == 0u) seen[0] = 60u; }' >note.glsl
+cat >show.glsl <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, display_size())))
+        display_store(p, vec4(float(seen[0]) / 255.0, float(p.x) / 64.0, 0.5, 1.0));
+}
+END
+"$diptych" view --spec once.yaml --size 200x150 --backend both --debug >view.out 2>view.err &
+window=$!
+check "a picture of a history" see kept.ppm shown
+xdotool key h
+check "... without the panel" see kept.ppm shown not=kept.ppm still
+sed -i 's/60u/200u/' note.glsl
+check "an edit is taken" says "reloaded in"
+check "... and the history stays" see edited.ppm as=kept.ppm still
+xdotool key Escape
+check "... to its end" ends 0
+
 # The screen shows the picture, row by row.
 for backend in gl vk; do
     open_window --backend $backend --size 240x180 --set bounces=0

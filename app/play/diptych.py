@@ -60,6 +60,7 @@ class _Options(ctypes.Structure):
         ("height", ctypes.c_uint32),
         ("debug", ctypes.c_bool),
         ("timing", ctypes.c_bool),
+        ("keep_history", ctypes.c_bool),
     ]
 
 
@@ -208,7 +209,7 @@ def _png(array):
 class Pipeline:
     """A pipeline with a device of its own; see open(). Use it from one thread, in the process that opened it."""
 
-    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing):
+    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing, keep_history):
         self._player, self._process, self._rendering = None, os.getpid(), False
         self._messages, self._given, self._view = [], {}, None
         self._sets, self._size = dict(sets), size
@@ -224,6 +225,7 @@ class Pipeline:
             "input_count": len(files),
             "debug": debug,
             "timing": timing,
+            "keep_history": keep_history,
         }
         self._player = self._start(self._sets)
         for name, value in inputs.items():
@@ -303,8 +305,8 @@ class Pipeline:
         self._sets = sets
 
     def resize(self, width, height):
-        """Gives frames from the next one on another size; resources with `history` begin as zero, and inputs
-        whose size follows the frame need new content."""
+        """Gives frames from the next one on another size; resources with `history` begin as zero, unless
+        `keep_history` has kept them, and inputs whose size follows the frame need new content."""
         size = _u32("size", width), _u32("size", height)
         self._check(_library.dt_play_resize(self._handle(), *size))
         self._size = size
@@ -439,13 +441,15 @@ class Pipeline:
         self.close()
 
 
-def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False):
+def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False,
+         keep_history=False):
     """Reads a spec and opens a device, as the command line does.
 
     backend: "gl", "vk", "vk@DEVICE", "gl+glsl". size: (width, height) of the frame; by default that of an
     input file, else 1920x1080. sets: {PATH: VALUE} of --set. inputs: {NAME: array, or path of a file}.
-    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`."""
-    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing)
+    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`.
+    keep_history: resize keeps that of resources whose size is the same."""
+    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing, keep_history)
 
 
 # ---- Compare -----------------------------------------------------------------------------------

@@ -46,6 +46,7 @@ struct dt_play_options {
     uint32_t width, height; /* of the frame; 0: that of an input of `inputs`, else 1920x1080 */
     bool debug;             /* validation layers, KHR_debug */
     bool timing;            /* timestamps around every pass, for dt_play_timings */
+    bool keep_history;      /* dt_play_resize keeps that of resources whose size is the same */
 };
 
 struct dt_player;
@@ -80,7 +81,8 @@ bool dt_play_render(struct dt_player *player, bool (*after_pass)(void *user, uin
 bool dt_play_read(struct dt_player *player, const char *resource, uint32_t mip,
                   struct dt_bytes *out);
 
-/* Gives frames from the next one on another size; resources with `history` begin as zero. */
+/* Gives frames from the next one on another size; resources with `history` begin as zero,
+ * unless `keep_history` has kept them. */
 bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height);
 
 /* Moves the camera from the next frame on, in the scene's units; fov_y: of the whole picture, degrees. */

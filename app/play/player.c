@@ -83,7 +83,7 @@ static bool check_size(const struct dt_player *player, const uint32_t size[2])
     return false;
 }
 
-static bool start(struct dt_player *player)
+static bool start(struct dt_player *player, const struct dt_play_options *options)
 {
     struct console *console = &player->console;
     struct setup *setup = &player->setup;
@@ -98,7 +98,8 @@ static bool start(struct dt_player *player)
                                       .setup = setup,
                                       .pipeline = &player->pipeline,
                                       .scene = &player->scene,
-                                      .timing = player->timing};
+                                      .timing = player->timing,
+                                      .keep_history = options->keep_history};
     return session_open(&player->session, &info) && session_prepare(&player->session);
 }
 
@@ -111,7 +112,7 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
     player->setup = setup_of(options);
     player->timing = options->timing;
     player->process = getpid();
-    if (start(player))
+    if (start(player, options))
         return player;
     dt_play_close(player);
     return NULL;

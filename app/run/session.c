@@ -33,6 +33,7 @@ bool session_open(struct session *session, const struct session_info *info)
         .glsl = side->glsl,
         .timing = info->timing,
         .poison = info->poison,
+        .keep_history = info->keep_history,
         .drop_barrier = setup->drop_barrier,
         .drop_dependency = setup->drop_dependency,
     });

@@ -15,7 +15,7 @@ struct session_info {
     const struct setup *setup;
     const struct pipeline *pipeline;
     const struct scene *scene;
-    bool timing;
+    bool timing, keep_history; /* see struct dt_runtime_options */
     int poison;           /* see struct dt_runtime_options */
     bool name_in_log;     /* put the side's label before its messages */
     uint32_t first_frame; /* index of the first frame, usually 0 */

@@ -45,6 +45,7 @@ bool view_open_side(struct view *view, uint32_t index)
                                       .pipeline = &view->pipeline,
                                       .scene = &view->scene,
                                       .timing = true,
+                                      .keep_history = true,
                                       .name_in_log = view->side_count > 1};
     struct view_side *side = &view->side[index];
     struct session *session = &side->session;

@@ -108,7 +108,6 @@ static bool start(struct view *view, const char *shown, bool *offered)
     uint32_t points = view->shown_points;
     *offered = view_outline_read(view);
     view->shown_points = points <= view->points_count ? points : 0;
-    view->frame = 0; /* history starts anew */
     double begun = milliseconds_now();
     bool created =
         (view->options->setup.scene ||

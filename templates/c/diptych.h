@@ -289,7 +289,8 @@ struct dt_frame {
     struct dt_view previous_camera;
     float jitter[2]; /* pixels by which the camera's picture is moved, -0.5 to 0.5 */
     float time;      /* seconds */
-    uint32_t first;  /* 1: index is 0, or no frame was rendered since resize */
+    /* 1: index is 0, or no frame was rendered since resize, unless it has kept all history */
+    uint32_t first;
 };
 static_assert(sizeof(struct dt_frame) == 288 * 3 + 64 + 48, "std140");
 
@@ -335,6 +336,9 @@ struct dt_runtime_options {
     bool labels; /* vk: names for debuggers, as `debug` gives; gl has them always */
     bool glsl;   /* gl: programs from GLSL text instead of SPIR-V */
     bool timing; /* timestamps around every pass */
+    /* Resources with history keep their content over resize and create, where name, size and layout
+     * are the same. Not after a failed frame, nor from one not rendered to its end. */
+    bool keep_history;
     /* 1..255: new resources without history are filled with this byte; 0: not filled */
     int poison;
     /* vk: omits the barrier of this number, to test whether its absence is detected; 0: none.

@@ -343,10 +343,12 @@ static bool take_program(struct dt_core *core, const struct made *before, uint32
 
 static void release_resources(struct dt_core *core)
 {
+    if (core->resources)
+        dt_history_keep(core);
     for (uint32_t i = 0; core->programs && i < core->pipeline->pass_count; i++)
         core->backend->disconnect_program(core, dt_program(core, i));
     for (uint32_t i = core->pipeline->resource_count; core->resources && i-- > 0;)
-        core->backend->destroy_resource(core, i);
+        core->backend->destroy_resource(core, dt_resource(core, i));
     if (core->backend->release_memory)
         core->backend->release_memory(core);
     core->width = core->height = 0;
@@ -379,11 +381,12 @@ static struct made take_apart(struct dt_core *core)
     free(core->ran);
     free(core->written);
     free(core->imported);
+    free(core->resumed);
     free(core->live);
     core->live = NULL;
     core->slot = 0;
     core->resources = core->programs = core->samplers = NULL;
-    core->ran = core->imported = NULL;
+    core->ran = core->imported = core->resumed = NULL;
     core->written = NULL;
     core->shaders = NULL;
     core->panel = NULL;
@@ -391,10 +394,17 @@ static struct made take_apart(struct dt_core *core)
     return made;
 }
 
-void dt_front_destroy(struct dt_core *core)
+static void destroy_pipeline(struct dt_core *core)
 {
     struct made made = take_apart(core);
     destroy_programs(core, &made);
+}
+
+void dt_front_destroy(struct dt_core *core)
+{
+    core->keep_history = false;
+    destroy_pipeline(core);
+    dt_history_drop(core);
 }
 
 static bool allocate(struct dt_core *core)
@@ -411,9 +421,10 @@ static bool allocate(struct dt_core *core)
     core->ran = calloc(dt_run(core, core->frames, 1), sizeof *core->ran);
     core->written = calloc(core->pipeline->resource_count + 1, sizeof *core->written);
     core->imported = calloc(core->pipeline->resource_count + 1, sizeof *core->imported);
+    core->resumed = calloc(core->pipeline->resource_count + 1, sizeof *core->resumed);
     core->live = calloc(1, core->pipeline->block_size + 1);
     return (core->resources && core->programs && core->samplers && core->ran && core->written &&
-            core->imported && core->live) ||
+            core->imported && core->resumed && core->live) ||
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
@@ -472,7 +483,7 @@ bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
         good = make(core, &before, from);
         destroy_programs(core, &before);
         if (!good)
-            dt_front_destroy(core);
+            destroy_pipeline(core);
     }
     return leave(core, good);
 }
@@ -498,7 +509,8 @@ static bool create_resource(struct dt_core *core, uint32_t index)
 {
     uint32_t extent[3];
     extent_of(core, index, extent);
-    return core->backend->create_resource(core, index, extent);
+    return dt_history_take(core, index, extent) ||
+           core->backend->create_resource(core, index, extent);
 }
 
 static bool create_resources(struct dt_core *core)
@@ -510,7 +522,7 @@ static bool create_resources(struct dt_core *core)
         good = create_resource(core, i);
     good = good && (!backend->place_resources || backend->place_resources(core));
     for (uint32_t i = 0; good && i < count; i++)
-        good = backend->fill_resource(core, i);
+        good = core->resumed[i] || backend->fill_resource(core, i);
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
         good = backend->connect_program(core, dt_program(core, i), i);
     return good;
@@ -596,10 +608,15 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
         release_resources(core);
         core->width = width;
         core->height = height;
+        memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
+        memset(core->resumed, 0, core->pipeline->resource_count * sizeof *core->resumed);
         good = check_sizes(core) && create_resources(core);
         if (!good)
             release_resources(core);
-        memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
+        else
+            dt_history_drop(core);
+        core->has_camera =
+            good && core->keep_history && core->kept_camera && dt_history_goes_on(core);
         core->sized = good;
     }
     return leave(core, good);
@@ -1094,6 +1111,7 @@ bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_fra
     core->next_pass = good && end < pipeline->pass_count ? end : 0;
     core->rendered = good && end == pipeline->pass_count;
     core->sized = good; /* else the recorded layouts may never take effect */
+    memset(core->resumed, 0, pipeline->resource_count * sizeof *core->resumed);
     return good;
 }
 
