@@ -256,7 +256,7 @@ const struct key table_keys[] = {
     {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "software|gpu", OPTIONAL, "software",
      "The kind of device that storage classes and loop shapes are chosen for. `software` reads the "
      "scene's vertices and indices from texel buffers, whose size some devices limit to 65,536 "
-     "elements.",
+     "elements: there the application takes `gpu`, which has the same bits.",
      "gpu"},
     {SECTION_TOP, "params", KEY_MAP, SECTION_PARAMS, NULL, OPTIONAL, NULL, "Parameters.",
      "{clusters: 8}"},

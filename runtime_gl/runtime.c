@@ -85,6 +85,7 @@ const struct dt_runtime runtime_gl = {
     .device_name = dt_verb_device_name,
     .driver = dt_verb_driver,
     .is_software = runtime_is_software,
+    .most_texels = dt_verb_most_texels,
     .set_scene = dt_verb_set_scene,
     .create = dt_verb_create,
     .resize = dt_verb_resize,

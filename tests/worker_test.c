@@ -134,6 +134,12 @@ static const char *device_name(void *runtime)
     return "a made device";
 }
 
+static uint64_t most_texels(void *runtime)
+{
+    (void)runtime;
+    return 65536;
+}
+
 static bool is_software(void *runtime)
 {
     (void)runtime;
@@ -266,9 +272,9 @@ static void close_runtime(void *runtime)
 #define MADE_RUNTIME(label, opening)                                                               \
     {                                                                                              \
         .name = (label), .open = (opening), .device_name = device_name, .driver = device_name,     \
-        .is_software = is_software, .set_scene = set_scene, .create = create, .resize = resize,    \
-        .render = render, .read = read_resource, .write = write_resource, .timings = timings,      \
-        .messages = messages, .close = close_runtime                                               \
+        .is_software = is_software, .most_texels = most_texels, .set_scene = set_scene,            \
+        .create = create, .resize = resize, .render = render, .read = read_resource,               \
+        .write = write_resource, .timings = timings, .messages = messages, .close = close_runtime  \
     }
 const struct dt_runtime runtime_gl = MADE_RUNTIME("gl", open_gl);
 const struct dt_runtime runtime_vk = MADE_RUNTIME("vk", open_vk);

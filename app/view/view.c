@@ -47,11 +47,10 @@ bool view_open_side(struct view *view, uint32_t index)
                                       .timing = true,
                                       .keep_history = true,
                                       .name_in_log = view->side_count > 1};
-    struct view_side *side = &view->side[index];
-    struct session *session = &side->session;
+    struct session *session = &view->side[index].session;
     return session_open(session, &info) &&
            session->runtime->set_scene(session->handle, &view->scene.data) &&
-           session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline));
+           session_create(session, &view->pipeline);
 }
 
 static bool open_overlay(struct view *view)

@@ -135,8 +135,6 @@ void view_tell(const struct view *view); /* for --json: frames, and median times
 
 /* Swaps in a newly made pipeline, if there is one. False when neither runs. */
 bool view_reload(struct view *view);
-const struct dt_shaders *view_shaders_of(const struct view_side *side,
-                                         const struct pipeline *pipeline);
 void view_set_live(struct view *view, const struct dt_param *param, const double values[4]);
 
 /* ---- view_outline.c -------------------------------------------------------------------------- */

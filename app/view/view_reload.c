@@ -10,12 +10,6 @@
 #include "console/texels.h"
 #include "spec/inputs.h"
 
-const struct dt_shaders *view_shaders_of(const struct view_side *side,
-                                         const struct pipeline *pipeline)
-{
-    return strcmp(side->session.runtime->name, "gl") == 0 ? pipeline->gl : pipeline->vk;
-}
-
 void view_set_live(struct view *view, const struct dt_param *param, const double values[4])
 {
     char text[160] = "[";
@@ -80,13 +74,11 @@ static bool keep_shown(struct view *view, const char *name)
     return true;
 }
 
-static bool create(const struct view *view)
+static bool create(struct view *view)
 {
     for (uint32_t i = 0; i < view->side_count; i++) {
-        const struct view_side *side = &view->side[i];
-        const struct session *session = &side->session;
-        if (!session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline)) ||
-            !session_resize(session, view->size))
+        struct session *session = &view->side[i].session;
+        if (!session_create(session, &view->pipeline) || !session_resize(session, view->size))
             return false;
     }
     return true;

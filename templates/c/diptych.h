@@ -407,6 +407,7 @@ struct dt_runtime {
     const char *(*device_name)(void *runtime);
     const char *(*driver)(void *runtime); /* its name and version, as it tells them */
     bool (*is_software)(void *runtime);
+    uint64_t (*most_texels)(void *runtime); /* elements of a texel buffer */
     bool (*set_scene)(void *runtime,
                       const struct dt_scene *scene); /* before resize; replaces the old scene */
     bool (*create)(void *runtime,

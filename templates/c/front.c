@@ -1137,6 +1137,11 @@ const char *dt_verb_device_name(void *runtime)
     return ((struct dt_core *)runtime)->device_name;
 }
 
+uint64_t dt_verb_most_texels(void *runtime)
+{
+    return ((struct dt_core *)runtime)->limits.most[DT_LIMIT_TEXELS];
+}
+
 const char *dt_verb_driver(void *runtime)
 {
     return ((struct dt_core *)runtime)->driver;

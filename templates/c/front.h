@@ -234,6 +234,7 @@ static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 
 const char *dt_verb_device_name(void *runtime);
 const char *dt_verb_driver(void *runtime);
+uint64_t dt_verb_most_texels(void *runtime);
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders);
 bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height);
