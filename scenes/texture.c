@@ -1,5 +1,6 @@
 /* The textures of a mesh as one array: one size, full mip chain, averaged in linear light. */
 #include "image.h"
+#include "image_oiio.h"
 #include "mesh.h"
 #include "picture_size.h"
 #include "scene.h"
@@ -16,8 +17,11 @@
 
 enum { DEFAULT_LIMIT = 1024, ENCODE_STEPS = 65536 };
 /* Of all layers together, with mips; and of the pictures that become layers. */
-#define MOST_BYTES  ((size_t)2 << 30)
-#define MOST_PIXELS ((uint64_t)1 << 32)
+#define MOST_BYTES ((size_t)2 << 30)
+/* Pixels that are decoded, and texels of layers, for any files, and more for each of their bytes: a
+ * picture of one colour has a thousand pixels a byte, one of a scene fewer than ten. */
+#define MOST_PIXELS ((uint64_t)1 << 27)
+enum { PIXELS_PER_BYTE = 16 };
 
 /* sRGB codes to linear light and back (IEC 61966-2-1). `encode` is so fine that every code survives
  * the round trip. */
@@ -213,6 +217,8 @@ static uint64_t header_size(const char *path, uint32_t *side)
     const char *reason;
     if (!picture_size(path, &width, &height, &reason) && !image_size(path, &width, &height, &quiet))
         return 0;
+    if ((uint64_t)width * height > IMAGE_MOST_PIXELS)
+        return 0; /* it is not decoded */
     *side = width > *side ? width : *side;
     *side = height > *side ? height : *side;
     return (uint64_t)width * height;
@@ -227,31 +233,60 @@ static void choose_size(struct layers *layers, uint32_t size)
         layers->chain += (size_t)4 * s * s;
 }
 
-/* Chooses the size of the layers; 0: by the largest picture, or what the limit leaves. Refuses, before
- * any picture is decoded, what takes too much. */
-static bool plan_layers(struct layers *layers, uint32_t wanted)
+/* Pixels of all pictures and bytes of their files. */
+struct work {
+    uint64_t pixels, bytes;
+    uint32_t largest; /* side of a picture */
+};
+
+static bool add_up(const struct layers *layers, struct work *work)
 {
-    uint64_t pixels = 0;
-    uint32_t largest = 1, size = 1;
+    *work = (struct work){.largest = 1};
     for (uint32_t i = 0; i < layers->count; i++) {
-        const struct mesh_texture *texture = &layers->mesh->textures[layers->textures[i]];
+        uint32_t number = layers->textures[i];
+        const struct mesh_texture *texture = &layers->mesh->textures[number];
         struct opened opened;
         if (!open_texture(texture, &opened, layers->log))
             return false;
-        pixels += header_size(opened.name, &largest);
+        work->pixels += header_size(opened.name, &work->largest);
         close_texture(&opened);
-        pixels += texture->opacity ? header_size(texture->opacity, &(uint32_t){0}) : 0;
+        work->pixels += texture->opacity ? header_size(texture->opacity, &(uint32_t){0}) : 0;
+        work->bytes += texture->bytes ? texture->size : (uint64_t)layers->files[2 * number].st_size;
+        work->bytes += (uint64_t)layers->files[2 * number + 1].st_size;
     }
-    while (size < DEFAULT_LIMIT && size < largest)
+    return true;
+}
+
+/* Whether the pictures and layers of this size take no longer than their files deserve. */
+static bool is_affordable(const struct layers *layers, const struct work *work)
+{
+    uint64_t texels = (uint64_t)layers->count * layers->size * layers->size;
+    return work->pixels + texels <= MOST_PIXELS + PIXELS_PER_BYTE * work->bytes;
+}
+
+/* Chooses the size of the layers; 0: by the largest picture, or what the limits leave. Refuses, before
+ * any picture is decoded, what takes too much. */
+static bool plan_layers(struct layers *layers, uint32_t wanted)
+{
+    struct work work;
+    uint32_t size = 1;
+    if (!add_up(layers, &work))
+        return false;
+    while (size < DEFAULT_LIMIT && size < work.largest)
         size *= 2;
     choose_size(layers, wanted ? wanted : size);
-    while (!wanted && layers->size > 1 && layers->count > MOST_BYTES / layers->chain)
+    while (!wanted && layers->size > 1 &&
+           (layers->count > MOST_BYTES / layers->chain || !is_affordable(layers, &work)))
         choose_size(layers, layers->size / 2);
-    if (pixels > MOST_PIXELS)
+    bool fits = layers->count <= MOST_BYTES / layers->chain;
+    if (fits && !is_affordable(layers, &work))
         log_message(layers->log, DT_ERROR,
-                    "the scene's textures have %llu pixels; %llu is the limit",
-                    (unsigned long long)pixels, (unsigned long long)MOST_PIXELS);
-    else if (layers->count > MOST_BYTES / layers->chain)
+                    "the scene's textures have %llu pixels, for %u layers of %ux%u, in files of "
+                    "%llu bytes; use smaller ones%s",
+                    (unsigned long long)work.pixels, layers->count, layers->size, layers->size,
+                    (unsigned long long)work.bytes,
+                    wanted ? ", or lower `texture_size` in the scene file" : "");
+    else if (!fits)
         log_message(layers->log, DT_ERROR,
                     "%u textures of %ux%u take %zu MiB; %zu is the limit; lower `texture_size` in "
                     "the scene file",

@@ -598,6 +598,18 @@ static void textures_have_a_budget(void **state)
     assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
     assert_non_null(
         strstr(heard.text, "26 textures of 4096x4096 take 2218 MiB; 2048 is the limit"));
+    *strstr(mtl, "newmtl m9") = 0; /* little memory, but much time for small files */
+    put("t.mtl", mtl);
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_non_null(strstr(heard.text, "for 10 layers of 4096x4096, in files of "));
+    strcpy(mtl, "newmtl a\nmap_Kd a.pgm\nnewmtl b\nmap_Kd b.pgm\nnewmtl c\nmap_Kd c.pgm\n");
+    put("a.pgm", "P5 8000 8000 255\n");
+    put("b.pgm", "P5 8000 8000 255\n");
+    put("c.pgm", "P5 8000 8000 255\n");
+    put("t.mtl", mtl);
+    put("t.yaml", "mesh: t.obj\n" CAMERA SUN);
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_non_null(strstr(heard.text, "the scene's textures have 192000000 pixels"));
     assert_int_equal(heard.count[DT_WARNING], 0);
 }
 
