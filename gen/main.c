@@ -7,6 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -305,6 +306,18 @@ static enum status print_text(struct text *text)
     return status;
 }
 
+/* Of this process alone; a lower limit of the caller stays. Address space without memory does not count. */
+static bool limit_memory(void)
+{
+    const rlim_t most = (rlim_t)SPEC_GIBIBYTES << 30;
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_DATA, &limit) != 0)
+        return false;
+    if (limit.rlim_cur > most)
+        limit.rlim_cur = most;
+    return setrlimit(RLIMIT_DATA, &limit) == 0;
+}
+
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
@@ -318,8 +331,8 @@ static enum status generate(struct generation *g)
                                    .prove = options->prove,
                                    .text = options->out != NULL,
                                    .cache = options->cache};
-    if (!watchdog_start((unsigned)seconds)) {
-        fprintf(stderr, "diptych-gen: error: no timer: %s\n", strerror(errno));
+    if (!limit_memory() || !watchdog_start((unsigned)seconds)) {
+        fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;
     }
     bool good = spec_load(&g->spec, &request, options->out || options->needs, g->diag);

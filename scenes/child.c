@@ -31,8 +31,8 @@ void child_limit_memory(size_t bytes)
     struct rlimit limit;
     unsigned long pages = 0;
     if (file && fscanf(file, "%lu", &pages) == 1 && getrlimit(RLIMIT_AS, &limit) == 0) {
-        rlim_t all = pages * (rlim_t)sysconf(_SC_PAGESIZE) + bytes;
-        limit.rlim_cur = bytes && all < limit.rlim_max ? all : limit.rlim_max;
+        rlim_t all = pages * (rlim_t)sysconf(_SC_PAGESIZE) + (bytes ? bytes : CHILD_BYTES);
+        limit.rlim_cur = all < limit.rlim_max ? all : limit.rlim_max;
         setrlimit(RLIMIT_AS, &limit);
     }
     if (file)
@@ -89,6 +89,7 @@ static _Noreturn void run(child_work *work, void *user, FILE *result, FILE *mess
                 setrlimit(RLIMIT_CORE, &no_core) == 0;
     if (!good)
         log_message(&log, DT_ERROR, "a child process cannot be limited: %s", strerror(errno));
+    child_limit_memory(0);
     good = good && work(result, user, &log);
     if (good && (fflush(result) != 0 || ferror(result))) {
         log_message(&log, DT_ERROR, "the result of a child process: %s", strerror(errno));

@@ -107,6 +107,34 @@ static bool jpeg(FILE *file, uint32_t size[2])
     return false;
 }
 
+/* Goes behind coded data, to the next marker that is no restart. */
+static bool skip_data(FILE *file)
+{
+    for (int byte = getc(file), next; byte != EOF; byte = next) {
+        next = getc(file);
+        if (byte == 0xff && next > 0 && next != 0xff && (next < 0xd0 || next > 0xd7))
+            return fseek(file, -2, SEEK_CUR) == 0;
+    }
+    return false;
+}
+
+/* Whether the marker of the end comes; libraries fill up what is missing. */
+static bool jpeg_ends(FILE *file)
+{
+    uint8_t marker, head[2];
+    uint32_t length;
+    if (!skip(file, 2))
+        return false;
+    while (take(file, head, 2) && fseek(file, -2, SEEK_CUR) == 0) {
+        if (head[0] == 0xff && head[1] == 0xd9)
+            return true;
+        if (!next_segment(file, &marker, &length) || !skip(file, length) ||
+            (marker == 0xda && !skip_data(file)))
+            return false;
+    }
+    return false;
+}
+
 /* Of the ICC profile, whose description stands in its first segment. */
 static void jpeg_space(FILE *file, char space[PICTURE_SPACE])
 {
@@ -381,6 +409,8 @@ bool picture_check(const char *path, const char **reason)
     FILE *file = open_kind(path, &kind, &other);
     if (file && kind->read == hdr)
         trouble = hdr_trouble(file);
+    else if (file && kind->read == jpeg && !jpeg_ends(file))
+        trouble = "it ends in the middle, or is damaged";
     if (file)
         fclose(file);
     if (trouble)

@@ -167,6 +167,7 @@ cat >"$work/driver/spy.c" <<'END'
 #include <net/if.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 __attribute__((constructor)) static void spy(void)
 {
@@ -174,6 +175,10 @@ __attribute__((constructor)) static void spy(void)
     int count = 0;
     while (names && names[count].if_index)
         count++;
+    struct rlimit memory, seconds;
+    getrlimit(RLIMIT_DATA, &memory);
+    getrlimit(RLIMIT_CPU, &seconds);
+    fprintf(stderr, "limits: %d GiB, %d s\n", (int)(memory.rlim_cur >> 30), (int)seconds.rlim_cur);
     fprintf(stderr, "spy: file %s, variable %s, written %s, networks %d\n", access(SECRET, R_OK) ? "no" : "yes",
             getenv("SPY_SECRET") ? "yes" : "no", access(FOLDER, W_OK) ? "no" : "yes", count);
 }
@@ -193,6 +198,7 @@ spied() { # text option...: replays with that driver
 if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
     check "a replay sees no files, no variables, no network, and writes nothing" \
         spied "file no, variable no, written no, networks [01]$"
+    check "... and has limits of memory and time" grep -q "^limits: 16 GiB, 1800 s$" "$work/said"
     # shellcheck disable=SC2016
     check "... but as JSON what it found" \
         bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"

@@ -154,6 +154,38 @@ check "too few open files" refuses "this process may not open so many" bash -c '
 check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
 
+# shellcheck disable=SC2317
+has_limit() { # the process that reads a scene has one of memory
+    cat >"$work/limit.c" <<'END'
+#include <stdio.h>
+#include <sys/resource.h>
+#include <unistd.h>
+__attribute__((visibility("default"))) int setrlimit(__rlimit_resource_t kind, const struct rlimit *limit)
+{
+    if (kind == RLIMIT_AS || kind == RLIMIT_DATA)
+        fprintf(stderr, "limit %d\n", limit->rlim_cur != RLIM_INFINITY);
+    return 0;
+}
+END
+    cc -shared -fPIC -D_GNU_SOURCE -o "$work/limit.so" "$work/limit.c" && LD_PRELOAD=$work/limit.so "$@" 2>&1 | grep -q "limit 1"
+}
+check "who reads a mesh has a limit of memory" has_limit "${scene[@]}" --scene scenes/cornell.yaml
+check "... who reads a spec" has_limit "$gen" tests/specs/grey.yaml --check
+# A driver that maps its cache dies of a full disk.
+# shellcheck disable=SC2317
+full_disk() {
+    unshare -rm sh -c 'mount -t tmpfs -o size=8k none "$1" && shift && MESA_SHADER_CACHE_DIR=$0 "$@"' "$work/full" "$work/full" "$diptych" render \
+        --backend gl+glsl -o "$work/a.png" --spec tests/specs/mips.yaml --scene scenes/cornell.yaml --size 16x8 2>&1 | tee "$work/said"
+    grep -q "Mesa keeps no shaders" "$work/said" && [ -s "$work/a.png" ]
+}
+mkdir "$work/full"
+if unshare -rm mount -t tmpfs none "$work/full" 2>/dev/null; then
+    rm -f "$work/a.png"
+    check "a full disk under Mesa's cache" full_disk
+else
+    skip "a full disk under Mesa's cache" "the kernel allows no file system of its own"
+fi
+
 # ---- Evidence -------------------------------------------------------------------------------------------------------
 
 mkdir "$work/spec"

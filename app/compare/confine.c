@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -13,6 +14,9 @@
 extern char **environ;
 
 enum { MOST_WORDS = 400 };
+
+/* Of a replay: memory, and processor time of all its threads together. */
+enum { REPLAY_GIBIBYTES = 16, REPLAY_SECONDS = 1800 };
 
 struct command {
     char *words[MOST_WORDS]; /* owned */
@@ -187,6 +191,24 @@ static bool works(struct console *console)
     return good;
 }
 
+/* Children have the limits that this process has when they start. */
+static int run_limited(char *const *words, struct console *console)
+{
+    static const int kinds[] = {RLIMIT_DATA, RLIMIT_CPU};
+    const rlim_t most[] = {(rlim_t)REPLAY_GIBIBYTES << 30, REPLAY_SECONDS};
+    struct rlimit own[2];
+    for (int i = 0; i < 2; i++) {
+        getrlimit(kinds[i], &own[i]);
+        struct rlimit lower = own[i];
+        lower.rlim_cur = own[i].rlim_cur < most[i] ? own[i].rlim_cur : most[i];
+        setrlimit(kinds[i], &lower);
+    }
+    int status = tool_status(words, console);
+    for (int i = 0; i < 2; i++)
+        setrlimit(kinds[i], &own[i]);
+    return status;
+}
+
 static bool run_confined(struct console *console, const struct options *options, int *status)
 {
     struct command command = {0};
@@ -197,7 +219,7 @@ static bool run_confined(struct console *console, const struct options *options,
     if (command.failed || (options->json && result < 0))
         report_error(&console->log, "out of memory");
     else
-        *status = tool_status(command.words, console);
+        *status = run_limited(command.words, console);
     free_command(&command);
     char *text = result >= 0 ? file_contents(result) : NULL;
     if (options->json && (!text || !file_write(options->json, text, strlen(text), &console->log)))

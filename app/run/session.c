@@ -3,7 +3,9 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 
+#include "base/files.h"
 #include "console/tool.h"
 #include "spec/inputs.h"
 #include "front.h"
@@ -14,8 +16,28 @@ static const struct dt_runtime *find_runtime(const char *backend)
     return strcmp(backend, runtime_gl.name) == 0 ? &runtime_gl : &runtime_vk;
 }
 
+/* Mesa maps its cache: on a full disk the process would die of SIGBUS. */
+static void spare_full_disk(struct console *console)
+{
+    enum { LEAST_BYTES = 16 << 20 };
+    const char *own = getenv("MESA_SHADER_CACHE_DIR"), *all = getenv("XDG_CACHE_HOME");
+    const char *home = getenv("HOME");
+    char *folder = own && *own   ? strdup(own)
+                   : all && *all ? strdup(all)
+                   : home        ? format_string("%s/.cache", home)
+                                 : NULL;
+    struct statvfs disk;
+    if (!console->attached && folder && !getenv("MESA_SHADER_CACHE_DISABLE") &&
+        statvfs(folder, &disk) == 0 && (uint64_t)disk.f_bavail * disk.f_frsize < LEAST_BYTES &&
+        setenv("MESA_SHADER_CACHE_DISABLE", "true", 0) == 0)
+        report_message(&console->log, DT_WARNING, "%s: the disk is full; Mesa keeps no shaders",
+                       folder);
+    free(folder);
+}
+
 bool session_open(struct session *session, const struct session_info *info)
 {
+    spare_full_disk(info->console);
     const struct setup *setup = info->setup;
     const struct side *side = info->side;
     *session = (struct session){
