@@ -262,6 +262,7 @@ static void flush_file(struct aiFile *file)
 struct opening {
     const struct dt_log *log;
     char *no_materials; /* a material library that is not there; NULL: none, or another was found */
+    char *names;        /* of materials; see obj_add_names */
     bool failed;        /* an error was logged */
 };
 
@@ -316,6 +317,8 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     else if (!opening->failed)
         log_message(opening->log, DT_ERROR, "%s: %s", path, reason);
     opening->failed = opening->failed || !file;
+    if (file && is_material_library(path))
+        obj_add_names(path, &opening->names);
     if (file && !opening->failed && opening->no_materials && is_material_library(path)) {
         log_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
                     opening->no_materials, path);
@@ -355,6 +358,21 @@ static bool is_whole(const struct aiScene *source, struct opening *opening, cons
     return good;
 }
 
+/* Of `usemtl`, whose material assimp makes up. */
+static void tell_unknown_materials(const struct aiScene *source, const struct opening *opening,
+                                   const char *path)
+{
+    struct aiString name;
+    for (uint32_t i = 0; i < source->mNumMaterials; i++)
+        if (aiGetMaterialString(source->mMaterials[i], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+            name.length && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0 &&
+            !obj_has_name(opening->names, name.data))
+            log_message(
+                opening->log, DT_WARNING,
+                "%s: no material library has `%s`, which `usemtl` names; plain grey instead", path,
+                name.data);
+}
+
 bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
 {
     struct opening opening = {.log = log};
@@ -367,6 +385,9 @@ bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const 
     const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
     child_limit_memory(0);
     bool good = is_whole(source, &opening, path, log);
+    if (good && has_ending(path, ".obj"))
+        tell_unknown_materials(source, &opening, path);
+    free(opening.names);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
     good = good && import_materials(&import) && import_triangles(&import) &&

@@ -1,4 +1,5 @@
-/* Indices of OBJ files, which assimp checks without saying which one is wrong, or passes over. */
+/* Indices of OBJ files, which assimp checks without saying which one is wrong, or passes over; and names
+ * of materials, of which it makes up those that no library has. */
 #include "mesh.h"
 
 #include "base/input.h"
@@ -76,4 +77,47 @@ bool obj_check(const char *path, const struct dt_log *log)
     else
         log_message(log, DT_ERROR, "%s: %s", path, reason);
     return file && report(listed, path, log);
+}
+
+/* ---- Materials ------------------------------------------------------------------------------- */
+
+/* Appends a name and its line end; without memory nothing, which the caller's import tells. */
+static void append_name(char **names, const char *name, size_t length)
+{
+    size_t used = *names ? strlen(*names) : 0;
+    char *more = realloc(*names, used + length + 3);
+    if (!more)
+        return;
+    *names = more;
+    snprintf(more + used, length + 3, "%s%.*s\n", used ? "" : "\n", (int)length, name);
+}
+
+void obj_add_names(const char *path, char **names)
+{
+    const char *reason;
+    FILE *file = input_open(path, MESH_MOST_BYTES, &reason);
+    char *line = NULL;
+    size_t capacity = 0;
+    while (file && getline(&line, &capacity, file) > 0) {
+        char *text = line + strspn(line, " \t");
+        if (strncmp(text, "newmtl", 6) != 0)
+            continue;
+        text += 6 + strspn(text + 6, " \t");
+        size_t length = strlen(text);
+        while (length && strchr(" \t\r\n", text[length - 1]))
+            length--;
+        append_name(names, text, length);
+    }
+    free(line);
+    if (file)
+        fclose(file);
+}
+
+bool obj_has_name(const char *names, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = names ? strstr(names, name) : NULL; at; at = strstr(at + 1, name))
+        if (at[-1] == '\n' && at[length] == '\n')
+            return true;
+    return false;
 }

@@ -151,6 +151,11 @@ check "a mesh that is a device" refuses "/dev/zero: it is no regular file" "${sc
 check "materials" refuses "zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
 check "nodes that double" refuses "doubling.dae: reading it takes more memory than there is" "${scene[@]}" --scene "$work/doubling_nodes.yaml"
 check "too few open files" refuses "this process may not open so many" bash -c 'ulimit -n 7 && exec "$@"' bash "${scene[@]}" --scene scenes/cornell.yaml
+printf 'newmtl red one\r\nKd 1 0 0\n' >"$work/named.mtl"
+printf 'mtllib named.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red one\nf 1 2 3\nusemtl rde\nf 1 3 2\n' >"$work/named.obj"
+sed 's|^mesh: .*|mesh: named.obj|' scenes/cornell.yaml >"$work/named.yaml"
+check "a material that no library has" warns "named.obj: no material library has \`rde\`, which" "${scene[@]}" --scene "$work/named.yaml"
+check "... and no other" [ "$(grep -c 'no material library' "$work/said")" = 1 ]
 check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
 
@@ -174,6 +179,7 @@ check "... who reads a spec" has_limit "$gen" tests/specs/grey.yaml --check
 # A driver that maps its cache dies of a full disk.
 # shellcheck disable=SC2317
 full_disk() {
+    # shellcheck disable=SC2016
     unshare -rm sh -c 'mount -t tmpfs -o size=8k none "$1" && shift && MESA_SHADER_CACHE_DIR=$0 "$@"' "$work/full" "$work/full" "$diptych" render \
         --backend gl+glsl -o "$work/a.png" --spec tests/specs/mips.yaml --scene scenes/cornell.yaml --size 16x8 2>&1 | tee "$work/said"
     grep -q "Mesa keeps no shaders" "$work/said" && [ -s "$work/a.png" ]
