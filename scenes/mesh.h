@@ -87,8 +87,9 @@ void mesh_check_light(struct mesh_view *view);
 bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
 /* Whether the faces of an OBJ file name vertices, texture coordinates and normals that it has. */
 bool obj_check(const char *path, const struct dt_log *log);
-/* Adds the names of the materials of a library to *names, NULL at first; free(). */
-void obj_add_names(const char *path, char **names);
+/* Adds the names of the materials of a library to *names, NULL at first; free(). Warns of what scenes do
+ * not take. */
+void obj_read_library(const char *path, char **names, const struct dt_log *log);
 bool obj_has_name(const char *names, const char *name);
 /* Fills the mesh's views. False when out of memory. */
 bool mesh_views(struct mesh *mesh, const struct aiScene *source, float scale);

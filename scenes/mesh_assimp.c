@@ -262,7 +262,7 @@ static void flush_file(struct aiFile *file)
 struct opening {
     const struct dt_log *log;
     char *no_materials; /* a material library that is not there; NULL: none, or another was found */
-    char *names;        /* of materials; see obj_add_names */
+    char *names;        /* of materials; see obj_read_library */
     bool failed;        /* an error was logged */
 };
 
@@ -318,7 +318,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
         log_message(opening->log, DT_ERROR, "%s: %s", path, reason);
     opening->failed = opening->failed || !file;
     if (file && is_material_library(path))
-        obj_add_names(path, &opening->names);
+        obj_read_library(path, &opening->names, opening->log);
     if (file && !opening->failed && opening->no_materials && is_material_library(path)) {
         log_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
                     opening->no_materials, path);

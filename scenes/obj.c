@@ -92,27 +92,6 @@ static void append_name(char **names, const char *name, size_t length)
     snprintf(more + used, length + 3, "%s%.*s\n", used ? "" : "\n", (int)length, name);
 }
 
-void obj_add_names(const char *path, char **names)
-{
-    const char *reason;
-    FILE *file = input_open(path, MESH_MOST_BYTES, &reason);
-    char *line = NULL;
-    size_t capacity = 0;
-    while (file && getline(&line, &capacity, file) > 0) {
-        char *text = line + strspn(line, " \t");
-        if (strncmp(text, "newmtl", 6) != 0)
-            continue;
-        text += 6 + strspn(text + 6, " \t");
-        size_t length = strlen(text);
-        while (length && strchr(" \t\r\n", text[length - 1]))
-            length--;
-        append_name(names, text, length);
-    }
-    free(line);
-    if (file)
-        fclose(file);
-}
-
 bool obj_has_name(const char *names, const char *name)
 {
     size_t length = strlen(name);
@@ -120,4 +99,65 @@ bool obj_has_name(const char *names, const char *name)
         if (at[-1] == '\n' && at[length] == '\n')
             return true;
     return false;
+}
+
+/* What a library says, and scenes do not take; each kind once. */
+enum { TWICE, COLOR, ALPHA, BUMP, OPTION, TOLD };
+
+static int kind_of(const char *text, const char *names)
+{
+    static const char *const bumps[] = {"map_Bump ", "map_bump ", "bump ", "norm "};
+    float value[3] = {0};
+    if (sscanf(text, "d %f", value) == 1 ? value[0] < 1
+                                         : sscanf(text, "Tr %f", value) == 1 && value[0] > 0)
+        return ALPHA;
+    if (sscanf(text, "Kd %f %f %f", &value[0], &value[1], &value[2]) == 3)
+        for (int i = 0; i < 3; i++)
+            if (!(value[i] >= 0 && value[i] <= 1))
+                return COLOR;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(bumps); i++)
+        if (strncmp(text, bumps[i], strlen(bumps[i])) == 0)
+            return BUMP;
+    if (strncmp(text, "map_Kd", 6) == 0 && text[6 + strspn(text + 6, " \t")] == '-')
+        return OPTION;
+    return strncmp(text, "newmtl ", 7) == 0 && obj_has_name(names, text + 7) ? TWICE : TOLD;
+}
+
+static void tell(const char *path, unsigned long line, const char *text, int kind,
+                 const struct dt_log *log)
+{
+    static const char *const words[] = {
+        [TWICE] = "a name that an earlier material has",
+        [COLOR] = "a colour has numbers from 0 to 1; the nearest are taken",
+        [ALPHA] = "transparency is not supported; the material is opaque",
+        [BUMP] = "bump maps are not supported; vertices have their normals",
+        [OPTION] =
+            "options of textures are not supported; they repeat, and are not moved or scaled"};
+    log_message(log, DT_WARNING, "%s:%lu: `%.80s`: %s", path, line, text, words[kind]);
+}
+
+void obj_read_library(const char *path, char **names, const struct dt_log *log)
+{
+    const char *reason;
+    bool told[TOLD + 1] = {[TOLD] = true};
+    FILE *file = input_open(path, MESH_MOST_BYTES, &reason);
+    char *line = NULL;
+    size_t capacity = 0;
+    for (unsigned long number = 1; file && getline(&line, &capacity, file) > 0; number++) {
+        char *text = line + strspn(line, " \t");
+        size_t length = strlen(text);
+        while (length && strchr(" \t\r\n", text[length - 1]))
+            text[--length] = 0;
+        int kind = kind_of(text, *names);
+        if (!told[kind])
+            tell(path, number, text, kind, log);
+        told[kind] = true;
+        if (strncmp(text, "newmtl", 6) == 0) {
+            text += 6 + strspn(text + 6, " \t");
+            append_name(names, text, strlen(text));
+        }
+    }
+    free(line);
+    if (file)
+        fclose(file);
 }

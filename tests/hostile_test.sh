@@ -156,6 +156,11 @@ printf 'mtllib named.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red one\nf 1 2 3\nus
 sed 's|^mesh: .*|mesh: named.obj|' scenes/cornell.yaml >"$work/named.yaml"
 check "a material that no library has" warns "named.obj: no material library has \`rde\`, which" "${scene[@]}" --scene "$work/named.yaml"
 check "... and no other" [ "$(grep -c 'no material library' "$work/said")" = 1 ]
+printf 'newmtl a\nKd 5 0 0\nd 0.5\nmap_Bump b.png\nmap_Kd -s 2 2 2 b.png\nnewmtl a\nd 0.5\n' >"$work/more.mtl"
+sed 's/named.mtl/more.mtl/; s/red one/a/; s/rde/a/' "$work/named.obj" >"$work/more.obj"
+sed 's|^mesh: .*|mesh: more.obj|' scenes/cornell.yaml >"$work/more.yaml"
+check "what a library of materials has beyond a scene's" warns "more.mtl:5: \`map_Kd -s 2 2 2 b.png\`: options" "${scene[@]}" --scene "$work/more.yaml"
+check "... each kind once" [ "$(grep -c 'more.mtl:' "$work/said")" = 5 ]
 check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
 

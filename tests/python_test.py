@@ -256,6 +256,17 @@ def test_resize(negative):
         assert found["frames"].tolist() == [1] and (found["seen"]["weight"] == [0.5, 1.5, 2.5]).all()
 
 
+def test_a_resize_that_fails_changes_nothing(negative):
+    with open_negative(negative, "gl") as pipeline:
+        with pytest.raises(diptych.Error, match="choose another size"):
+            pipeline.resize(60000, 60000)
+        assert (pipeline.render("picture")["picture"][..., :3] == 255 - photo()[..., :3]).all()
+        with pytest.raises(diptych.Error, match="compare: a player with itself"):
+            diptych.compare(pipeline, pipeline)
+    with pytest.raises(diptych.Error, match="size 0x4: must be from 1x1"):
+        diptych.open(negative, size=(0, 4))
+
+
 def test_resize_keeps_history(negative):
     with open_negative(negative, "gl", keep_history=True) as pipeline:
         pipeline.render()

@@ -242,7 +242,9 @@ class Pipeline:
             **self._options,
         )
         if self._size is not None:
-            options.width, options.height = (_u32("size", number) or 2**32 - 1 for number in self._size)
+            options.width, options.height = (_u32("size", number) for number in self._size)
+            if not (options.width and options.height):
+                raise Error(f"size {options.width}x{options.height}: must be from 1x1")
         with _opening:
             player = _library.dt_play_open(ctypes.byref(options))
         return self._check(player)
@@ -308,7 +310,12 @@ class Pipeline:
         """Gives frames from the next one on another size; resources with `history` begin as zero, unless
         `keep_history` has kept them, and inputs whose size follows the frame need new content."""
         size = _u32("size", width), _u32("size", height)
-        self._check(_library.dt_play_resize(self._handle(), *size))
+        try:
+            self._check(_library.dt_play_resize(self._handle(), *size))
+        except Error:
+            for (name, mip), array in [] if self._rendering else self._given.items():
+                self.write(name, array, mip)
+            raise
         self._size = size
         for name, mip in list(self._given):
             if _layout(self._resource(name), _extent(self._resource(name), mip))[1] != self._given[name, mip].shape:

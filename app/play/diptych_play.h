@@ -82,7 +82,8 @@ bool dt_play_read(struct dt_player *player, const char *resource, uint32_t mip,
                   struct dt_bytes *out);
 
 /* Gives frames from the next one on another size; resources with `history` begin as zero,
- * unless `keep_history` has kept them. */
+ * unless `keep_history` has kept them. After an error the
+ * size stays; inputs whose extent depends on it, and history, are gone. */
 bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height);
 
 /* Moves the camera from the next frame on, in the scene's units; fov_y: of the whole picture, degrees. */

@@ -198,10 +198,14 @@ bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
                      height, fixed[0], fixed[1]);
         return false;
     }
+    const uint32_t before[2] = {player->setup.size[0], player->setup.size[1]};
     forget_inputs(player, size);
     memcpy(player->setup.size, size, sizeof size);
     player->broken = true;
-    return recover(player);
+    if (recover(player))
+        return true;
+    memcpy(player->setup.size, before, sizeof before); /* the next frame has that again */
+    return false;
 }
 
 /* Files with such numbers are refused, too; see inputs.c. */
@@ -446,6 +450,8 @@ static bool compare_pass(void *user, uint32_t pass)
 
 static bool can_compare(struct dt_player *a, const struct dt_player *b)
 {
+    if (a == b)
+        return fail(a, "compare: a player with itself; open another one");
     if (plan_hash(a->pipeline.plan) != plan_hash(b->pipeline.plan))
         return fail(a, "compare: the players have different pipelines or values of parameters that "
                        "are not live");
