@@ -73,7 +73,7 @@ static void keep(struct dt_core *core, uint32_t index)
 {
     struct dt_kept *kept = &core->kept[core->kept_count];
     size_t size = core->backend->resource_size;
-    uint32_t extent[3];
+    uint32_t extent[3] = {0};
     core->pipeline->extent(core->pipeline, index, core->width, core->height, extent);
     *kept = (struct dt_kept){strdup(core->pipeline->resources[index].name),
                              layout_of(core, index, extent), core->written[index], malloc(size)};
