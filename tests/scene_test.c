@@ -544,7 +544,7 @@ static void textures_keep_their_numbers(void **state)
     assert_true(codes[0] == 10 && codes[4] == 200);
     free(codes);
     put("g.obj", textured_obj);
-    put("t.mtl", "newmtl a\nmap_Kd linear.png\n");
+    put("t.mtl", "newmtl a\nmap_Kd linear.png\nnewmtl b\nnewmtl c\n");
     put("g.yaml", "mesh: g.obj\ntexture_size: 2\n" CAMERA SUN);
     load(&scene, at("g.yaml"), &heard);
     assert_int_equal(heard.count[DT_WARNING], 1);
