@@ -57,6 +57,10 @@ static const struct dt_pipeline pipeline_info = {.name = "made",
                                                  .passes = passes,
                                                  .pass_count = PASSES};
 
+static const struct dt_program made_programs[PASSES];
+static const struct dt_panel made_panel = {.pipeline = &pipeline_info, .programs = made_programs};
+static const struct dt_shaders made_shaders = {.panel = &made_panel};
+
 /* ---- Two runtimes ------------------------------------------------------------------------------- */
 
 enum trouble {
@@ -361,6 +365,7 @@ static int set_up(void **state)
     pthread_mutex_init(&bench->console.writing, NULL);
     bench->setup = (struct setup){.size = {8, 8}, .frames = 3};
     bench->pipeline.info = &pipeline_info;
+    bench->pipeline.gl = bench->pipeline.vk = &made_shaders;
     bench->sides[0] = (struct side){.label = (char *)"gl", .backend = "gl"};
     bench->sides[1] = (struct side){.label = (char *)"vk", .backend = "vk"};
     memset(scripts, 0, sizeof scripts);
