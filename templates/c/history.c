@@ -15,11 +15,17 @@ struct dt_kept {
 
 /* ---- Layouts --------------------------------------------------------------------------------- */
 
-/* FNV-1a. */
-static void mix(uint64_t *hash, const void *bytes, size_t size)
+/* FNV-1a, of numbers in place of bytes. */
+static void mix(uint64_t *hash, const uint32_t *numbers, size_t count)
 {
-    for (size_t i = 0; i < size; i++)
-        *hash = (*hash ^ ((const uint8_t *)bytes)[i]) * 1099511628211u;
+    for (size_t i = 0; i < count; i++)
+        *hash = (*hash ^ numbers[i]) * 1099511628211u;
+}
+
+static void mix_text(uint64_t *hash, const char *text)
+{
+    for (size_t i = 0; i <= strlen(text); i++)
+        *hash = (*hash ^ (uint8_t)text[i]) * 1099511628211u;
 }
 
 static uint64_t layout_of(const struct dt_core *core, uint32_t index, const uint32_t extent[3])
@@ -37,13 +43,13 @@ static uint64_t layout_of(const struct dt_core *core, uint32_t index, const uint
                                 extent[2],
                                 core->panel->storage[index].block};
     uint64_t hash = 14695981039346656037u;
-    mix(&hash, numbers, sizeof numbers);
+    mix(&hash, numbers, DT_ARRAY_COUNT(numbers));
     for (uint32_t i = 0; resource->kind == DT_BUFFER && i < resource->field_count; i++) {
         const struct dt_field *field = &resource->fields[i];
         const uint32_t place[] = {field->type, field->offset, field->array_count,
                                   field->array_stride};
-        mix(&hash, field->name, strlen(field->name) + 1);
-        mix(&hash, place, sizeof place);
+        mix_text(&hash, field->name);
+        mix(&hash, place, DT_ARRAY_COUNT(place));
     }
     return hash;
 }
