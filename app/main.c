@@ -60,6 +60,13 @@ static const struct verb verbs[] = {
      "also compared with that C on this processor.\nExit status: 0 done, 1 it failed (the reason "
      "is on stderr), 2 wrong usage.",
      verb_bench, EXIT_FAILED},
+    {"cost", VERB_COST, "what a frame costs on a GPU, by its compiler, without the GPU",
+     "Compiles every pass for chips of AMD with RADV on its null hardware, and prints registers, "
+     "waves, "
+     "code\nand cycles of each stage. With the plan's counts they make lower bounds of times: of "
+     "arithmetic, of one\nwave's latency, and of bytes.\n"
+     "Exit status: 0 done, 1 --against: a pass is worse beyond the limit, 2 it could not run.",
+     verb_cost, EXIT_USAGE},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
      "Runs reference, render, metrics, bench and compare from a ninja file in the folder, and "
      "makes\nindex.html from their results. The same command continues an interrupted "
@@ -86,7 +93,9 @@ static const struct verb verbs[] = {
     {"tune", VERB_TUNE, "find the fastest choices that change no bit, for one device",
      "Tries other workgroups, and other storage and loops of ranges, which a spec leaves to the "
      "generator.\nA change is kept if it makes its pass faster in frames that take turns; passes "
-     "below 1 % of the frame\nare left as they are. --set keeps a value. At the end, all resources "
+     "below 1 % of the frame\nare left as they are. --gpu goes by the figures of a GPU's compiler, "
+     "as `cost` does, and leaves loops "
+     "out. --set keeps a value. At the end, all resources "
      "of all passes must have the same bits.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_tune, EXIT_FAILED},
     {"help", VERB_HELP, "list the verbs, or the options of one",

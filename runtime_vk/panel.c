@@ -133,7 +133,7 @@ static bool suits(struct dt_core *core, const struct dt_panel *panel)
     return true;
 }
 
-static struct vk_program_info program_info(const struct dt_core *core, uint32_t pass)
+struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t pass)
 {
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_program_info info = {
@@ -149,13 +149,13 @@ static struct vk_program_info program_info(const struct dt_core *core, uint32_t 
 
 static bool create_program(struct dt_core *core, void *program, uint32_t pass)
 {
-    struct vk_program_info info = program_info(core, pass);
+    struct vk_program_info info = vk_program_info_of(core, pass);
     return vk_program_begin(vk_runtime_of(core), program, &info);
 }
 
 static bool share_program(struct dt_core *core, void *program, const void *other, uint32_t pass)
 {
-    struct vk_program_info info = program_info(core, pass);
+    struct vk_program_info info = vk_program_info_of(core, pass);
     return vk_program_share(vk_runtime_of(core), program, other, &info);
 }
 
@@ -183,7 +183,7 @@ static void compile_pass(void *data, uint32_t pass)
     const struct vk_program *program = dt_program(compiling->core, pass);
     if (program->pipeline->handle) /* adopted or shared */
         return;
-    struct vk_program_info info = program_info(compiling->core, pass);
+    struct vk_program_info info = vk_program_info_of(compiling->core, pass);
     compiling->outcomes[pass] =
         vk_program_compile((const struct dt_vk_runtime *)compiling->core, program, &info);
 }

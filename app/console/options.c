@@ -4,11 +4,11 @@
 #include <stdlib.h>
 
 #define ALL       (VERB_RENDER | VERB_COMPARE)
-#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE)
+#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE | VERB_COST)
 #define SHOWN     (SCENE | VERB_FLICKER)
 #define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
-#define MAKING    (SPEC | VERB_REPORT | VERB_LIST)
+#define MAKING    (SPEC | VERB_REPORT | VERB_LIST | VERB_COST)
 #define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define TRACING   (VERB_REFERENCE | VERB_REPORT | VERB_SWEEP)
@@ -35,10 +35,14 @@ static const struct option_row rows[] = {
     {"--scene", OPTION_STRING, AT(setup.scene), SPEC & ~VERB_SWEEP, 0, "FILE",
      "scene file (YAML): mesh, camera, light; or cornell, which is shipped; needed if the pipeline "
      "draws or reads the scene"},
+    {"--scene", OPTION_STRING, AT(setup.scene), VERB_COST, 0, "FILE",
+     "scene file, whose triangles are counted"},
+    {"--gpu", OPTION_STRING, AT(gpu), VERB_COST, 0, "LIST",
+     "chips, like navi21,polaris10 (default: navi21)"},
     {"--motion", OPTION_STRING, AT(setup.motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
-     VERB_RENDER | VERB_REPLAY | VERB_TUNE, "NAME",
+     VERB_RENDER | VERB_REPLAY, "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(setup.backend), COMPARING, 0, "LIST",
      "backends; the first is compared with each of the others, like gl,vk,zink (default: gl,vk)"},
@@ -50,13 +54,17 @@ static const struct option_row rows[] = {
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "
      "needed with --dump, --timings or --capture"},
+    {"--gpu", OPTION_STRING, AT(gpu), VERB_TUNE, 0, "NAME",
+     "estimate for this chip, as `cost` does, instead of timing; --backend, if given, says where "
+     "the "
+     "bits are compared (default: vk)"},
     {"--spec", OPTION_STRING, AT(setup.spec), MAKING, 0, "SPEC",
      "pipeline: a file, or the name of a shipped one, like rsm (default: ssvp)"},
     {"--set", OPTION_SET, AT(setup.set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
     {"--with", OPTION_STRING, AT(with), MAKING, 0, "FILE",
      "overrides from a file, before those of --set: lines `- PATH=VALUE`, as `tune` writes them"},
-    {"--input", OPTION_SET, AT(setup.inputs), SPEC | VERB_REPORT, 0, "NAME=FILE",
+    {"--input", OPTION_SET, AT(setup.inputs), SPEC | VERB_REPORT | VERB_COST, 0, "NAME=FILE",
      "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
      ".npy "
      "array for a buffer; may be repeated"},
@@ -130,6 +138,16 @@ static const struct option_row rows[] = {
      "pixels"},
     {"--device", OPTION_STRING, AT(setup.device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
+    {"--device", OPTION_STRING, AT(setup.device), VERB_COST, 0, "NAME|INDEX",
+     "instead: what the compiler of this Vulkan device tells"},
+    {"--against", OPTION_STRING, AT(earlier), VERB_COST, 0, "FILE.json",
+     "tell what has changed since an earlier --json"},
+    {"--bench", OPTION_STRING, AT(bench), VERB_COST, 0, "FILE.json",
+     "times that `bench --json` measured on this device, or on one with this chip, beside the "
+     "bounds"},
+    {"--limit", OPTION_STRING, AT(limit), VERB_COST, 0, "PERCENT",
+     "--against: growth of cycles and spills, or loss of waves, that ends with status 1 (default: "
+     "5%)"},
     {"--context", OPTION_CHOICE, AT(setup.context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
      "egl|zink|osmesa|window", "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(setup.glsl), SPEC | VERB_REPLAY, 0, NULL,

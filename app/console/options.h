@@ -19,7 +19,8 @@ enum verb_id {
     VERB_FLICKER = 512,
     VERB_LIST = 1024,
     VERB_HELP = 2048,
-    VERB_TUNE = 4096
+    VERB_TUNE = 4096,
+    VERB_COST = 8192
 };
 
 /* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
@@ -75,6 +76,10 @@ struct options {
     bool collect;
     const char *screenshot; /* view */
     const char *outline;    /* report: NULL: the one beside the spec */
+    const char *gpu;        /* cost, tune: names of chips */
+    const char *earlier;    /* cost: an earlier --json */
+    const char *bench;      /* cost: a --json of bench */
+    const char *limit;      /* cost: a percentage */
     bool trust;             /* replay: without a sandbox */
     bool help;
 };
@@ -100,6 +105,7 @@ int verb_bench(struct console *console, const struct options *options);
 int verb_report(struct console *console, const struct options *options);
 int verb_view(struct console *console, const struct options *options);
 int verb_list(struct console *console, const struct options *options);
+int verb_cost(struct console *console, const struct options *options);
 int verb_tune(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 

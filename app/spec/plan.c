@@ -203,6 +203,12 @@ bool plan_choices(const struct plan *plan,
     return good;
 }
 
+uint32_t plan_group(const struct plan *plan, uint32_t pass)
+{
+    const struct pass *of = plan->spec.model.pipeline.order[pass];
+    return of->kind == DT_PASS_DISPATCH ? of->local[0] * of->local[1] * of->local[2] : 1;
+}
+
 uint32_t plan_reports(const struct plan *plan)
 {
     const struct model *model = &plan->spec.model;

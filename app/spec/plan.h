@@ -47,6 +47,9 @@ bool plan_choices(const struct plan *plan,
                   bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
                   void *user);
 
+/* Invocations of a workgroup of a pass; 1 of a draw. */
+uint32_t plan_group(const struct plan *plan, uint32_t pass);
+
 /* The buffer that --sanitize adds; its index is that of no resource without it. */
 uint32_t plan_reports(const struct plan *plan);
 /* What its content tells; see sanitize_read in gen/sanitize.h. */
