@@ -189,10 +189,32 @@ static bool is_drawn(const struct checker *c, const struct resource *resource)
     return false;
 }
 
+/* Whether a pass writes the resource that its `exactness` leaves free. */
+static bool is_bounded(const struct checker *c, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        if (c->pipeline->passes[i].bounded && pass_writes(&c->pipeline->passes[i], resource))
+            return true;
+    return false;
+}
+
+static void resolve_of_exact(struct checker *c, const struct resource *resource,
+                             struct dt_contract *contract)
+{
+    static const double default_tolerance = 1e-3;
+    bool bounded = is_bounded(c, resource);
+    if (bounded && contract->kind == DT_CONTRACT_EXACT)
+        *contract = (struct dt_contract){
+            .kind = DT_CONTRACT_OF_EXACT, .tolerance = default_tolerance, .margin_field = -1};
+    else if (!bounded && contract->kind == DT_CONTRACT_OF_EXACT)
+        *contract = (struct dt_contract){.kind = DT_CONTRACT_EXACT, .margin_field = -1};
+}
+
 void check_contracts(struct checker *c)
 {
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
         struct resource *resource = &c->pipeline->resources[i];
+        resolve_of_exact(c, resource, &resource->contract.allowed);
         if (resource->contract.allowed.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
             diag_error(c->diag, resource->contract.loc,
                        "`image` is for images, and `%s` is a buffer; use `abs`", resource->name);

@@ -470,7 +470,7 @@ static bool add_library(struct glsl *glsl)
     for (size_t i = 0; ok && i < DT_ARRAY_COUNT(from_the_end); i++)
         ok = glsl_library(glsl, from_the_end[i], layout.data);
     ok = ok && glsl_library(glsl, "frame", layout.data);
-    if (ok && !glsl->pipeline->fast)
+    if (ok && !glsl->pass->fast)
         ok = glsl_library(glsl, "filter", layout.data) && glsl_library(glsl, "store", layout.data);
     ok = ok && glsl_library(glsl, "approximate", layout.data);
     text_free(&layout);
@@ -503,7 +503,7 @@ void glsl_macros(const struct glsl *glsl, struct text *out)
     text_add(out, "#define %s\n%s%s", stages[glsl->stage],
              glsl->backend == BACKEND_VK ? "" /* glslang defines VULKAN */
                                          : "#undef VULKAN\n#define OPENGL\n",
-             glsl->pipeline->fast ? "" : "#define EXACT\n");
+             glsl->pass->fast ? "" : "#define EXACT\n");
 }
 
 static void add_head(struct glsl *glsl)
@@ -565,7 +565,7 @@ void glsl_defines(const struct glsl *glsl, struct text *out)
                      (long long)value);
         }
     }
-    if (!glsl->pipeline->fast && body_mentions(glsl->pass->files, "precise"))
+    if (!glsl->pass->fast && body_mentions(glsl->pass->files, "precise"))
         text_add(out, "#define precise /* as all operations are; glslang (12) takes no `precise` "
                       "of global variables */\n");
     for (uint32_t i = 0; i < glsl->shader->own_count; i++)

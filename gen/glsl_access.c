@@ -121,7 +121,7 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 /* Whether exact pipelines decode it themselves. */
 static bool is_srgb(const struct glsl *glsl, const struct access *access)
 {
-    return !glsl->pipeline->fast && access->resource->format == DT_FORMAT_RGBA8_SRGB;
+    return !glsl->pass->fast && access->resource->format == DT_FORMAT_RGBA8_SRGB;
 }
 
 /* Reads a texel by position. Only the first access of a name gets this function. If an access sees
@@ -160,7 +160,7 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
 {
     const struct resource *image = access->resource;
     bool single = access->mip || !image->mips;
-    return !glsl->pipeline->fast && (is(access, "2D") || is(access, "2DArray")) &&
+    return !glsl->pass->fast && (is(access, "2D") || is(access, "2DArray")) &&
            !format_is_integer(image->format) && access->filter->anisotropy <= 1 &&
            (!chooses || single || glsl->stage != STAGE_IS_FRAGMENT);
 }
@@ -259,7 +259,7 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
-    const char *tail, *call = glsl->pipeline->fast ? NULL : rounding(image->format, &tail);
+    const char *tail, *call = glsl->pass->fast ? NULL : rounding(image->format, &tail);
     text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, %svalue%s);\n}\n\n",
              access_word(access), is_layered(access) ? "ivec3" : "ivec2",
              format_names(image->format).prefix, variable_name(glsl, access), call ? call : "",
@@ -472,7 +472,7 @@ static void add_builtin(struct glsl *glsl, enum dt_builtin builtin, unsigned kin
 bool glsl_round_targets(const struct glsl *glsl, struct text *out)
 {
     bool any = false;
-    for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pipeline->fast; i++) {
+    for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pass->fast; i++) {
         const struct access *access = &glsl->pass->accesses[i];
         if (!is_image(access) || !(access->kind & DT_WRITE_COLOR) || access->attachment < 0)
             continue;

@@ -90,7 +90,7 @@ bool glsl_body(struct glsl *glsl)
     text_add_bytes(out, body->source->text, body->source->length);
     text_add(out, "\n");
     glsl->own |= body_mentions(glsl->files, "OPENGL") || body_mentions(glsl->files, "VULKAN");
-    glsl->subgroups = glsl->pipeline->fast && glsl->pass->kind == DT_PASS_DISPATCH &&
+    glsl->subgroups = glsl->pass->fast && glsl->pass->kind == DT_PASS_DISPATCH &&
                       (body_mentions_prefix(glsl->files, "subgroup") ||
                        body_mentions_prefix(glsl->files, "gl_Subgroup") ||
                        body_mentions_prefix(glsl->files, "gl_NumSubgroups"));
@@ -129,7 +129,7 @@ void glsl_zero(struct glsl *glsl)
     static const char *const zero[] = {[STAGE_IS_COMPUTE] = "gl_WorkGroupID.x >> 31",
                                        [STAGE_IS_VERTEX] = "uint(gl_VertexIndex) >> 31",
                                        [STAGE_IS_FRAGMENT] = "uint(gl_FrontFacing) >> 1"};
-    if (!glsl->pipeline->fast)
+    if (!glsl->pass->fast)
         text_add(
             &glsl->parts[PART_END],
             "/* Zero, which no compiler knows. */\nuint diptych_zero()\n{\n    return %s;\n}\n",

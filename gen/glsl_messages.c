@@ -477,14 +477,14 @@ static void note_uniforms(const struct pipeline *pipeline, const struct loc *err
 }
 
 /* An error about a subgroup operation where a pass cannot have one. */
-static bool report_subgroups(const struct pipeline *pipeline, const struct pass *pass,
-                             const struct message *message, struct diag *diag)
+static bool report_subgroups(const struct pass *pass, const struct message *message,
+                             struct diag *diag)
 {
     static const char *const starts[] = {"subgroup", "gl_Subgroup", "gl_NumSubgroups"};
     struct loc loc = message->loc;
     size_t length = 0;
     const char *name = NULL;
-    if (pipeline->fast && pass->kind == DT_PASS_DISPATCH)
+    if (pass->fast && pass->kind == DT_PASS_DISPATCH)
         return false;
     bool about = message->name && !strncmp(message->name, "subgroup op", 11);
     for (size_t i = 0; i < DT_ARRAY_COUNT(starts) && !length; i++)
@@ -493,7 +493,7 @@ static bool report_subgroups(const struct pipeline *pipeline, const struct pass 
     if (!length)
         return about; /* another message has the name */
     diag_error(diag, loc,
-               pipeline->fast
+               pass->fast
                    ? "`%.*s` in a draw: only a dispatch can have subgroup operations"
                    : "`%.*s` needs `exactness: fast`: the size of subgroups, and the order in "
                      "which they reduce, differ from device to device; use shared memory",
@@ -530,8 +530,7 @@ static bool report_author(struct model *model, const struct pass *pass,
                           const struct message *message, struct diag *diag)
 {
     const char *name = name_of(model, message);
-    if (report_subgroups(&model->pipeline, pass, message, diag) ||
-        report_redefinition(model, pass, message, diag) ||
+    if (report_subgroups(pass, message, diag) || report_redefinition(model, pass, message, diag) ||
         report_macro(&model->pipeline, pass, message, diag) || report_include(model, message, diag))
         return true;
     const char *tool = is_unknown(message) ? tool_of(&model->pipeline, name) : NULL;

@@ -232,10 +232,15 @@ struct barrier { /* before the pass: the accesses that `resource` waits for */
     const struct resource *alias;
 };
 
+/* In the order of the key's choices. Of a pass `bounded`: fast, unless the spec is exact. */
+enum exactness { EXACTNESS_EXACT, EXACTNESS_BOUNDED, EXACTNESS_FAST };
+
 struct pass {
     const char *name, *doc;
     struct loc loc;
     enum dt_pass_kind kind;
+    bool fast;    /* the driver's compiler is free */
+    bool bounded; /* its own `exactness` makes it so: judged against its exact twin */
     /* scene draws: "camera" or "light", the View that the body calls `view` */
     const char *view;
     /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
@@ -308,7 +313,7 @@ struct pipeline {
     const char *spec; /* path of the document; NULL: a model without one */
     const char *name, *doc;
     struct loc loc;
-    bool fast; /* exactness: fast; default exact */
+    enum exactness exactness;
     /* target: gpu; default software. The plan chooses storage classes and loop shapes for it. */
     bool gpu;
     struct param *params;
@@ -360,6 +365,7 @@ struct model {
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
     bool text;                    /* also OpenGL's GLSL, which glslang does not compile */
+    bool exact_twin;              /* of every pass: none is fast */
     bool prove;                   /* --prove: reports every open operation of exact passes */
     unsigned sanitize;            /* mask of enum sanitize_kind; 0: off */
     struct sanitize_sites *sites; /* sanitize.h */

@@ -80,7 +80,7 @@ static void read_sections(struct reader *reader)
     pipeline->name = field_text(reader, top, "pipeline");
     pipeline->loc = field_loc(reader, top, "pipeline");
     pipeline->doc = field_text(reader, top, "doc");
-    pipeline->fast = field_choice(reader, top, "exactness", 0) == 1;
+    pipeline->exactness = (enum exactness)field_choice(reader, top, "exactness", EXACTNESS_EXACT);
     pipeline->gpu = field_choice(reader, top, "target", 0) == 1;
     read_params(reader, top);
     read_constants(reader, top);

@@ -114,6 +114,8 @@ struct use {
     struct fy_node *item;
     struct fields fields;
 };
+/* The `exactness` of the innermost group that a node stands in, as enum exactness; -1: none says. */
+int group_exactness(struct reader *reader, struct fy_node *node);
 const struct scope *node_scope(const struct reader *reader, struct fy_node *node); /* or NULL */
 /* Appends an instance of `of`, which owns `yaml` and its root. label: for notes at the use; NULL:
  * none. NULL: out of memory. */

@@ -586,6 +586,17 @@ static bool expand_group(struct use *use)
     return scope->prefix;
 }
 
+int group_exactness(struct reader *reader, struct fy_node *node)
+{
+    for (const struct scope *at = node_scope(reader, node); at; at = at->outer) {
+        struct fy_node *value = at->root ? value_of(at->root, "exactness") : NULL;
+        const char *text = value ? node_text(reader, value) : NULL;
+        if (text)
+            return table_choice(table_find(SECTION_GROUP, "exactness")->choices, text);
+    }
+    return -1;
+}
+
 bool is_use(struct fy_node *item)
 {
     return fy_node_get_type(item) == FYNT_MAPPING &&

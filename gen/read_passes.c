@@ -467,6 +467,21 @@ static void read_files(struct reader *reader, const struct fields *fields, struc
     pass->shader = argument_text(reader, first, &pass->shader_loc);
 }
 
+/* Its own, else that of its group. */
+static void read_exactness(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    const struct model *model = reader->model;
+    const enum exactness spec = model->pipeline.exactness;
+    int own = field_choice(reader, fields, "exactness", -1);
+    if (own < 0)
+        own = group_exactness(reader, field_node(fields, "name"));
+    enum exactness exactness = own < 0 ? spec : (enum exactness)own;
+    if (own == EXACTNESS_BOUNDED)
+        exactness = spec == EXACTNESS_EXACT ? EXACTNESS_EXACT : EXACTNESS_FAST;
+    pass->bounded = own > EXACTNESS_EXACT && exactness == EXACTNESS_FAST && spec != EXACTNESS_FAST;
+    pass->fast = exactness == EXACTNESS_FAST && !model->exact_twin;
+}
+
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     *pass = (struct pass){
@@ -477,6 +492,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     if (!pass->name)
         pass->name = "?";
     pass->doc = field_text(reader, fields, "doc");
+    read_exactness(reader, fields, pass);
     read_files(reader, fields, pass);
     pass->interleave_name = field_reference(reader, fields, "interleave");
     pass->interleave_loc = field_loc(reader, fields, "interleave");

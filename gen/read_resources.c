@@ -324,6 +324,15 @@ static double read_tolerance(struct reader *reader, const struct fields *fields,
     return tolerance;
 }
 
+static void read_outliers(struct reader *reader, const struct fields *fields,
+                          struct dt_contract *contract)
+{
+    contract->outliers = field_amount(reader, fields, "outliers", 0);
+    if (contract->outliers < 0 || contract->outliers > 1)
+        diag_error(reader->diag, field_loc(reader, fields, "outliers"),
+                   "a share is 0 to 1, or 0%% to 100%%");
+}
+
 static void read_image_contract(struct reader *reader, struct fy_node *node, struct loc loc,
                                 struct dt_contract *contract)
 {
@@ -331,15 +340,13 @@ static void read_image_contract(struct reader *reader, struct fy_node *node, str
     if (!fields_read(reader, node, SECTION_IMAGE_CONTRACT, loc, &fields))
         return;
     contract->tolerance = read_tolerance(reader, &fields, "max");
-    contract->outliers = field_amount(reader, &fields, "outliers", 0);
-    if (contract->outliers < 0 || contract->outliers > 1)
-        diag_error(reader->diag, field_loc(reader, &fields, "outliers"),
-                   "a share is 0 to 1, or 0%% to 100%%");
+    read_outliers(reader, &fields, contract);
 }
 
 static struct contract read_contract(struct reader *reader, const struct named *named)
 {
-    static const char *const kinds[] = {"ulp", "abs", "rel", "image", "flips", "raster"};
+    static const char *const kinds[] = {"ulp",   "abs",    "rel",     "image",
+                                        "flips", "raster", "of_exact"};
     struct contract contract = {.allowed = {.margin_field = -1}, .loc = named->loc};
     struct dt_contract *allowed = &contract.allowed;
     struct fields fields;
@@ -360,13 +367,19 @@ static struct contract read_contract(struct reader *reader, const struct named *
         if (allowed->kind == DT_CONTRACT_RASTER && allowed->tolerance > 1)
             diag_error(reader->diag, contract.loc, "a share is 0 to 1, or 0%% to 100%%");
     }
+    if (allowed->kind == DT_CONTRACT_OF_EXACT)
+        read_outliers(reader, &fields, allowed);
+    else if (field_node(&fields, "outliers"))
+        diag_error(reader->diag, field_loc(reader, &fields, "outliers"),
+                   "`outliers` is only allowed beside `of_exact`, and in `image`");
     contract.margin = field_text(reader, &fields, "margin");
     contract.margin_loc = field_loc(reader, &fields, "margin");
     if (contract.margin && !field_node(&fields, "flips"))
         diag_error(reader->diag, contract.margin_loc, "`margin` is only allowed beside `flips`");
-    if (found != 1 && fields.count == found + !!contract.margin)
+    if (found != 1 && fields.count == found + !!contract.margin + !!field_node(&fields, "outliers"))
         diag_error(reader->diag, named->loc,
-                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`, `raster`");
+                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`, `raster`, "
+                   "`of_exact`");
     return contract;
 }
 
@@ -414,7 +427,8 @@ void read_contracts(struct reader *reader, const struct fields *top)
         if (strcmp(list.items[i].name, "default"))
             continue;
         struct contract contract = read_contract(reader, &list.items[i]);
-        if (contract.allowed.kind >= DT_CONTRACT_IMAGE) {
+        if (contract.allowed.kind >= DT_CONTRACT_IMAGE &&
+            contract.allowed.kind <= DT_CONTRACT_RASTER) {
             diag_error(reader->diag, contract.loc,
                        "`default` cannot have `%s`; set it for single resources",
                        contract.allowed.kind == DT_CONTRACT_IMAGE   ? "image"

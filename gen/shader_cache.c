@@ -128,8 +128,7 @@ static void hash_text(XXH3_state_t *state, const struct text *glsl)
 static bool name_of(char name[NAME_SIZE], uint64_t *seed, const struct model *model,
                     enum backend backend, const struct shader *shader)
 {
-    const uint32_t kind[] = {REWRITING, backend, shader->stage, model->pipeline.gpu,
-                             model->pipeline.fast};
+    const uint32_t kind[] = {REWRITING, backend, shader->stage, model->pipeline.gpu, shader->fast};
     const char *tools = spirv_tools();
     XXH3_state_t *state = XXH3_createState();
     if (!state)

@@ -112,6 +112,7 @@ static bool emit_pass(struct model *model, struct pass_shaders *shaders[2], uint
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
         struct shader *shader = &shaders[job.backend][index].stage[stage];
         shader->stage = stage;
+        shader->fast = job.pass->fast;
         shader->own = shaders[BACKEND_VK][index].stage[stage].own;
         if (!has_stage(job.pass, stage))
             continue;
@@ -243,7 +244,7 @@ static void prove_draws(const struct model *model, const struct pass_shaders *sh
                         struct diag *diag)
 {
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
-        if (model->pipeline.order[i]->kind != DT_PASS_DISPATCH)
+        if (model->pipeline.order[i]->kind != DT_PASS_DISPATCH && !model->pipeline.order[i]->fast)
             prove_fixed(model->pipeline.order[i], &shaders[i].stage[STAGE_IS_FRAGMENT], diag);
 }
 
@@ -253,7 +254,8 @@ static void prove(const struct model *model, const struct pass_shaders *shaders,
 {
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++)
-            if (shaders[i].stage[stage].word_count && writes_exact(model->pipeline.order[i]) &&
+            if (shaders[i].stage[stage].word_count && !shaders[i].stage[stage].fast &&
+                writes_exact(model->pipeline.order[i]) &&
                 (backend == BACKEND_VK || shaders[i].stage[stage].own))
                 spirv_prove(model, model->pipeline.order[i], &shaders[i].stage[stage], diag);
 }
@@ -290,13 +292,13 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
     if (good && model->text)
         good = write_text(model, shaders[BACKEND_GL], diag);
     free(jobs.list);
-    if (model->pipeline.fast && model->prove)
+    if (model->pipeline.exactness == EXACTNESS_FAST && model->prove)
         diag_error(diag, model->pipeline.loc,
                    "`exactness: fast` leaves operations to the driver: nothing can be proved");
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
-        if (good && !model->pipeline.fast)
+        if (good)
             prove(model, shaders[backend], backend, diag);
-    if (good && !model->pipeline.fast && model->prove)
+    if (good && model->prove)
         prove_draws(model, shaders[BACKEND_VK], diag);
     return good && !diag_error_count(diag);
 }

@@ -23,6 +23,7 @@ enum stage { STAGE_IS_COMPUTE, STAGE_IS_VERTEX, STAGE_IS_FRAGMENT };
 
 struct shader { /* one compiled stage of one pass for one backend */
     enum stage stage;
+    bool fast;        /* of a pass that is */
     struct text glsl; /* complete, readable source; OpenGL's with model->text alone */
     bool own;         /* does something else than the other backend's, not only by other names */
     struct text code; /* OpenGL's if `own`: for glslang, so in Vulkan's GLSL */

@@ -226,7 +226,8 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "default: exact"},
     [SECTION_CONTRACT] = {"a contract", "contracts.NAME", "contract",
                           "A tolerance: exactly one of the keys, but for `margin`, which stands "
-                          "beside `flips`. Tolerances are numbers, fractions or percentages.",
+                          "beside `flips`, and `outliers`, which stands beside `of_exact`. "
+                          "Tolerances are numbers, fractions or percentages.",
                           "{ulp: 4}"},
     [SECTION_IMAGE_CONTRACT] =
         {"the contract `image`", "contracts.NAME.image", "image_contract",
@@ -248,8 +249,11 @@ const struct key table_keys[] = {
     {SECTION_TOP, "include", KEY_FILES, SECTION_NONE, NULL, OPTIONAL, "none",
      "Files with sections of this spec. Each is read once; its passes come first.",
      "[shared/gbuffer.yaml]"},
-    {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|fast", OPTIONAL, "exact",
-     "`exact`: the same bits from both backends; `fast`: the shader compiler is left free, and "
+    {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|bounded|fast", OPTIONAL, "exact",
+     "`exact`: the same bits from both backends, but for passes with `exactness: fast`; `bounded`: "
+     "also but for those with "
+     "`bounded`; `fast`: in all passes that do not say `exact`, the shader compiler is left free, "
+     "and "
      "dispatches may use subgroup operations, if the device has them (OpenGL: "
      "GL_KHR_shader_subgroup). In which order these reduce is the device's.",
      "exact"},
@@ -495,6 +499,8 @@ const struct key table_keys[] = {
     {SECTION_GROUP, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL,
      "Passes, repeats and uses of other groups.",
      "[{name: fill, dispatch: count, writes: [views], shader: fill.glsl}]"},
+    {SECTION_GROUP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|bounded|fast", OPTIONAL,
+     "that of the spec", "Of its passes that do not say.", "bounded"},
     {SECTION_USE, "group", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The group.", "maps"},
     {SECTION_USE, "as", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "the group's name",
      "The name of the instance.", "second"},
@@ -563,6 +569,16 @@ const struct key table_keys[] = {
     {SECTION_PASS, "shader", KEY_BODY, SECTION_NONE, NULL, REQUIRED, NULL,
      "GLSL file of the body, beside the spec or below the templates; or two that make one body.",
      "shade.glsl"},
+    {SECTION_PASS, "exactness", KEY_CHOICE, SECTION_NONE, "exact|bounded|fast", OPTIONAL,
+     "that of its group, else of the spec",
+     "`exact`: the same bits on every device, also if the spec is `fast`. `fast`: the shader "
+     "compiler is left "
+     "free. `bounded`: the same, unless the spec is `exact`: for what colours, not for what "
+     "decides. "
+     "`compare` judges a pass that its own `exactness` or its group's leaves free against its "
+     "exact twin: see the contract "
+     "`of_exact`.",
+     "bounded"},
     {SECTION_PASS, "when", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "always",
      "The pass runs when this is not 0; may use live parameters. Skipped, it clears what it "
      "writes.",
@@ -700,6 +716,18 @@ const struct key table_keys[] = {
      "each pass on equal inputs. Between drivers of different makers all exact images of scene "
      "draws have `raster: 10%`.",
      "0.1%"},
+    {SECTION_CONTRACT, "of_exact", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Of what a pass writes that its `exactness` leaves free: difference from what exact "
+     "arithmetic makes of the same inputs, relative to "
+     "the larger value, or to 0.001 if that is more. One code of a normalized format, and one step "
+     "of a half, always pass. `compare` runs the exact "
+     "twin of each such pass on every backend, on the pass's own inputs, and judges all passes on "
+     "equal inputs. Where every pass that "
+     "writes the resource is exact, the same as `exact`. Default for what such a pass writes: "
+     "`0.001`.",
+     "0.001"},
+    {SECTION_CONTRACT, "outliers", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, "0",
+     "of_exact: share of the elements that may differ by more, 0 to 1.", "0.1%"},
     {SECTION_CONTRACT, "margin", KEY_MEMBER, SECTION_NONE, NULL, OPTIONAL, "none",
      "flips: a buffer of float, or a float field of one, `BUFFER.FIELD`, that holds for every "
      "element how narrowly it was decided; written by the pass that writes the labels.",

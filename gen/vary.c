@@ -110,8 +110,8 @@ static bool draw(struct attempt *attempt)
     if (!again(attempt, CHECKED))
         return false;
     draw_params(draws, pipeline);
-    variation->fast = pipeline->fast;
-    variation->twin = draw_fast(draws) && !pipeline->fast;
+    variation->fast = pipeline->exactness == EXACTNESS_FAST;
+    variation->twin = draw_fast(draws) && !variation->fast;
     if (!again(attempt, CHECKED))
         return false;
     draw_frame(draws, pipeline, variation->frame);

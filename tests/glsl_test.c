@@ -358,7 +358,7 @@ static void test_no_contraction(void **state)
 {
     struct fixture *f = *state;
     for (int fast = 0; fast < 2; fast++) {
-        f->model.pipeline.fast = fast;
+        f->passes[TONE].fast = fast;
         set_body(f, TONE, "tone.glsl", "void main() { display = result(ivec2(0)) * 2.0 + 1.0; }\n");
         struct shader shader = build(f, TONE, BACKEND_VK, STAGE_IS_FRAGMENT);
         uint32_t decorated = 0, operations = 0;
@@ -380,7 +380,7 @@ static void test_products_are_written_out(void **state)
     struct fixture *f = *state;
     for (int fast = 0; fast < 2; fast++)
         for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
-            f->model.pipeline.fast = fast;
+            f->passes[TONE].fast = fast;
             set_body(f, TONE, "tone.glsl",
                      "void main()\n{\n"
                      "    vec4 v = result(ivec2(0));\n"
@@ -410,7 +410,7 @@ static void test_matrices_are_divided(void **state)
     for (int fast = 0; fast < 2; fast++)
         for (uint32_t i = 0; i < COUNT(bodies); i++) {
             uint32_t divisions = 0;
-            f->model.pipeline.fast = fast;
+            f->passes[TONE].fast = fast;
             set_body(f, TONE, "tone.glsl", bodies[i]);
             struct shader shader = build(f, TONE, BACKEND_VK, STAGE_IS_FRAGMENT);
             for (size_t at = 5; at < shader.word_count; at += shader.words[at] >> 16)
@@ -499,7 +499,7 @@ static void test_words_of_a_pass(void **state)
 {
     struct fixture *f = *state;
     char *body = in_other_words(strdup(shade_body));
-    f->model.pipeline.fast = true; /* exact mode has a `result` of its own */
+    f->passes[SHADE].fast = true; /* exact mode has a `result` of its own */
     for (int storage = STORAGE_SHARED; storage <= STORAGE_BUFFER; storage++)
         for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
             f->ranges[0].storage = (enum storage_class)storage;

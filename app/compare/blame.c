@@ -204,15 +204,25 @@ static void find_inherited(struct blame *blame, const struct rows *rows,
     }
 }
 
-/* Whether differences at edges are allowed anywhere: then passes behind them are judged on equal
- * inputs alone. */
-static bool has_raster(const struct replay *replay)
+static bool has_contract(const struct replay *replay, enum dt_contract_kind kind)
 {
     const struct dt_pipeline *pipeline = replay->rows->pipeline;
-    bool found = replay->strangers;
+    bool found = false;
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        found |= pipeline->resources[i].contract.kind == DT_CONTRACT_RASTER;
+        found |= pipeline->resources[i].contract.kind == kind;
     return found;
+}
+
+/* Whether differences at edges are allowed anywhere. */
+static bool has_raster(const struct replay *replay)
+{
+    return replay->strangers || has_contract(replay, DT_CONTRACT_RASTER);
+}
+
+/* Whether passes behind others that may differ are judged on equal inputs alone. */
+static bool lets_inherit(const struct replay *replay)
+{
+    return has_raster(replay) || has_contract(replay, DT_CONTRACT_OF_EXACT);
 }
 
 static void judge_all(const struct judge *judge)
@@ -237,9 +247,9 @@ static void judge_all(const struct judge *judge)
     const struct difference *own = &blame->own[blame->row];
     bool repeats = judge->first->early || own->differing || own->other_depths ||
                    blame->inputs_differ[outputs->list[blame->row].pass];
-    blame->outcome = judge->first->early  ? BLAME_EARLIER
-                     : has_raster(replay) ? BLAME_WITHIN
-                                          : BLAME_INHERITED;
+    blame->outcome = judge->first->early    ? BLAME_EARLIER
+                     : lets_inherit(replay) ? BLAME_WITHIN
+                                            : BLAME_INHERITED;
     if (!repeats) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[1].session.side;

@@ -330,6 +330,36 @@ static bool find_blame(struct compare *compare)
     return true;
 }
 
+/* Each side in the last frame, if a pass is not exact. A dump runs nothing. */
+static bool judge_twins(struct compare *compare)
+{
+    const struct setup *setup = &compare->options.setup;
+    if (!twin_is_needed(&compare->pipeline))
+        return true;
+    compare->twins = calloc(compare->sides.count, sizeof *compare->twins);
+    if (!compare->twins) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
+    bool good = twin_load(&compare->exact, &compare->pipeline, compare->console, setup);
+    for (uint32_t i = 0; i < compare->sides.count && good; i++) {
+        const struct worker_info worker = describe_worker(compare, i);
+        good = dump_of(compare, i) || twin_judge(&compare->twins[i], &worker, &compare->exact,
+                                                 &compare->rows, setup->frames - 1);
+    }
+    return good;
+}
+
+const struct side *compare_far_side(const struct compare *compare, const struct twin **twin)
+{
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++) {
+        *twin = &compare->twins[i];
+        if ((*twin)->broken)
+            return &compare->sides.list[i];
+    }
+    return NULL;
+}
+
 /* --bisect: of the first pair with a guilty pass. */
 static bool keep_evidence(struct compare *compare)
 {
@@ -419,6 +449,10 @@ static void release(struct compare *compare)
     dump_reader_close(&compare->dump);
     golden_free(&compare->golden);
     rows_free(&compare->rows);
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++)
+        twin_free(&compare->twins[i]);
+    free(compare->twins);
+    pipeline_unload(&compare->exact);
     undefined_free(&compare->undefined);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
@@ -526,8 +560,9 @@ static bool run(struct compare *compare)
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
-    return compare->complete && find_blame(compare) && keep_evidence(compare) &&
-           atomic_load(&console->errors) == 0 && (!options->golden || golden_end(compare)) &&
+    return compare->complete && find_blame(compare) && judge_twins(compare) &&
+           keep_evidence(compare) && atomic_load(&console->errors) == 0 &&
+           (!options->golden || golden_end(compare)) &&
            (!options->html || compare_write_html(compare)) &&
            (!options->junit || compare_write_junit(compare));
 }
@@ -558,7 +593,9 @@ int verb_compare(struct console *console, const struct options *options)
         compare_print(&compare);
         golden_print(&compare);
         print_undefined(&compare);
-        differ = golden_differs(&compare) || compare.undefined.count;
+        const struct twin *twin;
+        differ = golden_differs(&compare) || compare.undefined.count ||
+                 compare_far_side(&compare, &twin);
     }
     for (uint32_t i = 0; i < compare.pair_count; i++)
         differ |= compare.pairs && compare.pairs[i].broken;

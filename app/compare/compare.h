@@ -15,6 +15,7 @@
 #include "run/source.h"
 #include "run/undefined.h"
 #include "theirs/why.h"
+#include "compare/twin.h"
 
 enum { SHOWN_PICTURES = 3 };
 
@@ -69,6 +70,8 @@ struct compare {
     uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
     struct source *sources;     /* one per side */
+    struct pipeline exact;      /* if a pass is judged against its exact twin, */
+    struct twin *twins;         /* one per side; NULL: none is */
     struct undefined undefined; /* --sanitize */
     char **devices;             /* names of the devices */
     struct pair *pairs;
@@ -83,6 +86,9 @@ struct compare {
 /* --pictures and --html: writes what they show of this row of rows.outputs in the pair's last result, and
  * notes it in the kept one. Logs its error. */
 bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
+
+/* The first side with a pass that is too far from its exact twin; NULL: none. */
+const struct side *compare_far_side(const struct compare *compare, const struct twin **twin);
 
 /* First row of a pair that broke its contract. */
 const struct row *broken_row(const struct compare *compare, const struct pair *pair);

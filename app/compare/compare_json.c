@@ -113,6 +113,29 @@ cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair)
     return item;
 }
 
+static void add_twins(cJSON *root, const struct compare *compare)
+{
+    const struct twin *far;
+    cJSON *list = compare->twins ? cJSON_AddArrayToObject(root, "of_exact") : NULL;
+    for (uint32_t side = 0; list && side < compare->sides.count; side++) {
+        const char *const labels[2] = {compare->sides.list[side].label, "exact"};
+        const struct difference *found = compare->twins[side].found;
+        for (uint32_t i = 0; found && i < compare->rows.outputs.count; i++) {
+            const struct row *row = &compare->rows.outputs.list[i];
+            if (!found[i].elements)
+                continue;
+            cJSON *item = cJSON_CreateObject();
+            cJSON_AddStringToObject(item, "side", labels[0]);
+            row_json(item, compare->pipeline.info, row, true);
+            difference_json(item, &found[i], &compare->pipeline.info->resources[row->resource],
+                            labels);
+            cJSON_AddItemToArray(list, item);
+        }
+    }
+    if (compare_far_side(compare, &far))
+        cJSON_ReplaceItemInObject(root, "agree", cJSON_CreateFalse());
+}
+
 /* A single pair stands in the root. Of several, each stands in "pairs", and the root has the
  * outcome of the first that differs. */
 cJSON *compare_json(const struct compare *compare)
@@ -136,6 +159,7 @@ cJSON *compare_json(const struct compare *compare)
         told = pair->broken && !told->broken ? pair : told;
     }
     add_outcome(root, compare, told);
+    add_twins(root, compare);
     if (compare->options.golden)
         cJSON_AddItemToObject(root, "golden", cJSON_Duplicate(compare->golden.differing, true));
     if (compare->options.setup.sanitize)

@@ -134,10 +134,12 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
 static void print_outcome(const struct compare *compare, const struct pair *pair)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
-    if (pair->on_equal_inputs)
+    const struct twin *twin;
+    if (pair->on_equal_inputs && !compare->twins)
         print_edges(compare, pair);
     if (!pair->broken) {
-        print_agreement(info);
+        if (!compare_far_side(compare, &twin))
+            print_agreement(info);
         return;
     }
     const struct row *row = broken_row(compare, pair);
@@ -194,6 +196,39 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
         print_result(compare, pair, &compare->rows.outputs.list[i], &pair->results[i], &widths);
 }
 
+/* How far a side is from exact arithmetic, pass by pass. */
+static void print_twin(const struct compare *compare, uint32_t side)
+{
+    const struct widths widths = measure(compare);
+    const struct dt_pipeline *info = compare->pipeline.info;
+    const char *const labels[2] = {compare->sides.list[side].label, "exact"};
+    printf("\n%s against exact twins of its passes, on equal inputs\n", labels[0]);
+    for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
+        const struct row *row = &compare->rows.outputs.list[i];
+        const struct difference *found = &compare->twins[side].found[i];
+        if (!found->elements)
+            continue;
+        char *worst = difference_describe_worst(found, &info->resources[row->resource], labels);
+        printf("%-*s  %-*s  %10llu  %10llu  %-7s  %s\n", widths.pass, info->passes[row->pass].name,
+               widths.resource, row->name, (unsigned long long)found->elements,
+               (unsigned long long)found->beyond, verdict_name(difference_verdict(found)),
+               worst ? worst : "");
+        free(worst);
+    }
+}
+
+static void print_far(const struct compare *compare)
+{
+    const struct twin *twin;
+    const struct side *side = compare_far_side(compare, &twin);
+    if (!side)
+        return;
+    const struct row *row = &compare->rows.outputs.list[twin->row];
+    const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
+    printf("too far from exact: pass %s (shader %s): resource %s on %s\n", pass->name, pass->shader,
+           row->name, side->label);
+}
+
 void compare_print(const struct compare *compare)
 {
     bool several = compare->pair_count > 1;
@@ -212,6 +247,12 @@ void compare_print(const struct compare *compare)
         printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);
     else if (several)
         printf("\n%u pairs agree\n", compare->pair_count);
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++)
+        if (compare->twins[i].found)
+            print_twin(compare, i);
+    if (compare->twins)
+        printf("\n");
     print_clues(compare, told);
     print_outcome(compare, told);
+    print_far(compare);
 }

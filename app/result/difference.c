@@ -75,6 +75,17 @@ static double ordered(enum number_kind kind, uint32_t bits)
     return bits & sign ? -(double)(bits & ~sign) : (double)bits;
 }
 
+/* Whether neighbours in a format that is coarser than arithmetic. */
+static bool one_step(enum number_kind kind, const uint32_t bits[2], double codes)
+{
+    if (number_is_float(kind))
+        return kind != NUMBER_FLOAT && fabs(ordered(kind, bits[0]) - ordered(kind, bits[1])) <= 1;
+    return number_one(kind) && codes <= 1;
+}
+
+/* Smaller values count as this large. */
+static const double of_exact_floor = 1e-3;
+
 static double measure(enum dt_contract_kind contract, enum number_kind kind, const uint32_t bits[2],
                       const double values[2])
 {
@@ -94,6 +105,8 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
         return number_one(kind) ? codes : apart;
     case DT_CONTRACT_REL:
         return size > 0 ? apart / size : 0;
+    case DT_CONTRACT_OF_EXACT:
+        return one_step(kind, bits, codes) ? 0 : apart / fmax(size, of_exact_floor);
     case DT_CONTRACT_FLIPS: /* discrete values have no distance: the first is the worst */
         return 1;
     case DT_CONTRACT_EXACT:
@@ -118,6 +131,8 @@ static bool is_beyond(const struct dt_contract *contract, double error)
     case DT_CONTRACT_REL:
     case DT_CONTRACT_IMAGE:
         break;
+    case DT_CONTRACT_OF_EXACT: /* of both copies */
+        return !(error <= 2 * contract->tolerance);
     }
     return !(error <= contract->tolerance);
 }
@@ -126,8 +141,9 @@ static bool is_beyond(const struct dt_contract *contract, double error)
  * the last bit of 0.29 is. */
 static uint64_t allowed(const struct dt_contract *contract, uint64_t elements)
 {
-    if (contract->kind == DT_CONTRACT_IMAGE)
-        return (uint64_t)(contract->outliers * (double)elements + 1e-6);
+    double copies = contract->kind == DT_CONTRACT_OF_EXACT ? 2 : 1;
+    if (contract->kind == DT_CONTRACT_IMAGE || contract->kind == DT_CONTRACT_OF_EXACT)
+        return (uint64_t)(copies * contract->outliers * (double)elements + 1e-6);
     return contract->kind == DT_CONTRACT_FLIPS ? (uint64_t)contract->tolerance : 0;
 }
 

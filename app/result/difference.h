@@ -21,7 +21,7 @@ struct number_pair {
     struct component component;
     uint32_t bits[2];
     double values[2];
-    /* in the contract's own measure: ulp, relative, else absolute; 1 for a flip; INFINITY where NaN or
+    /* in the contract's own measure: ulp, relative (of_exact: of one code or step 0), else absolute; 1 for a flip; INFINITY where NaN or
      * Inf make it meaningless */
     double error;
 };

@@ -96,9 +96,8 @@ static char *describe_pair(const struct number_pair *pair, const char *const lab
  * first". */
 static char *describe_size(const struct difference *difference, const struct dt_contract *contract)
 {
-    const char *unit = contract->kind == DT_CONTRACT_ULP   ? " ulp"
-                       : contract->kind == DT_CONTRACT_REL ? " relative"
-                                                           : "";
+    bool relative = contract->kind == DT_CONTRACT_REL || contract->kind == DT_CONTRACT_OF_EXACT;
+    const char *unit = contract->kind == DT_CONTRACT_ULP ? " ulp" : relative ? " relative" : "";
     if (difference->not_finite == 1)
         return format_string("1 number is NaN or Inf,");
     if (difference->not_finite)
@@ -221,11 +220,12 @@ static cJSON *flip_json(const struct difference *difference, const struct dt_res
 
 static void add_contract(cJSON *root, const struct dt_contract *contract)
 {
-    static const char *const kinds[] = {"exact", "ulp", "abs", "rel", "image", "flips", "raster"};
+    static const char *const kinds[] = {"exact", "ulp",   "abs",    "rel",
+                                        "image", "flips", "raster", "of_exact"};
     cJSON_AddStringToObject(root, "contract", kinds[contract->kind]);
     if (contract->kind != DT_CONTRACT_EXACT)
         cJSON_AddNumberToObject(root, "tolerance", contract->tolerance);
-    if (contract->kind == DT_CONTRACT_IMAGE)
+    if (contract->kind == DT_CONTRACT_IMAGE || contract->kind == DT_CONTRACT_OF_EXACT)
         cJSON_AddNumberToObject(root, "outliers", contract->outliers);
 }
 

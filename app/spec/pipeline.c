@@ -141,6 +141,7 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
                                              .set_count = setup->set_count,
                                              .cache = load.cache,
                                              .root = setup->root,
+                                             .exact_twin = setup->exact_twin,
                                              .text = takes_text(setup),
                                              .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);

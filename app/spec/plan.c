@@ -47,6 +47,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
                                         .templates = request->templates,
                                         .root = request->root,
                                         .cache = request->cache,
+                                        .exact_twin = request->exact_twin,
                                         .text = request->text,
                                         .sanitize = request->sanitize};
     struct plan *plan = calloc(1, sizeof *plan);
@@ -201,6 +202,11 @@ bool plan_choices(const struct plan *plan,
         good = good && choose_local(&chooser, pass);
     }
     return good;
+}
+
+bool plan_is_bounded(const struct plan *plan, uint32_t pass)
+{
+    return plan->spec.model.pipeline.order[pass]->bounded;
 }
 
 uint32_t plan_group(const struct plan *plan, uint32_t pass)

@@ -13,6 +13,7 @@ struct plan_request {
     uint32_t set_count;
     const char *cache; /* folder of compiled shaders; NULL: none */
     const char *root;  /* real path: files outside are not read; NULL: no limit */
+    bool exact_twin;   /* every pass is exact */
     bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
     unsigned sanitize; /* mask of enum sanitize_kind; 0: off */
 };
@@ -46,6 +47,9 @@ void plan_blame_file(const struct plan *plan, uint32_t resource, const char *tex
 bool plan_choices(const struct plan *plan,
                   bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
                   void *user);
+
+/* Whether the pass's `exactness` leaves it free, so that it is judged against its exact twin. */
+bool plan_is_bounded(const struct plan *plan, uint32_t pass);
 
 /* Invocations of a workgroup of a pass; 1 of a draw. */
 uint32_t plan_group(const struct plan *plan, uint32_t pass);

@@ -74,7 +74,7 @@ static bool pass_words(const struct model *model, const struct pass *pass, uint3
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
-    good = good && (model->pipeline.fast || spirv_exact(&module)) && spirv_reach(&module);
+    good = good && (pass->fast || spirv_exact(&module)) && spirv_reach(&module);
     if (good && !model->pipeline.gpu)
         spirv_keep_loops(&module);
     if (good)
@@ -128,7 +128,7 @@ static bool compile(const struct model *model, const struct pass *pass, bool lin
                                     .stage = shader->stage,
                                     .minor = minor_version(shader),
                                     .lines = lines,
-                                    .marked = !model->pipeline.fast,
+                                    .marked = !pass->fast,
                                     .include = body_include,
                                     .user = shader->files};
     size_t count;

@@ -86,17 +86,19 @@ struct dt_field {
 /* How far the two backends may differ in one resource; see the spec's `contracts`. */
 enum dt_contract_kind {
     DT_CONTRACT_EXACT,
-    DT_CONTRACT_ULP,   /* tolerance: units in the last place */
-    DT_CONTRACT_ABS,   /* tolerance: absolute */
-    DT_CONTRACT_REL,   /* tolerance: relative to the larger magnitude */
-    DT_CONTRACT_IMAGE, /* tolerance: absolute, beyond which a texel is an outlier */
-    DT_CONTRACT_FLIPS, /* tolerance: elements that may have another value */
-    DT_CONTRACT_RASTER /* tolerance: share of the texels that may differ, all at edges, 0..1 */
+    DT_CONTRACT_ULP,    /* tolerance: units in the last place */
+    DT_CONTRACT_ABS,    /* tolerance: absolute */
+    DT_CONTRACT_REL,    /* tolerance: relative to the larger magnitude */
+    DT_CONTRACT_IMAGE,  /* tolerance: absolute, beyond which a texel is an outlier */
+    DT_CONTRACT_FLIPS,  /* tolerance: elements that may have another value */
+    DT_CONTRACT_RASTER, /* tolerance: share of the texels that may differ, all at edges, 0..1 */
+    /* tolerance: of each copy, relative to what exact arithmetic makes of the same inputs; outliers: as IMAGE */
+    DT_CONTRACT_OF_EXACT
 };
 struct dt_contract {
     enum dt_contract_kind kind;
     double tolerance; /* unused for EXACT */
-    double outliers;  /* IMAGE: share of texels that may be outliers, 0..1 */
+    double outliers;  /* IMAGE, OF_EXACT: share of texels that may be outliers, 0..1 */
     /* FLIPS: buffer (index into resources) and field with the margin of each element: how narrowly
      * its value was decided; margin_field -1: none */
     uint16_t margin_resource;
