@@ -57,6 +57,7 @@ else
     skip "without RADV it says what to install" "bubblewrap cannot run here"
 fi
 check "an unknown chip has a hint" says 2 'did you mean "navi21"' "${cost[@]}" --gpu navi10,nav21
+check "more chips than fit are refused" says 2 'at most 16 chips' "${cost[@]}" --gpu "$(yes navi21 | head -n 17 | paste -sd,)"
 check "a limit is a percentage" says 2 'must be a percentage' "${cost[@]}" --limit 5k
 check "a device whose driver tells nothing says so" says 2 'has no VK_KHR_pipeline_executable_properties' "${cost[@]}" --device llvmpipe
 if ! ls /usr/share/vulkan/icd.d/radeon_icd*.json >/dev/null 2>&1; then
@@ -115,6 +116,7 @@ specs=()
 for spec in "$root"/templates/*.yaml; do
     specs+=("$(basename "$spec" .yaml)")
 done
+# shellcheck disable=SC2317
 figures() { # chips pipeline...
     /usr/bin/python3 "$root/tests/cost.py" kept "$diptych" "$@"
 }

@@ -59,9 +59,15 @@ static bool check_gpus(const struct options *options, const struct dt_log *log)
         report_error(log, "--gpu and --device: name a chip, or a device that is there");
         return false;
     }
-    while ((name = next_name(&at, &length)))
-        if (++count > MAX_GPUS || !cost_chip(name, length, log))
+    while ((name = next_name(&at, &length))) {
+        if (!cost_chip(name, length, log))
             return false;
+        count++;
+    }
+    if (count > MAX_GPUS) {
+        report_error(log, "--gpu: must name at most %d chips", MAX_GPUS);
+        return false;
+    }
     return options->setup.device || cost_has_radv(log);
 }
 
