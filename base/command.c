@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/diag.h"
 #include "base/input.h"
-#include "base/log.h"
 #include "base/nearest.h"
 
 #define MOST_OVERLAY_BYTES ((size_t)1 << 20)
@@ -240,24 +240,27 @@ static bool is_tunable(const char *set)
 }
 
 /* A line `- PATH=VALUE`. */
-static bool take_line(struct text_list *all, const char *path, unsigned number, const char *line,
+static bool take_line(struct text_list *all, const char *path, int number, const char *line,
                       const struct dt_log *log)
 {
+    const struct source source = {.path = path};
     if (strncmp(line, "- ", 2) != 0 || !strchr(line, '='))
-        return fail(log, "%s:%u:1: error: this is no line `- PATH=VALUE`", path, number);
-    if (!is_tunable(line + 2))
-        return fail(log,
-                    "%s:%u:3: error: an overlay sets parameters, `local`, `storage` and `loop` "
-                    "alone; use --set for `%.*s`",
-                    path, number, (int)strcspn(line + 2, "="), line + 2);
-    return append(all, line + 2, log);
+        report_at(log, (struct loc){&source, number, 1, 1}, "this is no line `- PATH=VALUE`");
+    else if (!is_tunable(line + 2))
+        report_at(log, (struct loc){&source, number, 3, 1},
+                  "an overlay sets parameters, `local`, `storage` and `loop` alone; use --set for "
+                  "`%.*s`",
+                  (int)strcspn(line + 2, "="), line + 2);
+    else
+        return append(all, line + 2, log);
+    return false;
 }
 
 bool command_overlay(struct text_list *sets, const char *path, char **text,
                      const struct dt_log *log)
 {
     struct text_list all = {0};
-    unsigned number = 1;
+    int number = 1;
     const char *reason;
     size_t length;
     *text = input_read(path, MOST_OVERLAY_BYTES, &length, &reason);

@@ -421,9 +421,10 @@ static enum status write_json(const struct generation *g, enum status status)
     struct output *output = output_create();
     struct text text = {0};
     text_add(&text,
-             "{\n  \"verb\": \"%s\",\n  \"format\": 1,\n  \"exit_status\": %d,\n  \"errors\": ",
+             "{\n  \"verb\": \"%s\",\n  \"format\": 1,\n  \"exit_status\": %d,\n  \"errors\": [",
              g->options->check ? "check" : "generate", (int)status);
     diag_json(g->diag, &text);
+    text_add(&text, "\n  ]");
     if (status == STATUS_DONE)
         add_summary_json(&g->spec.model, &text);
     text_add(&text, "\n}\n");
@@ -449,7 +450,7 @@ static enum status run(const struct options *options)
         status = options->variations ? print_variations(&g) : generate(&g);
         if (options->json)
             status = write_json(&g, status);
-        diag_flush(g.diag);
+        diag_print(g.diag, command.program, stderr);
     } else {
         fputs("diptych-gen: error: out of memory\n", stderr);
     }

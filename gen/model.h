@@ -9,18 +9,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/diag.h"
 /* enums and structs of generated code, which the model has, too */
 #include "panel.h"
 
 /* ---- Places and expressions ------------------------------------------------------------------ */
-
-struct source; /* one file that was read: name as given, text, lines (diag.h) */
-
-struct loc {
-    const struct source *source;
-    int line, column; /* 1-based; line 0: the whole file */
-    int length;       /* characters to underline, at least 1 */
-};
 
 struct npy;  /* header of an array file (base/npy.h) */
 struct expr; /* integer over parameters, constants, frame.width and frame.height (expr.h) */

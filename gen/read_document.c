@@ -23,19 +23,13 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node)
         node ? fy_node_get_meta(node) : NULL; /* read_cull.c made the node for it */
     if (of)
         return node_loc(reader, of);
-    struct loc loc = {.source = node_source(reader, node), .length = 1};
+    struct loc loc = yaml_loc(node_source(reader, node), node);
     const struct override *override = find_override(reader, node);
     if (override) {
         loc.source = override->source;
+        loc.column = override->column + (loc.line ? loc.column - 1 : 0);
         loc.line = 1;
-        loc.column = override->column;
     }
-    struct yaml_place place = yaml_node_place(node);
-    if (!place.line)
-        return loc;
-    loc.line = override ? 1 : place.line;
-    loc.column = place.column + (override ? override->column - 1 : 0);
-    loc.length = place.length;
     return loc;
 }
 
@@ -152,17 +146,11 @@ static bool is_last(const struct setting *setting)
     return *setting->path == '=';
 }
 
-static void ignore(void *user, struct yaml_place place, bool note, const char *text)
-{
-    (void)user, (void)place, (void)note, (void)text;
-}
-
 static struct fy_node *build_node(struct reader *reader, const struct setting *setting,
                                   struct fy_document *document, const char *text, int column,
                                   size_t length)
 {
-    const struct yaml_sink silent = {ignore, NULL};
-    bool sound = *text && yaml_check_text(text, length, &silent);
+    bool sound = *text && !yaml_wrong_byte(text, length);
     struct fy_node *node = sound ? fy_node_build_from_string(document, text, length) : NULL;
     if (!node) {
         diag_error(reader->diag, setting_loc(setting, column, length),

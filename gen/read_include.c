@@ -59,32 +59,15 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
 
 /* ---- Parsing --------------------------------------------------------------------------------- */
 
-struct parsing {
-    struct reader *reader;
-    const struct source *source;
-};
-
-static void report(void *user, struct yaml_place place, bool note, const char *text)
-{
-    const struct parsing *parsing = user;
-    struct loc loc = {parsing->source, place.line, place.column, place.length};
-    if (note)
-        diag_note(parsing->reader->diag, loc, "%s", text);
-    else
-        diag_error(parsing->reader->diag, loc, "%s", text);
-}
-
 static bool read_includes(struct reader *reader, struct document *document);
 
 /* Parses a file and the files that it includes; false: a file cannot be used, which is reported. */
 static bool read_source(struct reader *reader, const struct source *source, struct document *parent,
                         struct fy_node *entry)
 {
-    struct parsing parsing = {reader, source};
-    const struct yaml_sink sink = {report, &parsing};
     struct document *document = parent ? reader_alloc(reader, 1, sizeof *document) : &reader->spec;
     struct document *last = &reader->spec;
-    struct fy_document *yaml = document ? yaml_parse(source->text, source->length, &sink) : NULL;
+    struct fy_document *yaml = document ? yaml_parse(source, reader->diag) : NULL;
     struct fy_node *root = yaml ? fy_document_root(yaml) : NULL;
     if (!root || fy_node_get_type(root) != FYNT_MAPPING) {
         if (!yaml)

@@ -152,7 +152,8 @@ static void add_variation(struct text *out, const struct draws *draws,
 static void add_refusal(struct text *out, const struct draws *draws,
                         const struct variation *variation, const struct diag *diag)
 {
-    const char *reason = diag_first_error(diag);
+    struct loc loc;
+    const char *reason = diag_first_error(diag, &loc);
     text_add(out, "%s\n    {\"draw\": %u, \"reason\": ", out->length ? "," : "", variation->number);
     text_add_json(out, reason ? reason : "");
     text_add(out, ", \"sets\": ");

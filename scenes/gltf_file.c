@@ -2,6 +2,7 @@
 #include "gltf.h"
 
 #include "child.h"
+#include "base/log.h"
 #include "base/input.h"
 
 #include <stdarg.h>
@@ -28,8 +29,8 @@ bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const
     vsnprintf(text, sizeof text, format, values);
     va_end(values);
     if (!gltf->failed)
-        log_message(gltf->log, DT_ERROR, "%s: %s[%u]%s%s: %s", gltf->path, names[item.kind],
-                    item.index, key ? "." : "", key ? key : "", text);
+        report_error(gltf->log, "%s: %s[%u]%s%s: %s", gltf->path, names[item.kind], item.index,
+                     key ? "." : "", key ? key : "", text);
     gltf->failed = true;
     return false;
 }
@@ -37,7 +38,7 @@ bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const
 static bool file_error(struct gltf *gltf, const char *text)
 {
     if (!gltf->failed)
-        log_message(gltf->log, DT_ERROR, "%s: %s", gltf->path, text);
+        report_error(gltf->log, "%s: %s", gltf->path, text);
     gltf->failed = true;
     return false;
 }
@@ -58,7 +59,7 @@ void gltf_warn(struct gltf *gltf, const char *format, ...)
         cJSON_GetObjectItemCaseSensitive(gltf->warned, text))
         return;
     cJSON_AddNullToObject(gltf->warned, text);
-    log_message(gltf->log, DT_WARNING, "%s: %s", gltf->path, text);
+    report_message(gltf->log, DT_WARNING, "%s: %s", gltf->path, text);
 }
 
 void *gltf_alloc(struct gltf *gltf, struct gltf_item item, size_t count, size_t size)
@@ -275,9 +276,7 @@ static bool parse(struct gltf *gltf, struct gltf_bytes json)
         column = *c == '\n' ? 1 : column + 1;
         line += *c == '\n';
     }
-    if (gltf->log->message)
-        log_message(gltf->log, DT_ERROR, "%s:%d:%d: error: this is no JSON of a glTF file",
-                    gltf->path, line, column);
+    report_error(gltf->log, "%s:%d:%d: this is no JSON of a glTF file", gltf->path, line, column);
     gltf->failed = true;
     return false;
 }

@@ -110,10 +110,6 @@ bool mesh_number(struct mesh *mesh, const struct dt_log *log);
 bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
                    const struct dt_log *log);
 
-/* Logs one message, formatted like printf. */
-void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
-
 /* In double: the float inverse of cglm loses digits that position reconstruction needs. A singular
  * matrix yields infinities or NaN. */
 void invert(const double m[4][4], float out[4][4]);

@@ -2,6 +2,7 @@
 #include "mesh.h"
 
 #include "child.h"
+#include "base/log.h"
 #include "base/input.h"
 
 #include <assimp/cfileio.h>
@@ -32,8 +33,8 @@ struct import {
 
 static bool out_of_memory(const struct import *import)
 {
-    log_message(import->log, DT_ERROR, "%s: out of memory; the mesh is too large for this machine",
-                import->path);
+    report_error(import->log, "%s: out of memory; the mesh is too large for this machine",
+                 import->path);
     return false;
 }
 
@@ -80,8 +81,8 @@ static int32_t texture_index(struct import *import, const char *color, const cha
     texture.opacity = opacity ? mesh_path_beside(import->path, opacity) : NULL;
     int32_t index = mesh_add_texture(import->mesh, texture);
     if (index < 0)
-        log_message(import->log, DT_WARNING, "%s: texture %s cannot be used; plain colour instead",
-                    import->path, color);
+        report_message(import->log, DT_WARNING,
+                       "%s: texture %s cannot be used; plain colour instead", import->path, color);
     return index;
 }
 
@@ -143,9 +144,8 @@ static uint32_t *take_indices(const struct import *import, const struct aiMesh *
             indices[3 * (size_t)*triangles + k] = face->mIndices[k];
             if (face->mIndices[k] < from->mNumVertices)
                 continue;
-            log_message(import->log, DT_ERROR,
-                        "%s: a face has the index %u, and there are %u vertices", import->path,
-                        face->mIndices[k], from->mNumVertices);
+            report_error(import->log, "%s: a face has the index %u, and there are %u vertices",
+                         import->path, face->mIndices[k], from->mNumVertices);
             free(indices);
             return NULL;
         }
@@ -314,11 +314,11 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     else if (stream)
         fclose(stream);
     else if (!opening->failed)
-        log_message(opening->log, DT_ERROR, "%s: %s", path, reason);
+        report_error(opening->log, "%s: %s", path, reason);
     opening->failed = opening->failed || !file;
     if (file && !opening->failed && opening->no_materials && is_material_library(path)) {
-        log_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
-                    opening->no_materials, path);
+        report_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
+                       opening->no_materials, path);
         free(opening->no_materials);
         opening->no_materials = NULL;
     }
@@ -340,16 +340,15 @@ static bool is_whole(const struct aiScene *source, struct opening *opening, cons
 {
     bool good = source && source->mRootNode;
     if (!source && !opening->failed && strstr(aiGetErrorString(), "bad_alloc"))
-        log_message(log, DT_ERROR,
-                    "%s: reading it takes more memory than there is, or more than "
-                    "a file of its size should",
-                    path);
+        report_error(log,
+                     "%s: reading it takes more memory than there is, or more than "
+                     "a file of its size should",
+                     path);
     else if (!good && !opening->failed)
-        log_message(log, DT_ERROR, "%s: %s", path,
-                    source ? "an empty mesh file" : aiGetErrorString());
+        report_error(log, "%s: %s", path, source ? "an empty mesh file" : aiGetErrorString());
     else if (opening->no_materials && !opening->failed)
-        log_message(log, DT_ERROR, "%s: not found; %s takes its materials from it",
-                    opening->no_materials, path);
+        report_error(log, "%s: not found; %s takes its materials from it", opening->no_materials,
+                     path);
     good = good && !opening->failed && !opening->no_materials;
     free(opening->no_materials);
     return good;

@@ -19,6 +19,7 @@
 
 #include "camera_light.h"
 #include "mesh.h"
+#include "base/log.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -315,7 +316,7 @@ struct motion *motion_load(const char *path, const struct scene *scene, const st
     if (motion)
         motion->path = strdup(path);
     if (!motion || !motion->path) {
-        log_message(log, DT_ERROR, "%s: out of memory", path);
+        report_error(log, "%s: out of memory", path);
         motion_free(motion);
         return NULL;
     }

@@ -1,6 +1,7 @@
 /* Indices of OBJ files, which assimp checks without saying which one is wrong, or passes over. */
 #include "mesh.h"
 
+#include "base/log.h"
 #include "base/input.h"
 
 #include <stdio.h>
@@ -47,9 +48,8 @@ static bool report(const struct listed listed[KINDS], const char *path, const st
     static const char *const names[] = {"vertex", "texture coordinate", "normal"};
     for (int kind = 0; kind < KINDS; kind++)
         if (listed[kind].is_wrong || listed[kind].largest > listed[kind].count) {
-            log_message(log, DT_ERROR,
-                        "%s:%lu: error: a face has the %s %lld, and the file has %lld", path,
-                        listed[kind].line, names[kind], listed[kind].largest, listed[kind].count);
+            report_error(log, "%s:%lu: error: a face has the %s %lld, and the file has %lld", path,
+                         listed[kind].line, names[kind], listed[kind].largest, listed[kind].count);
             return false;
         }
     return true;
@@ -74,6 +74,6 @@ bool obj_check(const char *path, const struct dt_log *log)
     if (file)
         fclose(file);
     else
-        log_message(log, DT_ERROR, "%s: %s", path, reason);
+        report_error(log, "%s: %s", path, reason);
     return file && report(listed, path, log);
 }

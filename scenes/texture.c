@@ -4,6 +4,7 @@
 #include "picture_size.h"
 #include "scene.h"
 #include "srgb.h"
+#include "base/log.h"
 
 #include <errno.h>
 #include <math.h>
@@ -90,9 +91,9 @@ static void as_warning(void *user, enum dt_level level, const char *message)
 {
     const struct dt_log *log = user;
     if (level == DT_ERROR)
-        log_message(log, DT_WARNING, "%s; plain colour instead", message);
+        report_message(log, DT_WARNING, "%s; plain colour instead", message);
     else
-        log_message(log, level, "%s", message);
+        report_message(log, level, "%s", message);
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -117,7 +118,7 @@ static bool open_texture(const struct mesh_texture *texture, struct opened *open
          opened->file >= 0 && got >= 0 && done<texture->size; done += got> 0 ? (size_t)got : 0)
         got = write(opened->file, texture->bytes + done, texture->size - done);
     if (opened->file < 0 || done < texture->size) {
-        log_message(log, DT_ERROR, "%s: %s", texture->color, strerror(errno));
+        report_error(log, "%s: %s", texture->color, strerror(errno));
         if (opened->file >= 0)
             close(opened->file);
         return false;
@@ -248,15 +249,14 @@ static bool plan_layers(struct layers *layers, uint32_t wanted)
     while (!wanted && layers->size > 1 && layers->count > MOST_BYTES / layers->chain)
         choose_size(layers, layers->size / 2);
     if (pixels > MOST_PIXELS)
-        log_message(layers->log, DT_ERROR,
-                    "the scene's textures have %llu pixels; %llu is the limit",
-                    (unsigned long long)pixels, (unsigned long long)MOST_PIXELS);
+        report_error(layers->log, "the scene's textures have %llu pixels; %llu is the limit",
+                     (unsigned long long)pixels, (unsigned long long)MOST_PIXELS);
     else if (layers->count > MOST_BYTES / layers->chain)
-        log_message(layers->log, DT_ERROR,
-                    "%u textures of %ux%u take %zu MiB; %zu is the limit; lower `texture_size` in "
-                    "the scene file",
-                    layers->count, layers->size, layers->size,
-                    (layers->count * layers->chain) >> 20, MOST_BYTES >> 20);
+        report_error(layers->log,
+                     "%u textures of %ux%u take %zu MiB; %zu is the limit; lower `texture_size` in "
+                     "the scene file",
+                     layers->count, layers->size, layers->size,
+                     (layers->count * layers->chain) >> 20, MOST_BYTES >> 20);
     else
         return true;
     return false;
@@ -336,9 +336,9 @@ static void set_white(uint8_t *texels, struct dt_scene *scene)
 
 static bool out_of_memory(const struct layers *layers)
 {
-    log_message(layers->log, DT_ERROR,
-                "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
-                layers->count, layers->size, layers->size);
+    report_error(layers->log,
+                 "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
+                 layers->count, layers->size, layers->size);
     return false;
 }
 

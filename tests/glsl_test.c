@@ -323,7 +323,7 @@ static struct shader build(struct fixture *f, int pass, enum backend backend, en
     char *why = NULL;
     if (ok && backend == BACKEND_GL)
         ok = spirv_cross(shader.words, shader.word_count, &shader.glsl, &why);
-    diag_flush(f->diag);
+    diag_print(f->diag, "diptych-gen", stderr);
     assert_true(ok);
     assert_true(shader.word_count > 5 && shader.words[0] == SpvMagicNumber);
     shader_free(&vulkan);
@@ -761,19 +761,13 @@ static void test_compile_error_place(void **state)
 {
     struct fixture *f = *state;
     struct shader shader;
-    char *text = NULL;
-    size_t size = 0;
     assert_non_null(emit_shade(
         f, "#ifdef FRAGMENT\nnonsense\n#endif\nvoid main()\n{\n    int a = wrong;\n}\n", &shader));
     char *log = NULL;
     assert_false(spirv_compile(&f->model, &f->passes[SHADE], BACKEND_VK, &shader, &log, f->diag));
     glsl_report(&f->model, &f->passes[SHADE], log, f->diag);
     free(log);
-    FILE *old = stderr, *memory = open_memstream(&text, &size);
-    stderr = memory;
-    diag_flush(f->diag);
-    stderr = old;
-    fclose(memory);
+    char *text = diag_text(f->diag, "diptych-gen");
     assert_non_null(strstr(text, "shade.glsl:6:13: error: 'wrong' : undeclared identifier"));
     free(text);
     shader_free(&shader);

@@ -96,8 +96,15 @@ sed -i 's/rgba32g/rgba32f/' "$wrong"
 fails "wrong GLSL" 1 "errors[-1]['file'].endswith('rsm/gather.glsl') and 'sampels' in errors[-1]['message']" render "${scene[@]}" --spec "$wrong" --size 8x8 \
     --backend vk -o "$work/b.exr"
 printf 'mesh: cornell.obj\ncamra: {}\nlight: [1]\n' >"$work/scene.yaml"
-fails "a wrong scene" 1 "[(error['line'], error['column']) for error in errors][:1] == [(2, 1)] and len(errors) >= 3" \
+fails "a wrong scene" 1 "[(error['line'], error['column']) for error in errors] == [(1, 7), (2, 1), (3, 9)]" \
     reference --scene "$work/scene.yaml" -o "$work/b.exr"
+printf 'mesh: %s\ncamera: absent\n' "$root/scenes/cornell.obj" >"$work/wish.yaml"
+fails "no such camera, which a child process says" 1 "errors[0]['file'].endswith('wish.yaml') and (errors[0]['line'], errors[0]['column']) == (2, 9)" \
+    reference --scene "$work/wish.yaml" -o "$work/b.exr"
+printf -- '- include=a.yaml\n' >"$work/overlay.yaml"
+fails "a wrong overlay" 2 "(errors[0]['line'], errors[0]['column']) == (1, 3)" render --with "$work/overlay.yaml" -o "$work/b.exr"
+fails "a grid of no parameter" 2 "errors[0]['file'] == '--set' and 'no \`sampels\`' in errors[0]['message']" \
+    sweep -o "$work/sweep3" "${scene[@]}" --spec "$root/templates/rsm.yaml" --grid sampels=2,4
 fails "no picture" 1 "'file' not in errors[0] and 'absent.exr' in errors[0]['message']" metrics --reference "$work/absent.exr" --test "$work/a.exr"
 fails "no folder" 2 "'absent' in errors[0]['message']" replay "$work/absent" --backend vk
 fails "nothing to vary" 2 "'grid' in errors[0]['message'] or 'random' in errors[0]['message']" sweep -o "$work/sweep2" "${scene[@]}"

@@ -5,6 +5,7 @@
 #include "child.h"
 #include "diptych_scene.h"
 #include "image.h"
+#include "base/log.h"
 #include "mesh.h"
 #include "motion.h"
 #include "scene.h"
@@ -1174,7 +1175,7 @@ static bool crash(FILE *result, void *user, const struct dt_log *log)
 {
     (void)result;
     child_opens(user);
-    log_message(log, DT_WARNING, "before");
+    report_message(log, DT_WARNING, "before");
     raise(SIGKILL); /* which no sanitizer catches */
     return true;
 }
@@ -1182,7 +1183,7 @@ static bool crash(FILE *result, void *user, const struct dt_log *log)
 static bool refuse(FILE *result, void *user, const struct dt_log *log)
 {
     (void)result;
-    log_message(log, DT_ERROR, "no %s", (const char *)user);
+    report_error(log, "no %s", (const char *)user);
     return false;
 }
 

@@ -556,7 +556,7 @@ static void a_pass_that_was_left_out_is_an_error(void **state)
 {
     struct bench *bench = *state;
     const struct worker_info info = info_of(bench, 0);
-    struct source source;
+    struct row_source source;
     scripts[0] = (struct script){LEAVE_OUT, DOUBLE, 0};
     assert_true(source_start(&source, &info, NULL));
     assert_true(source_reach(&source, (struct worker_place){.stop = WORKER_READY}));

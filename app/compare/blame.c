@@ -9,13 +9,13 @@
 
 /* ---- The second run -------------------------------------------------------------------------- */
 
-static bool advance(struct source sources[2], struct worker_place place)
+static bool advance(struct row_source sources[2], struct worker_place place)
 {
     return source_resume(&sources[0]) && source_resume(&sources[1]) &&
            source_reach(&sources[0], place) && source_reach(&sources[1], place);
 }
 
-static bool hand_over(struct source sources[2], const struct row *row,
+static bool hand_over(struct row_source sources[2], const struct row *row,
                       const struct replay_viewer *viewer)
 {
     struct dt_bytes bytes;
@@ -24,13 +24,14 @@ static bool hand_over(struct source sources[2], const struct row *row,
            worker_write(&sources[1].worker, row->resource, row->mip, &bytes);
 }
 
-static bool take_both(struct source sources[2], const struct row *row, struct dt_bytes copies[2])
+static bool take_both(struct row_source sources[2], const struct row *row,
+                      struct dt_bytes copies[2])
 {
     return source_ask(&sources[0], row) && source_ask(&sources[1], row) &&
            source_take(&sources[0], row, &copies[0]) && source_take(&sources[1], row, &copies[1]);
 }
 
-static bool show_output(const struct rows *rows, struct source sources[2], uint32_t index,
+static bool show_output(const struct rows *rows, struct row_source sources[2], uint32_t index,
                         const struct replay_viewer *viewer)
 {
     struct dt_bytes copies[2];
@@ -38,7 +39,7 @@ static bool show_output(const struct rows *rows, struct source sources[2], uint3
            (!viewer->output || viewer->output(viewer->user, index, copies));
 }
 
-static bool show_edges(const struct rows *rows, struct source sources[2], uint32_t pass,
+static bool show_edges(const struct rows *rows, struct row_source sources[2], uint32_t pass,
                        const struct replay_viewer *viewer)
 {
     const struct dt_pipeline *pipeline = rows->pipeline;
@@ -56,7 +57,7 @@ static bool show_edges(const struct rows *rows, struct source sources[2], uint32
             (take_both(sources, &depth, copies) && viewer->edges_depth(viewer->user, copies)));
 }
 
-static bool replay_pass(const struct replay *replay, struct source sources[2], uint32_t pass,
+static bool replay_pass(const struct replay *replay, struct row_source sources[2], uint32_t pass,
                         const struct replay_viewer *viewer)
 {
     const struct rows *rows = replay->rows;
@@ -79,7 +80,7 @@ static bool replay_pass(const struct replay *replay, struct source sources[2], u
 }
 
 /* The second side runs no earlier frames: their results are among the inputs that it gets. */
-static bool start(const struct replay *replay, struct source sources[2])
+static bool start(const struct replay *replay, struct row_source sources[2])
 {
     for (int i = 0; i < 2; i++) {
         struct worker_info info = replay->workers[i];
@@ -98,7 +99,7 @@ static bool start(const struct replay *replay, struct source sources[2])
 
 bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
 {
-    struct source sources[2] = {0};
+    struct row_source sources[2] = {0};
     bool good = start(replay, sources);
     for (uint32_t pass = 0; pass < replay->rows->pipeline->pass_count && good; pass++)
         good = replay_pass(replay, sources, pass, viewer);

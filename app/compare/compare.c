@@ -92,7 +92,7 @@ static bool add_margins(struct compare *compare, uint32_t index, const struct ro
     const struct dt_pipeline *info = compare->pipeline.info;
     const struct dt_resource *resource = &info->resources[row->resource];
     const struct row margin = {.pass = row->pass, .resource = resource->contract.margin_resource};
-    struct source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
+    struct row_source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
     struct dt_bytes copies[2];
     if (!difference_needs_margins(&compare->pairs[index].found, resource))
         return true;
@@ -256,7 +256,7 @@ static bool read_undefined(struct compare *compare)
 {
     const struct row row = {.resource = plan_reports(compare->pipeline.plan)};
     for (uint32_t i = 0; i < compare->sides.count && compare->options.setup.sanitize; i++) {
-        struct source *source = &compare->sources[i];
+        struct row_source *source = &compare->sources[i];
         struct dt_bytes bytes;
         if (source->dump)
             continue;

@@ -68,7 +68,7 @@ struct compare {
     struct fault fault;
     uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
-    struct source *sources;     /* one per side */
+    struct row_source *sources; /* one per side */
     struct undefined undefined; /* --sanitize */
     char **devices;             /* names of the devices */
     struct pair *pairs;

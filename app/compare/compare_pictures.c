@@ -91,7 +91,7 @@ bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t 
 {
     struct pair *pair = &compare->pairs[pair_index];
     const struct row *row = &compare->rows.outputs.list[output];
-    struct source *sources[2] = {&compare->sources[0], &compare->sources[pair_index + 1]};
+    struct row_source *sources[2] = {&compare->sources[0], &compare->sources[pair_index + 1]};
     struct result *result = &pair->results[output];
     bool image = compare->pipeline.info->resources[row->resource].kind == DT_IMAGE;
     bool differ = difference_verdict(&pair->found) != VERDICT_EQUAL;

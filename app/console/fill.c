@@ -31,7 +31,8 @@ static void *wrong(const struct filler *filler, const char *at, const char *what
     int line = 1;
     for (const char *c = filler->text; c < at; c++)
         line += *c == '\n';
-    report_error(filler->log, "%s:%d:1: error: %s `%s`", filler->path, line, what, name);
+    const struct source source = {filler->path, filler->text, strlen(filler->text), {0}, NULL};
+    report_at(filler->log, (struct loc){&source, line, 1, 1}, "%s `%s`", what, name);
     return NULL;
 }
 

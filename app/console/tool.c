@@ -16,7 +16,6 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "console/place.h"
 
 /* Descriptors of a child: `input` for its stdin, -1: ours; `output` for its stdout, -1: /dev/null;
  * `errors` for its stderr, -1: ours. */
@@ -69,86 +68,6 @@ static int start(pid_t *child, char *const argv[], const struct streams *streams
     return error;
 }
 
-void tool_tell(int file, bool failed, struct console *console)
-{
-    char *text = file_contents(file);
-    if (console->attached) {
-        if (text && *text) {
-            text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
-            report_message(&console->log, failed ? DT_ERROR : DT_WARNING, "%s", text);
-        }
-        free(text);
-        close(file);
-        return;
-    }
-    int captured = console_capturing(console);
-    bool placed = captured >= 0; /* a capture keeps the text itself */
-    struct place place;
-    for (char *line = placed ? NULL : text, *end; line && *line; line = end) {
-        end = line + strcspn(line, "\n");
-        char last = *end;
-        *end = 0;
-        if (place_read(line, &place)) {
-            console_keep(console, DT_ERROR, line);
-            placed = true;
-        }
-        *end = last;
-        end += last == '\n';
-    }
-    if (text && *text) {
-        if (captured >= 0)
-            dprintf(captured, "%s", text);
-        else
-            fputs(text, stderr);
-        text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
-        if (!placed && failed)
-            console_keep(console, DT_ERROR, text);
-    }
-    free(text);
-    close(file);
-}
-
-struct running {
-    pid_t child;
-    int kept; /* file with its messages; -1: on stderr, or captured */
-};
-
-/* Where the tool's messages go. */
-enum messages {
-    MESSAGES_KEPT,  /* for --json, where that is given */
-    MESSAGES_SHOWN, /* to stderr at once: they show progress */
-};
-
-static bool begin(struct running *running, const struct tool *tool, char *const argv[], int output,
-                  enum messages messages, struct console *console)
-{
-    int captured = console_capturing(console);
-    bool keep = messages == MESSAGES_KEPT && captured < 0 && console->keeps;
-    *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
-    const struct streams streams = {-1, output, running->kept >= 0 ? running->kept : captured};
-    int error = start(&running->child, argv, &streams);
-    if (!error) {
-        console_adopt(console, running->child);
-        return true;
-    }
-    if (running->kept >= 0)
-        close(running->kept);
-    report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
-                 tool->hint);
-    return false;
-}
-
-/* Waits for it and prints its messages; returns the status as console_wait does. */
-static int finish(const struct running *running, struct console *console)
-{
-    int status = console_wait(console, running->child);
-    int error = errno;
-    if (running->kept >= 0)
-        tool_tell(running->kept, status != 0, console);
-    errno = error;
-    return status;
-}
-
 static bool judge(int status, const struct tool *tool, const char *name, const struct dt_log *log)
 {
     if (status < 0) {
@@ -165,18 +84,18 @@ static bool judge(int status, const struct tool *tool, const char *name, const s
     return false;
 }
 
-static bool run(const struct tool *tool, char *const argv[], int output, enum messages messages,
-                struct console *console)
-{
-    struct running running;
-    return begin(&running, tool, argv, output, messages, console) &&
-           judge(finish(&running, console), tool, argv[0], &console->log);
-}
-
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
 {
-    return run(tool, argv, output, output == STDERR_FILENO ? MESSAGES_SHOWN : MESSAGES_KEPT,
-               console);
+    const struct streams streams = {-1, output, console_capturing(console)};
+    pid_t child;
+    int error = start(&child, argv, &streams);
+    if (error) {
+        report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
+                     tool->hint);
+        return false;
+    }
+    console_adopt(console, child);
+    return judge(console_wait(console, child), tool, argv[0], &console->log);
 }
 
 bool tool_quiet(char *const argv[], struct console *console)
@@ -244,7 +163,7 @@ bool tool_lines(const struct tool *tool, char *const argv[],
     bool reads = reader.in && pthread_create(&thread, NULL, read_lines, &reader) == 0;
     if (!reads)
         report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
-    bool good = reads && run(tool, argv, ends[1], MESSAGES_SHOWN, console);
+    bool good = reads && tool_run(tool, argv, ends[1], console);
     if (ends[1] >= 0)
         close(ends[1]); /* lines end when the tool and its children have closed the pipe */
     if (reads)

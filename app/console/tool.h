@@ -1,4 +1,4 @@
-/* Programs that the command line runs: the generator, the C compiler, ninja. */
+/* Programs that the command line runs: the generator, gnuplot, ninja. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 
@@ -21,11 +21,6 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
 bool tool_quiet(char *const argv[], struct console *console);
 /* Runs argv[0] with our streams; its exit status, or -1, logged. */
 int tool_status(char *const argv[], struct console *console);
-
-/* Prints messages of another program, or of gen/, from a file: to stderr, or to the capture; and
- * keeps them for --json: one per place that they name, or all as the reason where it `failed`
- * without naming one. Closes the file. */
-void tool_tell(int file, bool failed, struct console *console);
 
 /* Runs one and returns its stdout; NULL on failure; free(). */
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console);

@@ -293,7 +293,7 @@ static bool search(struct tuning *tuning)
 
 /* ---- The proof ------------------------------------------------------------------------------- */
 
-static bool same_row(struct tuning *tuning, struct source sources[2], const struct row *row,
+static bool same_row(struct tuning *tuning, struct row_source sources[2], const struct row *row,
                      uint32_t frame)
 {
     const struct dt_resource *resource = &tuning->first.pipeline.info->resources[row->resource];
@@ -315,7 +315,8 @@ static bool same_row(struct tuning *tuning, struct source sources[2], const stru
     return false;
 }
 
-static bool same_frames(struct tuning *tuning, struct source sources[2], const struct rows *rows)
+static bool same_frames(struct tuning *tuning, struct row_source sources[2],
+                        const struct rows *rows)
 {
     uint32_t passes = tuning->first.pipeline.info->pass_count;
     bool good = true;
@@ -341,7 +342,7 @@ static bool prove(struct tuning *tuning)
 {
     struct console *console = console_of(tuning);
     struct programme *const of[2] = {&tuning->first, &tuning->now};
-    struct source sources[2] = {0};
+    struct row_source sources[2] = {0};
     struct rows rows = {0};
     bool good = rows_make(&rows, tuning->first.pipeline.info, &console->log);
     console_status(console, "comparing the results");

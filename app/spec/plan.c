@@ -1,14 +1,12 @@
 /* The app's way into gen/; see plan.h. */
 #include "spec/plan.h"
 
+#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include "base/files.h"
-#include "console/tool.h"
 #include "spec/play.h"
 #include "gen/body_files.h"
 #include "gen/load.h"
@@ -19,23 +17,6 @@
 struct plan {
     struct spec spec;
 };
-
-/* ---- Messages -------------------------------------------------------------------------------- */
-
-/* They go where those of a child process would go: to the terminal, a window, or --json. */
-static void tell(struct diag *diag, bool failed, struct console *console)
-{
-    int file = memfd_create("messages", MFD_CLOEXEC);
-    int copy = file >= 0 ? dup(file) : -1;
-    FILE *out = copy >= 0 ? fdopen(copy, "w") : NULL;
-    diag_write(diag, out ? out : stderr);
-    if (out)
-        fclose(out);
-    else if (copy >= 0)
-        close(copy);
-    if (file >= 0)
-        tool_tell(file, failed, console);
-}
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
@@ -58,7 +39,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
         good = spec_load(&plan->spec, &wanted, true, diag);
         if (limited)
             watchdog_stop();
-        tell(diag, !good, console);
+        diag_report(diag, &console->log);
     } else {
         report_error(&console->log, "out of memory");
     }
@@ -69,6 +50,30 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
     }
     plan_free(plan);
     return NULL;
+}
+
+struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
+                              uint64_t bytes, struct console *console)
+{
+    const struct vary_request wanted = {.spec = request->spec,
+                                        .templates_dir = request->templates,
+                                        .sets = request->sets,
+                                        .set_count = request->set_count,
+                                        .count = count,
+                                        .seed = seed,
+                                        .bytes = bytes,
+                                        .cache = request->cache};
+    struct diag *diag = diag_create();
+    struct text text = {0};
+    bool good = diag && vary(&wanted, &text, diag);
+    struct cJSON *answer = good && !text.failed ? cJSON_Parse(text.data) : NULL;
+    if (diag && !good)
+        diag_report(diag, &console->log);
+    else if (!answer)
+        report_error(&console->log, "out of memory");
+    text_free(&text);
+    diag_free(diag);
+    return answer;
 }
 
 void plan_free(struct plan *plan)
@@ -122,14 +127,7 @@ struct plan_input plan_input(const struct plan *plan, uint32_t resource)
 void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
                      struct console *console)
 {
-    struct diag *diag = diag_create();
-    if (diag) {
-        diag_error(diag, plan->spec.model.pipeline.resources[resource].file_loc, "%s", text);
-        tell(diag, true, console);
-    } else {
-        report_error(&console->log, "out of memory");
-    }
-    diag_free(diag);
+    report_at(&console->log, plan->spec.model.pipeline.resources[resource].file_loc, "%s", text);
 }
 
 /* ---- Choices --------------------------------------------------------------------------------- */

@@ -20,6 +20,10 @@ struct plan_request {
 /* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
 struct plan *plan_load(const struct plan_request *request, struct console *console);
 void plan_free(struct plan *plan); /* takes NULL */
+/* What vary() of gen/stages.h makes: `count` variations, in which resources take `bytes` at most, and the
+ * files of the spec; NULL: logged. */
+struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
+                              uint64_t bytes, struct console *console);
 
 const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
