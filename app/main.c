@@ -28,7 +28,7 @@ static const struct verb verbs[] = {
     {"list", VERB_LIST, "name the parameters, resources and passes of a pipeline",
      "Parameters have their type, value and range; resources their format and size; passes what "
      "they\n"
-     "read and write, in order of execution.\n"
+     "call at this size, read and write, in order of execution.\n"
      "Exit status: 0 done, 1 the spec is wrong (the reason is on stderr), 2 wrong usage.",
      verb_list, EXIT_FAILED},
     {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",

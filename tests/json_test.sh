@@ -53,13 +53,16 @@ fine "(lambda r: (r['kept']['kind'], r['kept']['count'], r['kept']['fields'][0][
     "${features[@]}"
 fine "(lambda p: len(p) == 12 and p['blur']['kind'] == 'draw fullscreen' and p['scene']['kind'] == 'draw scene' and
     set(p['count']['reads']) == {'color', 'label'} and set(p['count']['writes']) == {'histogram', 'pattern', 'arguments'} and
-    p['count']['shader'] == 'features_count.glsl')({p['name']: p for p in it['passes']})" "${features[@]}"
+    p['count']['shader'] == 'features_count.glsl' and p['mark']['kind'] == 'dispatch indirect' and
+    p['keep']['arguments'] == {'x': -(-300153 // 64), 'y': 1, 'z': 1} and p['slice']['arguments'] == {'layers': 3} and
+    p['halves']['arguments'] == {'layers': 1, 'indices': 'kept', 'arguments': 'draw_arguments'})({p['name']: p for p in it['passes']})" "${features[@]}"
 # shellcheck disable=SC2317
 table_has() { # in this order
     "$diptych" "${features[@]}" >"$work/table" && grep -A1 '^  histogram *buffer' "$work/table" | grep 'mean: vec3' &&
         grep -E '^  slices +image +rgba32f +8x8x3$' "$work/table" && grep -E '^  bins +int +16 +2 to 64 +histogram bins$' "$work/table"
 }
 check "list prints a table" table_has
+check "... with what passes call" grep -E '^  follow +dispatch 3 2 1 +features_follow.glsl$' "$work/table"
 fine "it['width'] == 16 and it['output'].endswith('a.exr') and it['resource'] == 'radiance' and it['backend'] == 'vk'" \
     render "${small[@]}" --backend vk -o "$work/a.exr"
 fine "it['agree'] and it['guilty'] is None and it['devices']" compare "${small[@]}"

@@ -117,6 +117,15 @@ bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage,
     return good;
 }
 
+const struct dt_verb_info *plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
+                                     const void *live, int64_t arguments[4])
+{
+    const struct step *work = steps_work(&plan->spec.tables->passes[pass].steps);
+    for (int i = 0; i < 4; i++)
+        arguments[i] = amount_value(&work->arguments[i], size[0], size[1], live);
+    return dt_verb_info(work->verb);
+}
+
 struct plan_input plan_input(const struct plan *plan, uint32_t resource)
 {
     const struct resource *of = &plan->spec.model.pipeline.resources[resource];

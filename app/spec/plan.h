@@ -33,6 +33,10 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count);
  * NULL where the pass has none, and belongs to the plan. False when out of memory. */
 bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
 
+/* The call of a pass that draws or dispatches, with its arguments in a frame of this size. */
+const struct dt_verb_info *plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
+                                     const void *live, int64_t arguments[4]);
+
 /* Of a resource with `input` or `file` in the spec. */
 struct plan_input {
     const char *file; /* path; NULL: `input` */
