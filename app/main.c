@@ -151,7 +151,7 @@ static int verb_help(struct console *console, const struct options *options)
 }
 
 /* For app/manual.awk. */
-static int describe(void)
+static int describe_verbs(void)
 {
     printf("program\tdiptych\tone description of a GPU pipeline, run by OpenGL and by Vulkan\t\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(environment); i++)
@@ -215,7 +215,7 @@ static int run_verb(struct console *console, const struct verb *verb, int argc, 
     return status;
 }
 
-static int run(struct console *console, int argc, char **argv)
+static int run_command(struct console *console, int argc, char **argv)
 {
     if (argc < 2) {
         help(stderr);
@@ -230,7 +230,7 @@ static int run(struct console *console, int argc, char **argv)
         return EXIT_FINE;
     }
     if (strcmp(argv[1], "--describe") == 0)
-        return describe();
+        return describe_verbs();
     const struct verb *verb = find_verb(argv[1]);
     return verb ? run_verb(console, verb, argc - 2, argv + 2) : unknown_verb(console, argv[1]);
 }
@@ -241,7 +241,7 @@ int main(int argc, char **argv)
     /* Vulkan drivers may keep each command of a frame in a block of malloc's: recording ssvp takes a
      * tenth less with lavapipe where blocks of this size are reused as they are. No harm if refused. */
     mallopt(M_MXFAST, 160);
-    int status = console_open(&console) ? run(&console, argc, argv) : EXIT_FAILED;
+    int status = console_open(&console) ? run_command(&console, argc, argv) : EXIT_FAILED;
     console_close(&console);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         fprintf(stderr, "diptych: error: standard output cannot be written\n");

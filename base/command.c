@@ -103,7 +103,7 @@ static const char *read_count(const char *text, char end, uint32_t least, uint32
     return end ? rest + 1 : rest;
 }
 
-static bool read_number(const char *text, double *value)
+static bool parse_option_number(const char *text, double *value)
 {
     char *rest = NULL;
     double number = strtod(text, &rest);
@@ -130,7 +130,7 @@ bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
                 OPTIONS_MAX_SIZE);
 }
 
-static bool append(struct text_list *list, const char *text, const struct dt_log *log)
+static bool append_text(struct text_list *list, const char *text, const struct dt_log *log)
 {
     const char **grown = realloc(list->items, (list->count + 1) * sizeof *grown);
     if (!grown)
@@ -163,7 +163,7 @@ static bool store(void *options, const struct option_row *row, const char *value
                fail(log, "%s %s: must be a whole number from %u to %d", row->name, value, least,
                     OPTIONS_MAX_COUNT);
     case OPTION_NUMBER:
-        return read_number(value, place) ||
+        return parse_option_number(value, place) ||
                fail(log, "%s %s: must be a number above 0", row->name, value);
     case OPTION_SIZE:
         return option_size(value, place, log);
@@ -171,9 +171,9 @@ static bool store(void *options, const struct option_row *row, const char *value
         if (!strchr(value, '=') || value[0] == '=')
             return fail(log, "%s %s: must be %s, like %s", row->name, value, row->argument,
                         strcmp(row->argument, "NAME=FILE") ? "clusters=16" : "photo=in.png");
-        return append(place, value, log);
+        return append_text(place, value, log);
     case OPTION_TEXTS:
-        return append(place, value, log);
+        return append_text(place, value, log);
     }
     return false;
 }
@@ -240,8 +240,8 @@ static bool is_tunable(const char *set)
 }
 
 /* A line `- PATH=VALUE`. */
-static bool take_line(struct text_list *all, const char *path, int number, const char *line,
-                      const struct dt_log *log)
+static bool take_overlay_line(struct text_list *all, const char *path, int number, const char *line,
+                              const struct dt_log *log)
 {
     const struct source source = {.path = path};
     if (strncmp(line, "- ", 2) != 0 || !strchr(line, '='))
@@ -252,7 +252,7 @@ static bool take_line(struct text_list *all, const char *path, int number, const
                   "`%.*s`",
                   (int)strcspn(line + 2, "="), line + 2);
     else
-        return append(all, line + 2, log);
+        return append_text(all, line + 2, log);
     return false;
 }
 
@@ -268,10 +268,10 @@ bool command_overlay(struct text_list *sets, const char *path, char **text,
     for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
         if (!*line || *line == '#')
             continue;
-        good = take_line(&all, path, number, line, log);
+        good = take_overlay_line(&all, path, number, line, log);
     }
     for (uint32_t i = 0; i < sets->count && good; i++)
-        good = append(&all, sets->items[i], log);
+        good = append_text(&all, sets->items[i], log);
     free(good ? sets->items : all.items);
     if (good)
         *sets = all;

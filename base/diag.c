@@ -231,7 +231,7 @@ static void print_caret(FILE *out, const char *line, int bytes, struct loc place
 }
 
 /* Editors need a line and a column: a message about the whole file gets the first ones. */
-static void print_message(FILE *out, const char *program, const struct message *message)
+static void print_diag_message(FILE *out, const char *program, const struct message *message)
 {
     struct loc loc = message->loc;
     const char *line;
@@ -310,7 +310,7 @@ void diag_print(const struct diag *diag, const char *program, FILE *out)
 {
     struct message *sorted = sort_messages(diag);
     for (unsigned i = 0; sorted && i < diag->count; i++)
-        print_message(out, program, &sorted[i]);
+        print_diag_message(out, program, &sorted[i]);
     for (int i = SEVERITY_ERROR; i <= SEVERITY_WARNING; i++)
         if (diag->seen[i] > MOST_MESSAGES)
             fprintf(out, "%s: %s: %u more of them are not shown\n", program, severity_names[i],

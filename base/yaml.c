@@ -267,8 +267,8 @@ static bool expand(struct fy_document *document, struct fy_diag *messages, const
 
 /* ---- Parsing --------------------------------------------------------------------------------- */
 
-static struct fy_document *parse(const struct source *source, struct fy_diag *messages,
-                                 const struct target *to)
+static struct fy_document *parse_document(const struct source *source, struct fy_diag *messages,
+                                          const struct target *to)
 {
     struct fy_parse_cfg config = {.search_path = "",
                                   .flags =
@@ -306,7 +306,7 @@ struct fy_document *yaml_parse(const struct source *source, struct diag *diag)
         return NULL;
     }
     fy_diag_set_collect_errors(messages, true);
-    struct fy_document *document = parse(source, messages, &to);
+    struct fy_document *document = parse_document(source, messages, &to);
     fy_diag_unref(messages);
     return document;
 }

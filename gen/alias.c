@@ -98,8 +98,8 @@ static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint3
 /* Resources come largest first, so every existing slot is large enough. Takes the smallest slot
  * that is free during the resource's lifetime. Ties go to the slot made first, so the same spec
  * gives the same slots. */
-static void place(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
-                  struct resource *resource)
+static void place_in_slot(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
+                          struct resource *resource)
 {
     uint32_t best = pipeline->slot_count;
 
@@ -131,11 +131,11 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
         if (!largest->history) {
             uint32_t slots = pipeline->slot_count;
 
-            place(pipeline, placed, slot_bytes, largest);
+            place_in_slot(pipeline, placed, slot_bytes, largest);
             pipeline->transient_bytes += largest->bytes;
             pipeline->aliased_bytes += pipeline->slot_count > slots ? largest->bytes : 0;
         } else {
-            place(pipeline, placed, slot_bytes, largest);
+            place_in_slot(pipeline, placed, slot_bytes, largest);
         }
     }
 }

@@ -78,8 +78,8 @@ static struct resource *find_margin(struct checker *c, const struct contract *co
 }
 
 /* Index of the struct's field with that name; -1 after an error. */
-static int find_field(struct checker *c, const struct resource *margin, const char *name,
-                      struct loc loc)
+static int find_contract_field(struct checker *c, const struct resource *margin, const char *name,
+                               struct loc loc)
 {
     const struct structure *structure = margin->structure;
     const char **names = arena_alloc(c->model->arena, (structure->field_count + 1) * sizeof *names);
@@ -118,7 +118,7 @@ static int margin_field(struct checker *c, const struct resource *margin,
                    margin->of);
         return -1;
     }
-    int field = structure ? find_field(c, margin, dot + 1, contract->margin_loc) : 0;
+    int field = structure ? find_contract_field(c, margin, dot + 1, contract->margin_loc) : 0;
     if (field < 0)
         return -1;
     enum dt_type type = structure ? structure->fields[field].type : margin->type;

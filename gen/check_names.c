@@ -442,7 +442,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
 }
 
 /* As bodies and C see them; see word_of. */
-static bool same_word(const char *a, const char *b)
+static bool same_identifier(const char *a, const char *b)
 {
     while (*a && (*a == '.' ? '_' : *a) == (*b == '.' ? '_' : *b)) {
         a++;
@@ -458,7 +458,7 @@ static void check_pass_names(struct checker *c)
         const char *word = word_of(c, p->passes[i].name);
         check_word(c, word, p->passes[i].loc, true);
         for (uint32_t k = 0; k < i; k++)
-            if (same_word(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
+            if (same_identifier(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
                 diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
                            p->passes[i].name);
                 diag_note(c->diag, p->passes[k].loc, "first here");
@@ -581,7 +581,7 @@ static void resolve_filter(struct checker *c, struct access *access)
 }
 
 /* A builtin is read as a whole, under its own name. */
-static void refuse_keys(struct checker *c, const struct access *access)
+static void refuse_scene_keys(struct checker *c, const struct access *access)
 {
     const struct loc nowhere = {0};
     const struct {
@@ -614,7 +614,7 @@ static void resolve_access(struct checker *c, struct access *access)
     if (!access->resource && !access->builtin)
         report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
     if (access->builtin)
-        refuse_keys(c, access);
+        refuse_scene_keys(c, access);
     else if (access->sampler)
         resolve_filter(c, access);
 }

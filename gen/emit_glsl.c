@@ -169,7 +169,7 @@ static void add_structs(struct glsl *glsl, struct text *out)
 
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
-static bool is_listed(const struct pass *pass, const char *name)
+static bool pass_uses(const struct pass *pass, const char *name)
 {
     for (uint32_t i = 0; i < pass->use_count; i++)
         if (!strcmp(pass->uses[i], name))
@@ -189,7 +189,7 @@ static void add_samplers(struct glsl *glsl)
     struct text *constants = &glsl->parts[PART_RESOURCES];
     for (uint32_t i = 0; i < glsl->pipeline->sampler_count; i++) {
         const struct sampler *sampler = &glsl->pipeline->samplers[i];
-        if (sampler->kind != SAMPLER_HAMMERSLEY || !is_listed(glsl->pass, sampler->name))
+        if (sampler->kind != SAMPLER_HAMMERSLEY || !pass_uses(glsl->pass, sampler->name))
             continue;
         struct text function = {0};
         if (sampler->map != MAP_SQUARE && glsl_uses(glsl, "%s_map", sampler->name))
@@ -447,13 +447,13 @@ static void add_functions(struct glsl *glsl)
     add_place(glsl);
     add_frame_names(glsl);
     for (uint32_t i = 0; i < pipeline->metric_count; i++)
-        if (is_listed(glsl->pass, pipeline->metrics[i].name) &&
+        if (pass_uses(glsl->pass, pipeline->metrics[i].name) &&
             glsl_uses(glsl, "%s", pipeline->metrics[i].name))
             add_metric(glsl, &pipeline->metrics[i]);
     add_samplers(glsl);
     for (uint32_t i = 0; i < pipeline->interleave_count; i++) {
         const struct interleave *tile = &pipeline->interleaves[i];
-        if (tile == glsl->pass->interleave || is_listed(glsl->pass, tile->name))
+        if (tile == glsl->pass->interleave || pass_uses(glsl->pass, tile->name))
             add_interleave(glsl, tile);
     }
     glsl_accessors(glsl);

@@ -22,8 +22,8 @@ static bool read(struct spec *spec, const struct spec_request *request, struct d
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }
 
-static bool load(struct spec *spec, const struct spec_request *request, bool tables,
-                 struct diag *diag)
+static bool run_stages(struct spec *spec, const struct spec_request *request, bool tables,
+                       struct diag *diag)
 {
     struct model *model = &spec->model;
     if (!read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
@@ -49,7 +49,7 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
                struct diag *diag)
 {
     memory_forget();
-    bool good = load(spec, request, tables, diag);
+    bool good = run_stages(spec, request, tables, diag);
     if (memory_was_lost() || (!good && !diag_error_count(diag))) { /* all else is reported */
         diag_error(diag, (struct loc){0}, "out of memory");
         return false;

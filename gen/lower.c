@@ -132,7 +132,7 @@ static int16_t sampler_index(const struct pipeline *pipeline, const struct sampl
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
-static bool is_image(const struct access *access)
+static bool binds_image(const struct access *access)
 {
     return access->resource ? access->resource->kind == DT_IMAGE
                             : access->builtin == DT_SCENE_TEXTURES;
@@ -150,13 +150,13 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     struct dt_binding binding = {
         .binding = (uint16_t)access->binding,
         .resource = object_of(access),
-        .kind = !is_image(access) ? access->kind & DT_READ_UNIFORM ? DT_BIND_UNIFORM
-                                    : texture                      ? DT_BIND_TEXELS
-                                                                   : DT_BIND_STORAGE
-                : texture         ? DT_BIND_TEXTURE
-                                  : DT_BIND_IMAGE,
+        .kind = !binds_image(access) ? access->kind & DT_READ_UNIFORM ? DT_BIND_UNIFORM
+                                       : texture                      ? DT_BIND_TEXELS
+                                                                      : DT_BIND_STORAGE
+                : texture            ? DT_BIND_TEXTURE
+                                     : DT_BIND_IMAGE,
     };
-    if (!is_image(access))
+    if (!binds_image(access))
         return binding;
     bool all_mips = texture && !access->layer && !access_sees_one_mip(access);
     binding.mip = all_mips ? DT_ALL_MIPS : (uint8_t)access->mip_value;

@@ -97,7 +97,7 @@ static const struct command_line command = {
     .row_count = DT_ARRAY_COUNT(option_rows),
 };
 
-static void print_message(void *user, enum dt_level level, const char *message)
+static void print_option_message(void *user, enum dt_level level, const char *message)
 {
     (void)user;
     fprintf(stderr, "diptych-gen: %s: %s\n", level == DT_ERROR ? "error" : "warning", message);
@@ -113,7 +113,7 @@ static bool usage_error(const char *text, const char *what)
 
 static bool parse_options(int count, char **words, struct options *options)
 {
-    const struct dt_log log = {.message = print_message};
+    const struct dt_log log = {.message = print_option_message};
     if (!command_parse(&command, options, count - 1, words + 1, &log) ||
         (options->with && !options->help &&
          !command_overlay(&options->sets, options->with, &options->with_text, &log)))
@@ -278,8 +278,8 @@ static void print_summary(const struct pipeline *pipeline)
 
 /* Parses a whole number from least to most; NULL gives `otherwise`. Reports other texts and returns
  * false. */
-static bool read_number(const char *name, const char *text, uint64_t least, uint64_t most,
-                        uint64_t otherwise, uint64_t *number)
+static bool read_whole_number(const char *name, const char *text, uint64_t least, uint64_t most,
+                              uint64_t otherwise, uint64_t *number)
 {
     char *end = NULL;
     errno = 0;
@@ -309,7 +309,7 @@ static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
     uint64_t seconds;
-    if (!read_number("--limit", options->limit, 1, 3600, SPEC_SECONDS, &seconds))
+    if (!read_whole_number("--limit", options->limit, 1, 3600, SPEC_SECONDS, &seconds))
         return STATUS_FAILED;
     struct spec_request request = {.path = g->spec_path,
                                    .sets = options->sets.items,
@@ -344,9 +344,9 @@ static enum status print_variations(struct generation *g)
     const struct options *options = g->options;
     struct text text = {0};
     uint64_t count, seed, memory;
-    if (!read_number("--variations", options->variations, 0, 1000000, 1, &count) ||
-        !read_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
-        !read_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
+    if (!read_whole_number("--variations", options->variations, 0, 1000000, 1, &count) ||
+        !read_whole_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
+        !read_whole_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
         return STATUS_FAILED;
     struct vary_request request = {.spec = g->spec_path,
                                    .templates_dir = g->templates,
@@ -439,7 +439,7 @@ static enum status write_json(const struct generation *g, enum status status)
     return status;
 }
 
-static enum status run(const struct options *options)
+static enum status run_options(const struct options *options)
 {
     struct generation g = {
         .options = options, .diag = diag_create(), .spec.model.arena = arena_create()};
@@ -477,7 +477,7 @@ static enum status run_words(int argc, char **argv)
         (options.schema ? emit_schema : emit_reference)(&text);
         status = print_text(&text);
     } else {
-        status = run(&options);
+        status = run_options(&options);
     }
     free(options.sets.items);
     free(options.with_text);

@@ -16,7 +16,7 @@ void *reader_alloc(struct reader *reader, size_t count, size_t size)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-static const char *describe(struct reader *reader, struct fy_node *node)
+static const char *describe_node(struct reader *reader, struct fy_node *node)
 {
     if (!node)
         return "nothing";
@@ -202,10 +202,10 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
         if (item)
             diag_error(reader->diag, node_loc(reader, item),
                        "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "",
-                       label, quote ? "`" : "", describe(reader, item));
+                       label, quote ? "`" : "", describe_node(reader, item));
         else
             diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
-                       quote ? "`" : "", table_type_text(key->type), describe(reader, node));
+                       quote ? "`" : "", table_type_text(key->type), describe_node(reader, node));
         return false;
     }
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
@@ -241,7 +241,8 @@ static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct f
     const char *name = key_text(reader, name_node);
     struct loc loc = node_loc(reader, name_node);
     if (!name) {
-        diag_error(reader->diag, loc, "a key must be a word, not %s", describe(reader, name_node));
+        diag_error(reader->diag, loc, "a key must be a word, not %s",
+                   describe_node(reader, name_node));
         return;
     }
     const struct key *key = table_find(fields->section, name);
@@ -261,7 +262,7 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
         diag_error(reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
                    "%s must be a map, not %s", table_sections[section].title,
-                   describe(reader, node));
+                   describe_node(reader, node));
         return false;
     }
     void *iterator = NULL;
@@ -298,7 +299,7 @@ static void add_named(struct reader *reader, const struct key *entry, struct fy_
         if (!name || !(refers ? is_path(name) : is_identifier(name))) {
             diag_error(reader->diag, loc, "a name in %s must be letters, digits and `_`, not %s",
                        table_sections[entry->child].title,
-                       describe(reader, fy_node_pair_key(pair)));
+                       describe_node(reader, fy_node_pair_key(pair)));
             continue;
         }
         const struct key *child = table_find(entry->child, name);

@@ -275,8 +275,8 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
 }
 
 /* Reports keys that this kind of pass does not have. */
-static void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
-                        const char *const *keys)
+static void refuse_pass_keys(struct reader *reader, const struct fields *fields, const char *what,
+                             const char *const *keys)
 {
     for (; *keys; keys++)
         if (field_node(fields, *keys))
@@ -295,13 +295,13 @@ static void refuse_others(struct reader *reader, const struct fields *fields,
         "view",  "layers",         "indices",  "cull",    "depth",      "depth_write",
         "blend", "clip_distances", "viewport", "scissor", "depth_bias", NULL};
     if (pass->kind == DT_PASS_DRAW_SCENE)
-        refuse_keys(reader, fields, "a draw", scene);
+        refuse_pass_keys(reader, fields, "a draw", scene);
     else if (pass->kind == DT_PASS_DRAW_FULLSCREEN)
-        refuse_keys(reader, fields, "a fullscreen draw", fullscreen);
+        refuse_pass_keys(reader, fields, "a fullscreen draw", fullscreen);
     else if (pass->kind == DT_PASS_DRAW_VERTICES)
-        refuse_keys(reader, fields, "a draw of vertices", vertices);
+        refuse_pass_keys(reader, fields, "a draw of vertices", vertices);
     else
-        refuse_keys(reader, fields, "a dispatch", dispatch);
+        refuse_pass_keys(reader, fields, "a dispatch", dispatch);
 }
 
 static void read_draw(struct reader *reader, const struct fields *fields, struct pass *pass)

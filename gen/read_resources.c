@@ -89,7 +89,8 @@ void read_structs(struct reader *reader, const struct fields *top)
 
 /* ---- Buffers and images ---------------------------------------------------------------------- */
 
-static void read_buffer(struct reader *reader, const struct named *named, struct resource *buffer)
+static void read_buffer_keys(struct reader *reader, const struct named *named,
+                             struct resource *buffer)
 {
     struct fields fields;
     *buffer =
@@ -146,7 +147,8 @@ static void read_shape(struct reader *reader, const struct fields *fields, struc
     }
 }
 
-static void read_image(struct reader *reader, const struct named *named, struct resource *image)
+static void read_image_keys(struct reader *reader, const struct named *named,
+                            struct resource *image)
 {
     struct fields fields;
     *image =
@@ -188,9 +190,10 @@ void read_resources(struct reader *reader, const struct fields *top)
     if (!pipeline->resources)
         return;
     for (uint32_t i = 0; i < buffers.count; i++)
-        read_buffer(reader, &buffers.items[i], &pipeline->resources[pipeline->resource_count++]);
+        read_buffer_keys(reader, &buffers.items[i],
+                         &pipeline->resources[pipeline->resource_count++]);
     for (uint32_t i = 0; i < images.count; i++)
-        read_image(reader, &images.items[i], &pipeline->resources[pipeline->resource_count++]);
+        read_image_keys(reader, &images.items[i], &pipeline->resources[pipeline->resource_count++]);
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
         pipeline->resources[i].index = i;
 }
@@ -198,8 +201,8 @@ void read_resources(struct reader *reader, const struct fields *top)
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
 /* Reports keys of the other kind of sampler. */
-static void refuse_keys(struct reader *reader, const struct fields *fields, const char *kind,
-                        const char *const *keys)
+static void refuse_sampler_keys(struct reader *reader, const struct fields *fields,
+                                const char *kind, const char *const *keys)
 {
     for (; *keys; keys++)
         if (field_node(fields, *keys))
@@ -221,7 +224,7 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
     if (!field_node(&fields, "kind"))
         return;
     if (sampler->kind == SAMPLER_HAMMERSLEY) {
-        refuse_keys(reader, &fields, "hammersley", filters);
+        refuse_sampler_keys(reader, &fields, "hammersley", filters);
         sampler->count = field_expr(reader, &fields, "count");
         sampler->map = (enum sampler_map)field_choice(reader, &fields, "map", MAP_SQUARE);
         if (!field_node(&fields, "count"))
@@ -229,7 +232,7 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
                        "a sampler of kind hammersley needs the key `count`");
         return;
     }
-    refuse_keys(reader, &fields, "filter", points);
+    refuse_sampler_keys(reader, &fields, "filter", points);
     sampler->linear = field_choice(reader, &fields, "filter", 0) == 1;
     sampler->linear_mip = field_choice(reader, &fields, "mip_filter", 0) == 1;
     sampler->wrap = (enum dt_wrap)field_choice(reader, &fields, "wrap", DT_WRAP_CLAMP);
@@ -378,7 +381,7 @@ static struct resource *find_resource(struct pipeline *pipeline, const char *nam
     return NULL;
 }
 
-static void report_unknown(struct reader *reader, const struct named *named)
+static void report_unknown_resource(struct reader *reader, const struct named *named)
 {
     const struct pipeline *pipeline = &reader->model->pipeline;
     const char **names = reader_alloc(reader, pipeline->resource_count, sizeof *names);
@@ -432,6 +435,6 @@ void read_contracts(struct reader *reader, const struct fields *top)
         if (resource)
             resource->contract = read_contract(reader, &list.items[i]);
         else
-            report_unknown(reader, &list.items[i]);
+            report_unknown_resource(reader, &list.items[i]);
     }
 }

@@ -140,7 +140,7 @@ bool sanitize_count(struct model *model, struct diag *diag)
 
 /* ---- GLSL ------------------------------------------------------------------------------------ */
 
-static const char *place_of(const struct glsl *glsl)
+static const char *place_function(const struct glsl *glsl)
 {
     if (glsl->stage == STAGE_IS_VERTEX)
         return "uvec3 diptych_place()\n{\n    return uvec3(gl_VertexIndex, gl_InstanceIndex, "
@@ -174,7 +174,7 @@ bool sanitize_glsl(struct glsl *glsl)
         return false;
     }
     struct text *out = &glsl->parts[PART_END];
-    text_add(out, "%s", place_of(glsl));
+    text_add(out, "%s", place_function(glsl));
     text_add_bytes(out, source->text, (size_t)(at - source->text));
     glsl_binding(glsl->pass->accesses[glsl->pass->access_count - 1].binding, out);
     text_add(out, "%s\n", at + strlen(slot));
@@ -252,8 +252,8 @@ static const char *const other_words[][2] = {
     {"loop", "for"},  {"loop", "do"},    {"loop", "while"}, {"int", "ivec2"}, {"int", "ivec3"},
     {"int", "ivec4"}, {"uint", "uvec2"}, {"uint", "uvec3"}, {"uint", "uvec4"}};
 
-static void place(const struct model *model, const struct sanitize_site *site,
-                  struct sanitize_report *report)
+static void place_site(const struct model *model, const struct sanitize_site *site,
+                       struct sanitize_report *report)
 {
     report->file = site->pass ? site->pass->shader_loc.source->path : "";
     if (!site->file || site->file > model->glsl_source_count) {
@@ -294,7 +294,8 @@ static void put_value(char letter, uint32_t bits, struct text *out)
         text_add(out, "%u", bits);
 }
 
-static bool write_text(const char *format, const uint32_t values[8], struct sanitize_report *report)
+static bool write_finding(const char *format, const uint32_t values[8],
+                          struct sanitize_report *report)
 {
     struct text out = {0};
     for (; *format; format++)
@@ -333,8 +334,8 @@ static bool read_site(const struct model *model, uint32_t index, const uint32_t 
     report->invocation[1] = key / width % height;
     report->invocation[2] = (uint32_t)(key / ((uint64_t)width * height));
     report->pass = what->pass ? what->pass->name : "";
-    place(model, index ? &sites->list[index] : what, report);
-    return write_text(what->text, record + 2, report);
+    place_site(model, index ? &sites->list[index] : what, report);
+    return write_finding(what->text, record + 2, report);
 }
 
 static int by_place(const void *left, const void *right)

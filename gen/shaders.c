@@ -104,9 +104,9 @@ static void compile_rest(struct jobs *jobs)
 /* ---- All ------------------------------------------------------------------------------------- */
 
 /* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
-static bool emit_pass(struct model *model, struct pass_shaders *shaders[2], uint32_t index,
-                      struct shader_cache *cache, struct job job, struct jobs *jobs,
-                      struct diag *diag)
+static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[2], uint32_t index,
+                              struct shader_cache *cache, struct job job, struct jobs *jobs,
+                              struct diag *diag)
 {
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
@@ -207,7 +207,7 @@ static const struct text *same_text(const struct pass_shaders *shaders, uint32_t
 }
 
 /* OpenGL's GLSL text of every shader. */
-static bool write_text(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
+static bool write_glsl(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
 {
     bool good = true;
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
@@ -274,7 +274,7 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
             good = false;
         }
         for (uint32_t i = 0; shaders[BACKEND_VK] && shaders[backend] && jobs.list && i < count; i++)
-            good &= emit_pass(
+            good &= emit_pass_shaders(
                 model, shaders, i, cache,
                 (struct job){.pass = model->pipeline.order[i], .backend = (enum backend)backend},
                 &jobs, diag);
@@ -288,7 +288,7 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
     if (good)
         check_listed(model, shaders[BACKEND_VK], diag);
     if (good && model->text)
-        good = write_text(model, shaders[BACKEND_GL], diag);
+        good = write_glsl(model, shaders[BACKEND_GL], diag);
     free(jobs.list);
     if (model->pipeline.fast && model->prove)
         diag_error(diag, model->pipeline.loc,

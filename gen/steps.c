@@ -39,7 +39,8 @@ static struct amount side(const struct resource *image, int axis, enum amount_us
         image ? AMOUNT_IMAGE : AMOUNT_FRAME, use, (uint32_t)axis, NULL, image, local};
 }
 
-static int64_t evaluate(const struct expr *expr, uint32_t width, uint32_t height, const void *live)
+static int64_t evaluate_amount(const struct expr *expr, uint32_t width, uint32_t height,
+                               const void *live)
 {
     int64_t result = 1;
     return expr && expr_eval_live(expr, width, height, live, &result) != EXPR_OK ? 0 : result;
@@ -49,10 +50,10 @@ int64_t amount_value(const struct amount *amount, uint32_t width, uint32_t heigh
 {
     int64_t result = amount->number;
     if (amount->kind == AMOUNT_EXPR || amount->kind == AMOUNT_CONDITION)
-        result = evaluate(amount->expr, width, height, live);
+        result = evaluate_amount(amount->expr, width, height, live);
     else if (amount->kind == AMOUNT_IMAGE)
-        result = dt_size(
-            evaluate(resource_size(amount->image, (int)amount->number), width, height, NULL));
+        result = dt_size(evaluate_amount(resource_size(amount->image, (int)amount->number), width,
+                                         height, NULL));
     else if (amount->kind == AMOUNT_FRAME)
         result = amount->number ? height : width;
     switch (amount->use) {

@@ -11,7 +11,7 @@ static bool leave(struct dt_gl_runtime *rt, bool good)
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-static GLADapiproc load(void *user, const char *name)
+static GLADapiproc host_load(void *user, const char *name)
 {
     const struct dt_gl_host *host = user;
     return host->get_proc_address(name);
@@ -22,7 +22,7 @@ static bool open_in(struct dt_gl_runtime *rt, const struct dt_gl_host *host)
     if (!host->get_proc_address || !gladLoadGLContext(&rt->gl, host->get_proc_address))
         return dt_error(&rt->core, "OpenGL: no functions; make a context current, and give its "
                                    "get_proc_address");
-    return gl_context_suits(rt, load, (void *)host);
+    return gl_context_suits(rt, host_load, (void *)host);
 }
 
 struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)

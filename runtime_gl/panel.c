@@ -90,7 +90,7 @@ static bool check_binding(const struct dt_core *core, const struct dt_panel *pan
                     panel->pipeline->passes[pass].name, binding->binding, core->device_name, most);
 }
 
-static bool suits(struct dt_core *core, const struct dt_panel *panel)
+static bool panel_suits(struct dt_core *core, const struct dt_panel *panel)
 {
     for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
         for (uint32_t i = 0; i < panel->programs[pass].binding_count; i++)
@@ -393,7 +393,7 @@ const struct dt_backend gl_backend = {
     .enter = gl_state_enter,
     .leave = gl_state_leave,
     .rest = rest,
-    .suits = suits,
+    .suits = panel_suits,
     .upload_scene = gl_scene_upload,
     .begin_panel = begin_panel,
     .end_panel = end_panel,

@@ -74,7 +74,7 @@ bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, ui
 
 /* ---- Drawing --------------------------------------------------------------------------------- */
 
-static bool prepare(struct dt_gl_runtime *rt)
+static bool present_prepare(struct dt_gl_runtime *rt)
 {
     struct gl_present *present = &rt->present;
     static const struct dt_stages stages = {.vertex = {.glsl = vertex_text},
@@ -144,7 +144,7 @@ static void end(struct dt_gl_runtime *rt)
     rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
 }
 
-static void draw(struct dt_gl_runtime *rt, const struct dt_window_draw *draw, int height)
+static void draw_list(struct dt_gl_runtime *rt, const struct dt_window_draw *draw, int height)
 {
     const int32_t *clip = draw->clip;
     const struct gl_image *image = &rt->present.textures[draw->texture];
@@ -163,11 +163,11 @@ bool gl_present(struct dt_core *core, const struct dt_window_frame *frame)
     gl_context_window_size(rt, &width, &height);
     if (width < 1 || height < 1)
         return true;
-    if (!prepare(rt) || !upload_vertices(rt, frame, width, height))
+    if (!present_prepare(rt) || !upload_vertices(rt, frame, width, height))
         return false;
     begin(rt, width, height);
     for (uint32_t i = 0; i < frame->draw_count; i++)
-        draw(rt, &frame->draws[i], height);
+        draw_list(rt, &frame->draws[i], height);
     end(rt);
     if (!gl_check(rt, "DrawArrays", "window"))
         return false;

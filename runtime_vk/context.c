@@ -129,8 +129,8 @@ static bool no_such_device(const struct dt_vk_runtime *rt, const VkPhysicalDevic
 }
 
 /* vk_device_suits; with a window, also whether the device can present to the window. */
-static bool suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
-                  const struct dt_panel *panel, char *text, size_t size)
+static bool device_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                         const struct dt_panel *panel, char *text, size_t size)
 {
     uint32_t bits;
     if (!vk_device_suits(rt, physical, panel, text, size))
@@ -161,14 +161,14 @@ static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_opti
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (suits(rt, devices[i], options->panel, missing, sizeof missing) &&
+        if (device_suits(rt, devices[i], options->panel, missing, sizeof missing) &&
             vk_device_is_enough(rt, devices[i], options->panel, missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
     }
     vk_device_describe(rt, devices[chosen]);
-    if (!suits(rt, rt->physical, options->panel, missing, sizeof missing))
+    if (!device_suits(rt, rt->physical, options->panel, missing, sizeof missing))
         return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "device",

@@ -414,8 +414,8 @@ static void write_uniform(const struct dt_vk_runtime *rt, const struct vk_buffer
 }
 
 /* Leaves the image in the layout that it had; a new one as resize leaves images with history. */
-static void write_image(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
-                        struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
+static void write_host_image(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
+                             struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
 {
     const VkBufferImageCopy region = vk_mip_region(image, mip);
     VkImageLayout layout =
@@ -436,7 +436,7 @@ bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t re
     struct vk_resource *input = vk_resource_at(rt, resource);
     wait_for(rt, commands, BEFORE);
     if (input->image.handle)
-        write_image(rt, commands, &input->image, mip, bytes);
+        write_host_image(rt, commands, &input->image, mip, bytes);
     else
         update(rt, commands, &input->buffer, 0, bytes->data, bytes->size);
     wait_for(rt, commands, AFTER);

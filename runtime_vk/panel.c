@@ -121,7 +121,7 @@ static bool blends(const struct dt_vk_runtime *rt, const struct dt_panel *panel,
                     panel->pipeline->resources[target->resource].name);
 }
 
-static bool suits(struct dt_core *core, const struct dt_panel *panel)
+static bool panel_suits(struct dt_core *core, const struct dt_panel *panel)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     if (!vk_device_suits_panel(rt, panel))
@@ -360,7 +360,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
-static struct vk_buffer *find_buffer(struct dt_vk_runtime *rt, uint16_t resource)
+static struct vk_buffer *find_pass_buffer(struct dt_vk_runtime *rt, uint16_t resource)
 {
     switch (resource) {
     case DT_FRAME:
@@ -383,7 +383,7 @@ static struct vk_buffer *find_buffer(struct dt_vk_runtime *rt, uint16_t resource
 static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
                                                 const struct dt_binding *binding)
 {
-    const struct vk_buffer *buffer = find_buffer(rt, binding->resource);
+    const struct vk_buffer *buffer = find_pass_buffer(rt, binding->resource);
     bool block = binding->kind == DT_BIND_UNIFORM && buffer->block;
     return (VkDescriptorBufferInfo){buffer->handle, buffer->offset,
                                     block ? buffer->block : buffer->size};
@@ -423,7 +423,7 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
         if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE) {
             descriptors[i].buffer = buffer_descriptor(rt, binding);
         } else if (binding->kind == DT_BIND_TEXELS) {
-            struct vk_buffer *buffer = find_buffer(rt, binding->resource);
+            struct vk_buffer *buffer = find_pass_buffer(rt, binding->resource);
             if (!vk_buffer_texels(rt, buffer, binding->resource))
                 return false;
             descriptors[i].texels = buffer->texels;
@@ -448,7 +448,7 @@ const struct dt_backend vk_backend = {
     .program_size = sizeof(struct vk_program),
     .sampler_size = sizeof(VkSampler),
     .rest = rest,
-    .suits = suits,
+    .suits = panel_suits,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
     .create_sampler = create_sampler,

@@ -417,8 +417,8 @@ static VkRect2D scissor(const struct vk_present *present, const int32_t clip[4])
         {right > left ? (uint32_t)(right - left) : 0, bottom > top ? (uint32_t)(bottom - top) : 0}};
 }
 
-static void draw(VkCommandBuffer commands, const struct vk_present *present,
-                 const struct dt_window_draw *draw)
+static void draw_list(VkCommandBuffer commands, const struct vk_present *present,
+                      const struct dt_window_draw *draw)
 {
     const struct vk_program *program = &present->programs[draw->texture];
     VkRect2D rect = scissor(present, draw->clip);
@@ -454,7 +454,7 @@ static void record(VkCommandBuffer commands, const struct vk_present *present, u
     vkCmdBeginRendering(commands, &info);
     vkCmdSetViewport(commands, 0, 1, &viewport);
     for (uint32_t i = 0; i < frame->draw_count; i++)
-        draw(commands, present, &frame->draws[i]);
+        draw_list(commands, present, &frame->draws[i]);
     vkCmdEndRendering(commands);
     image_barrier(commands, present->images[index], true);
 }

@@ -102,8 +102,8 @@ static void pass_messages_on(FILE *messages, const struct dt_log *log)
 
 /* ---- The child ------------------------------------------------------------------------------- */
 
-static _Noreturn void run(child_work *work, void *user, FILE *result, FILE *messages,
-                          struct shared *shared)
+static _Noreturn void run_work(child_work *work, void *user, FILE *result, FILE *messages,
+                               struct shared *shared)
 {
     const struct rlimit seconds = {CHILD_SECONDS, CHILD_SECONDS + 1}, no_core = {0};
     struct sender sender = {{send_message, send_diag}, messages};
@@ -141,7 +141,7 @@ static bool wait_for(pid_t child, int *status)
 }
 
 /* Whether the child ended well; logs what ended it if that was a signal. */
-static bool judge(int status, const struct shared *shared, const struct dt_log *log)
+static bool judge_child(int status, const struct shared *shared, const struct dt_log *log)
 {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
         report_error(log, "%s: reading it takes more than %d s of processor time", shared->path,
@@ -159,13 +159,13 @@ static bool run_apart(child_work *work, void *user, FILE *result, FILE *messages
     fflush(NULL); /* else the child's copy of a buffer could be written, too */
     pid_t child = fork();
     if (child == 0)
-        run(work, user, result, messages, shared);
+        run_work(work, user, result, messages, shared);
     if (child < 0 || !wait_for(child, &status)) {
         report_error(log, "a child process cannot be started: %s", strerror(errno));
         return false;
     }
     pass_messages_on(messages, log);
-    return judge(status, shared, log);
+    return judge_child(status, shared, log);
 }
 
 FILE *child_run(child_work *work, void *user, const struct dt_log *log)

@@ -15,7 +15,7 @@
 /* Corners are five times as large as what a GPU gets of them: 6 GiB. */
 enum { MOST_TRIANGLES = 1 << 25 };
 
-static bool out_of_memory(const char *path, const struct dt_log *log)
+static bool mesh_out_of_memory(const char *path, const struct dt_log *log)
 {
     report_error(log, "%s: out of memory; the mesh is too large for this machine", path);
     return false;
@@ -171,7 +171,7 @@ bool mesh_reserve(struct mesh *mesh, uint64_t triangles, const char *path, const
         return false;
     }
     mesh->vertices = calloc(3 * triangles + 1, sizeof *mesh->vertices);
-    return mesh->vertices || out_of_memory(path, log);
+    return mesh->vertices || mesh_out_of_memory(path, log);
 }
 
 bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matrix[4][4],
@@ -180,7 +180,7 @@ bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matr
     struct placing placing = {.part = part, .matrix = matrix, .scale = scale};
     bool mirrored = normal_matrix(matrix, placing.normals) < 0;
     if (!add_object(mesh, part, matrix, (double)scale))
-        return out_of_memory(path, log);
+        return mesh_out_of_memory(path, log);
     for (uint32_t t = 0; t < part->triangle_count; t++) {
         struct dt_vertex corner[3];
         float flat[3];
@@ -279,7 +279,7 @@ static bool import(struct mesh *mesh, const char *path, float scale, const struc
                      mesh->degenerate_triangles);
         return false;
     }
-    return good && (weld(mesh) || out_of_memory(path, log));
+    return good && (weld(mesh) || mesh_out_of_memory(path, log));
 }
 
 /* Adds to errors what the file seems to be. */

@@ -31,7 +31,7 @@ struct import {
     const struct dt_log *log;
 };
 
-static bool out_of_memory(const struct import *import)
+static bool import_out_of_memory(const struct import *import)
 {
     report_error(import->log, "%s: out of memory; the mesh is too large for this machine",
                  import->path);
@@ -117,7 +117,7 @@ static bool import_materials(struct import *import)
     uint32_t count = import->source->mNumMaterials;
     mesh->materials = calloc(count ? count : 1, sizeof *mesh->materials);
     if (!mesh->materials)
-        return out_of_memory(import);
+        return import_out_of_memory(import);
     for (uint32_t i = 0; i < count; i++)
         mesh->materials[i] = import_material(import, import->source->mMaterials[i]);
     mesh->material_count = count;
@@ -137,7 +137,7 @@ static uint32_t *take_indices(const struct import *import, const struct aiMesh *
     uint32_t *indices = malloc(((size_t)from->mNumFaces * 3 + 1) * sizeof *indices);
     *triangles = 0;
     if (!indices)
-        out_of_memory(import);
+        import_out_of_memory(import);
     for (uint32_t f = 0; indices && f < from->mNumFaces; f++) {
         const struct aiFace *face = &from->mFaces[f];
         for (uint32_t k = 0; k < 3 && face->mNumIndices == 3; k++) {
@@ -223,7 +223,7 @@ static bool import_triangles(struct import *import)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static size_t read_file(struct aiFile *file, char *buffer, size_t size, size_t count)
+static size_t read_mesh_file(struct aiFile *file, char *buffer, size_t size, size_t count)
 {
     return fread(buffer, size, count, (FILE *)file->UserData);
 }
@@ -304,7 +304,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     }
     struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
     if (file)
-        *file = (struct aiFile){.ReadProc = read_file,
+        *file = (struct aiFile){.ReadProc = read_mesh_file,
                                 .WriteProc = write_file,
                                 .TellProc = tell_file,
                                 .FileSizeProc = file_size,
@@ -335,8 +335,8 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
 /* ---- The whole ------------------------------------------------------------------------------- */
 
 /* Logs why the import cannot be used, unless that was logged. */
-static bool is_whole(const struct aiScene *source, struct opening *opening, const char *path,
-                     const struct dt_log *log)
+static bool import_is_usable(const struct aiScene *source, struct opening *opening,
+                             const char *path, const struct dt_log *log)
 {
     bool good = source && source->mRootNode;
     if (!source && !opening->failed && strstr(aiGetErrorString(), "bad_alloc"))
@@ -365,11 +365,11 @@ bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const 
     child_limit_memory(LIBRARY_BYTES + 64 * (size_t)status.st_size);
     const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
     child_limit_memory(0);
-    bool good = is_whole(source, &opening, path, log);
+    bool good = import_is_usable(source, &opening, path, log);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
     good = good && import_materials(&import) && import_triangles(&import) &&
-           (mesh_views(mesh, source, scale) || out_of_memory(&import));
+           (mesh_views(mesh, source, scale) || import_out_of_memory(&import));
     if (source)
         aiReleaseImport(source);
     return good;

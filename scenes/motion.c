@@ -153,8 +153,8 @@ struct reading {
     bool out_of_memory;
 };
 
-static void add_key(struct reading *reading, struct track *track, double frame,
-                    const struct key *key)
+static void add_keyframe(struct reading *reading, struct track *track, double frame,
+                         const struct key *key)
 {
     struct track_key *grown = realloc(track->keys, (track->count + 1) * sizeof *grown);
     if (!grown) {
@@ -177,7 +177,7 @@ static void read_group(struct reader *reader, struct reading *reading, struct gr
     reader_mapping(reader, self->node, self->name_node, self->name, keys, (size_t)group->count);
     for (int i = 0; i < group->count; i++) {
         if (keys[i].given)
-            add_key(reading, &group->tracks[i], frame, &keys[i]);
+            add_keyframe(reading, &group->tracks[i], frame, &keys[i]);
         group->moves |= keys[i].given;
     }
 }

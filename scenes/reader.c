@@ -30,8 +30,8 @@ void reader_report(struct reader *reader, struct fy_node *node, const char *form
         free(text);
 }
 
-static void report_unknown(struct reader *reader, struct fy_node *node, const char *name,
-                           const struct key *keys, size_t count)
+static void report_unknown_key(struct reader *reader, struct fy_node *node, const char *name,
+                               const struct key *keys, size_t count)
 {
     const char *names[32];
     const char *nearest = NULL;
@@ -125,7 +125,8 @@ void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_no
             if (strcmp(name, keys[i].name) == 0)
                 key = &keys[i];
         if (!key) {
-            report_unknown(reader, name_node ? name_node : mapping, name ? name : "?", keys, count);
+            report_unknown_key(reader, name_node ? name_node : mapping, name ? name : "?", keys,
+                               count);
             continue;
         }
         key->name_node = name_node;

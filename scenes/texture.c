@@ -60,7 +60,8 @@ static void average(const struct srgb *srgb, const uint8_t *const texel[4], uint
     out[3] = (uint8_t)(alpha / 4 + 0.5f);
 }
 
-static void shrink(const struct srgb *srgb, const uint8_t *source, uint32_t size, uint8_t *target)
+static void shrink_texture(const struct srgb *srgb, const uint8_t *source, uint32_t size,
+                           uint8_t *target)
 {
     uint32_t half = size / 2;
     for (uint32_t y = 0; y < half; y++)
@@ -322,7 +323,7 @@ static void build_mips(const struct srgb *srgb, uint8_t *texels, uint32_t size, 
         size_t bytes = (size_t)4 * size * size;
         uint8_t *target = source + layers * bytes;
         for (uint32_t layer = 0; layer < layers; layer++)
-            shrink(srgb, source + layer * bytes, size, target + layer * (bytes / 4));
+            shrink_texture(srgb, source + layer * bytes, size, target + layer * (bytes / 4));
         source = target;
     }
 }
@@ -334,7 +335,7 @@ static void set_white(uint8_t *texels, struct dt_scene *scene)
     scene->texture_width = scene->texture_height = scene->texture_layers = scene->texture_mips = 1;
 }
 
-static bool out_of_memory(const struct layers *layers)
+static bool layers_out_of_memory(const struct layers *layers)
 {
     report_error(layers->log,
                  "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
@@ -350,7 +351,7 @@ static bool fill(struct layers *layers, struct dt_scene *scene)
     if (!texels || !srgb) {
         free(texels);
         free(srgb);
-        return out_of_memory(layers);
+        return layers_out_of_memory(layers);
     }
     load_layers(layers, texels);
     complete_materials(layers->mesh, layers->layer_of, layers->has_holes);
@@ -369,7 +370,7 @@ bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
                    const struct dt_log *log)
 {
     struct layers layers = {.mesh = mesh, .log = log};
-    bool good = allocate_layers(&layers) || out_of_memory(&layers);
+    bool good = allocate_layers(&layers) || layers_out_of_memory(&layers);
     if (good) {
         assign_layers(&layers);
         good = plan_layers(&layers, size) && fill(&layers, scene);

@@ -15,8 +15,8 @@ struct gathering {
 };
 
 /* Zeroes the padding, so that equal content gives equal files. */
-static bool keep(const struct gathering *gathering, const struct row *row, struct dt_bytes *kept,
-                 const struct dt_bytes *bytes)
+static bool keep_row(const struct gathering *gathering, const struct row *row,
+                     struct dt_bytes *kept, const struct dt_bytes *bytes)
 {
     const struct dt_resource *resource = &gathering->rows->pipeline->resources[row->resource];
     *kept = *bytes;
@@ -34,7 +34,8 @@ static bool keep_input(void *user, const struct row *row, const struct dt_bytes 
     const struct gathering *gathering = user;
     const struct row_list *inputs = &gathering->rows->inputs;
     uint32_t place = (uint32_t)(row - inputs->list) - inputs->first[gathering->pass];
-    return row->pass != gathering->pass || keep(gathering, row, &gathering->inputs[place], bytes);
+    return row->pass != gathering->pass ||
+           keep_row(gathering, row, &gathering->inputs[place], bytes);
 }
 
 static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies[2])
@@ -44,8 +45,8 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
     uint32_t place = index - outputs->first[gathering->pass];
     const struct row *row = &outputs->list[index];
     return row->pass != gathering->pass ||
-           (keep(gathering, row, &gathering->outputs[0][place], &copies[0]) &&
-            keep(gathering, row, &gathering->outputs[1][place], &copies[1]));
+           (keep_row(gathering, row, &gathering->outputs[0][place], &copies[0]) &&
+            keep_row(gathering, row, &gathering->outputs[1][place], &copies[1]));
 }
 
 /* Finds the region and writes the folder; returns the region as text. */

@@ -80,7 +80,7 @@ static bool replay_pass(const struct replay *replay, struct row_source sources[2
 }
 
 /* The second side runs no earlier frames: their results are among the inputs that it gets. */
-static bool start(const struct replay *replay, struct row_source sources[2])
+static bool start_replay(const struct replay *replay, struct row_source sources[2])
 {
     for (int i = 0; i < 2; i++) {
         struct worker_info info = replay->workers[i];
@@ -100,7 +100,7 @@ static bool start(const struct replay *replay, struct row_source sources[2])
 bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
 {
     struct row_source sources[2] = {0};
-    bool good = start(replay, sources);
+    bool good = start_replay(replay, sources);
     for (uint32_t pass = 0; pass < replay->rows->pipeline->pass_count && good; pass++)
         good = replay_pass(replay, sources, pass, viewer);
     good = good && advance(sources, (struct worker_place){WORKER_FRAME_DONE, replay->frame, 0}) &&

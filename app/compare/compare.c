@@ -373,7 +373,7 @@ static bool allocate_pair(struct compare *compare, uint32_t index)
            pair->fingerprints;
 }
 
-static bool allocate(struct compare *compare)
+static bool allocate_pairs(struct compare *compare)
 {
     uint32_t sides = compare->sides.count;
     compare->pair_count = sides - 1;
@@ -396,7 +396,7 @@ static void free_result(struct result *result)
         free(result->shown[i]);
 }
 
-static void release(struct compare *compare)
+static void compare_release(struct compare *compare)
 {
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
@@ -425,7 +425,7 @@ static void release(struct compare *compare)
     sides_free(&compare->sides);
 }
 
-static bool find_fault(struct compare *compare)
+static bool find_compare_fault(struct compare *compare)
 {
     const char **labels = calloc(compare->sides.count, sizeof *labels);
     if (!labels) {
@@ -486,7 +486,7 @@ static bool check_dump(struct compare *compare)
                               compare->pipeline.info, compare->pipeline.live, log);
 }
 
-static bool load(struct compare *compare)
+static bool compare_load(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
@@ -499,7 +499,7 @@ static bool load(struct compare *compare)
         !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
-        (options->fault && !find_fault(compare)))
+        (options->fault && !find_compare_fault(compare)))
         return false;
     if (!inputs_load(&compare->pipeline, console, &compare->options.setup) ||
         !session_load_scene(&compare->scene, console, compare->pipeline.info, &options->setup))
@@ -508,7 +508,7 @@ static bool load(struct compare *compare)
     return !options->setup.against || check_dump(compare);
 }
 
-static bool run(struct compare *compare)
+static bool run_comparison(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
@@ -522,7 +522,7 @@ static bool run(struct compare *compare)
         (options->html && !file_make_folders(options->html, &console->log)) ||
         (options->junit && !file_can_write(options->junit, &console->log)))
         return false;
-    if (!load(compare) || !allocate(compare))
+    if (!compare_load(compare) || !allocate_pairs(compare))
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
@@ -549,7 +549,7 @@ int verb_compare(struct console *console, const struct options *options)
     if (options->dumps[0] || options->contracts)
         return compare_dumps(console, options);
     bool differ = false;
-    bool good = run(&compare);
+    bool good = run_comparison(&compare);
     /* print partial results after an error, too */
     if (compare.complete && options->json)
         console->result = compare_json(&compare);
@@ -562,6 +562,6 @@ int verb_compare(struct console *console, const struct options *options)
     }
     for (uint32_t i = 0; i < compare.pair_count; i++)
         differ |= compare.pairs && compare.pairs[i].broken;
-    release(&compare);
+    compare_release(&compare);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

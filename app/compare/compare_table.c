@@ -162,7 +162,7 @@ static void print_clues(const struct compare *compare, const struct pair *pair)
            compare->pipeline.info->passes[row->pass].shader, compare->pipeline.spec);
 }
 
-static struct widths measure(const struct compare *compare)
+static struct widths measure_columns(const struct compare *compare)
 {
     struct widths widths = {6, 8};
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
@@ -177,7 +177,7 @@ static struct widths measure(const struct compare *compare)
 
 static void print_pair(const struct compare *compare, const struct pair *pair)
 {
-    const struct widths widths = measure(compare);
+    const struct widths widths = measure_columns(compare);
     if (compare->pair_count > 1)
         printf("\n%s against %s\n", pair->sides[1]->label, pair->sides[0]->label);
     bool replayed = shows_blame(pair);

@@ -20,7 +20,7 @@ struct command {
     bool failed;
 };
 
-static void add(struct command *command, const char *word)
+static void add_argument(struct command *command, const char *word)
 {
     char *copy = command->count + 1 < MOST_WORDS ? strdup(word) : NULL;
     command->failed |= !copy;
@@ -32,16 +32,16 @@ static void add_pair(struct command *command, const char *option, const char *va
 {
     if (!value)
         return;
-    add(command, option);
-    add(command, value);
+    add_argument(command, option);
+    add_argument(command, value);
 }
 
 /* A file or folder to read, where it is; those that are not there are left out. */
 static void add_path(struct command *command, const char *path)
 {
-    add(command, "--ro-bind-try");
-    add(command, path);
-    add(command, path);
+    add_argument(command, "--ro-bind-try");
+    add_argument(command, path);
+    add_argument(command, path);
 }
 
 static void free_command(struct command *command)
@@ -91,9 +91,9 @@ static void add_drivers(struct command *command)
     add_pair(command, "--dev", "/dev");
     add_pair(command, "--tmpfs", "/tmp");
     for (size_t i = 0; i < DT_ARRAY_COUNT(devices); i++) {
-        add(command, "--dev-bind-try");
-        add(command, devices[i]);
-        add(command, devices[i]);
+        add_argument(command, "--dev-bind-try");
+        add_argument(command, devices[i]);
+        add_argument(command, devices[i]);
     }
     add_listed(command, "VK_DRIVER_FILES");
     add_listed(command, "VK_ICD_FILENAMES");
@@ -103,8 +103,8 @@ static void add_environment(struct command *command)
 {
     static const char *const kept[] = {"MESA_", "LIBGL_",   "GALLIUM_", "LP_",  "VK_",
                                        "LVP_",  "DIPTYCH_", "LC_",      "LANG", "ASAN_"};
-    add(command, "--clearenv");
-    add(command, "--setenv");
+    add_argument(command, "--clearenv");
+    add_argument(command, "--setenv");
     add_pair(command, "HOME", "/tmp");
     for (char **variable = environ; *variable; variable++) {
         const char *equals = strchr(*variable, '=');
@@ -113,7 +113,7 @@ static void add_environment(struct command *command)
             keep |= strncmp(*variable, kept[i], strlen(kept[i])) == 0;
         char *name = keep && equals ? strndup(*variable, (size_t)(equals - *variable)) : NULL;
         if (name) {
-            add(command, "--setenv");
+            add_argument(command, "--setenv");
             add_pair(command, name, equals + 1);
         }
         free(name);
@@ -143,9 +143,9 @@ static void add_own(struct command *command, const char *folder, const struct dt
 
 static void add_sandbox(struct command *command, const char *folder, const struct dt_log *log)
 {
-    add(command, "bwrap");
-    add(command, "--unshare-all");
-    add(command, "--die-with-parent");
+    add_argument(command, "bwrap");
+    add_argument(command, "--unshare-all");
+    add_argument(command, "--die-with-parent");
     add_drivers(command);
     add_environment(command);
     add_own(command, folder, log);
@@ -156,20 +156,20 @@ static void add_replay(struct command *command, const struct options *options, i
     char *self = realpath("/proc/self/exe", NULL);
     char *json = result >= 0 ? format_string("--json=/proc/self/fd/%d", result) : NULL;
     command->failed |= !self || (result >= 0 && !json);
-    add(command, self ? self : "");
-    add(command, "replay");
-    add(command, options->folder);
-    add(command, "--trust");
+    add_argument(command, self ? self : "");
+    add_argument(command, "replay");
+    add_argument(command, options->folder);
+    add_argument(command, "--trust");
     add_pair(command, "--backend", options->setup.backend);
     add_pair(command, "--device", options->setup.device);
     add_pair(command, "--context", options->setup.context);
     add_pair(command, "--fault", options->fault);
     if (options->setup.glsl)
-        add(command, "--glsl");
+        add_argument(command, "--glsl");
     if (options->setup.debug)
-        add(command, "--debug");
+        add_argument(command, "--debug");
     if (json)
-        add(command, json);
+        add_argument(command, json);
     free(json);
     free(self);
 }
@@ -181,7 +181,7 @@ static bool works(struct console *console)
     const char *const words[] = {"bwrap",  "--unshare-all", "--ro-bind", "/",    "/",
                                  "--proc", "/proc",         "--dev",     "/dev", "/bin/true"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
-        add(&command, words[i]);
+        add_argument(&command, words[i]);
     bool good = !command.failed && tool_quiet(command.words, console);
     free_command(&command);
     return good;

@@ -51,7 +51,8 @@ static bool write_inputs(struct lone_pass *alone)
 }
 
 /* Bit for bit means all declared numbers: padding does not count, and dumps have none. */
-static bool is_same(const struct dt_resource *resource, const struct dt_bytes copies[2], bool *same)
+static bool is_as_expected(const struct dt_resource *resource, const struct dt_bytes copies[2],
+                           bool *same)
 {
     struct dt_resource exact = *resource;
     struct difference difference;
@@ -79,7 +80,7 @@ static bool compare_outputs(struct lone_pass *alone)
         const struct dt_bytes actual[2] = {evidence->outputs[1][i], found};
         good =
             difference_measure(&alone->differences[i], resource, evidence->frame.index, expected) &&
-            is_same(resource, actual, &alone->recorded[i]);
+            is_as_expected(resource, actual, &alone->recorded[i]);
     }
     if (!good)
         report_error(&alone->console->log, "out of memory");
@@ -111,7 +112,7 @@ static bool run_pass(struct lone_pass *alone)
     }
 }
 
-static bool find_fault(struct lone_pass *alone)
+static bool find_replay_fault(struct lone_pass *alone)
 {
     uint32_t side;
     const char *label = alone->side.label;
@@ -120,14 +121,15 @@ static bool find_fault(struct lone_pass *alone)
                        &alone->console->log);
 }
 
-static bool run(struct lone_pass *alone)
+static bool run_replay(struct lone_pass *alone)
 {
     struct console *console = alone->console;
     const struct options *options = alone->options;
     struct evidence_case *evidence = &alone->evidence;
     if (!side_read(&alone->side, options->setup.backend, &options->setup, &console->log) ||
         !sides_heed(&alone->side, 1, &options->setup, &console->log) ||
-        !evidence_read(evidence, console, options->folder, &options->setup) || !find_fault(alone))
+        !evidence_read(evidence, console, options->folder, &options->setup) ||
+        !find_replay_fault(alone))
         return false;
     uint32_t frame = evidence->frame.index;
     const struct worker_info info = {.session = {.side = &alone->side,
@@ -158,7 +160,7 @@ static const char *recorded_text(const struct lone_pass *alone, const char *side
     return text ? text : "unknown";
 }
 
-static void print_row(const struct lone_pass *alone, uint32_t index, int width)
+static void print_output(const struct lone_pass *alone, uint32_t index, int width)
 {
     const struct evidence_case *evidence = &alone->evidence;
     const struct row_list *outputs = &evidence->rows.outputs;
@@ -208,7 +210,7 @@ static void print_outcome(const struct lone_pass *alone)
                recorded_text(alone, "actual", "side"));
 }
 
-static void print_table(const struct lone_pass *alone)
+static void print_outputs(const struct lone_pass *alone)
 {
     const struct evidence_case *evidence = &alone->evidence;
     const struct row_list *outputs = &evidence->rows.outputs;
@@ -223,7 +225,7 @@ static void print_table(const struct lone_pass *alone)
     printf("%-*s  %10s  %10s  %-7s  %s\n", width, "resource", "elements", "differing", "verdict",
            "largest error");
     for (uint32_t i = 0; i < count; i++)
-        print_row(alone, i, width);
+        print_output(alone, i, width);
     print_outcome(alone);
 }
 
@@ -257,12 +259,12 @@ static cJSON *replay_json(const struct lone_pass *alone)
 int verb_replay(struct console *console, const struct options *options)
 {
     struct lone_pass alone = {.console = console, .options = options};
-    bool good = run(&alone);
+    bool good = run_replay(&alone);
     int status = EXIT_USAGE;
     console_status(console, "%s", "");
     if (good) {
         uint32_t count = row_count(&alone.evidence.rows.outputs, alone.evidence.pass);
-        print_table(&alone);
+        print_outputs(&alone);
         console->result = replay_json(&alone);
         status = first_difference(&alone, count) == count ? EXIT_FINE : EXIT_DIFFER;
     }

@@ -49,7 +49,7 @@ static void take_diag(struct diag_taker *taker, const struct diag *diag)
     free(text);
 }
 
-static void print_message(struct diag_taker *taker, enum dt_level level, const char *message)
+static void print_log_message(struct diag_taker *taker, enum dt_level level, const char *message)
 {
     static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
     struct console *console = (struct console *)taker;
@@ -74,7 +74,7 @@ static void print_message(struct diag_taker *taker, enum dt_level level, const c
 static void take_message(struct diag_taker *taker, enum dt_level level, const char *message)
 {
     char *text = text_is_printable(message) ? NULL : text_printable(message);
-    print_message(taker, level, text ? text : message);
+    print_log_message(taker, level, text ? text : message);
     free(text);
 }
 
@@ -210,7 +210,7 @@ static void *watch(void *user)
     return NULL;
 }
 
-static void prepare(struct console *console)
+static void console_prepare(struct console *console)
 {
     console->taker = (struct diag_taker){take_message, take_diag};
     console->log = (struct dt_log){.message = diag_log_message, .user = &console->taker};
@@ -222,14 +222,14 @@ static void prepare(struct console *console)
 void console_attach(struct console *console, const struct dt_log *host)
 {
     *console = (struct console){.attached = true, .host = *host};
-    prepare(console);
+    console_prepare(console);
 }
 
 bool console_open(struct console *console)
 {
     *console = (struct console){.terminal = isatty(STDERR_FILENO),
                                 .quiet = getenv("DIPTYCH_QUIET") != NULL};
-    prepare(console);
+    console_prepare(console);
     sigset_t set = watched_signals();
     int error = pthread_sigmask(SIG_BLOCK, &set, NULL);
     if (!error)

@@ -39,7 +39,7 @@ static void *wrong(const struct filler *filler, const char *at, const char *what
 /* ---- Tags ------------------------------------------------------------------------------------ */
 
 /* Widens a section's tag to its line when nothing else stands there. */
-static void take_line(const struct filler *filler, struct tag *tag)
+static void widen_to_line(const struct filler *filler, struct tag *tag)
 {
     const char *begin = tag->begin, *end = tag->end + strspn(tag->end, " ");
     while (begin > filler->text && begin[-1] == ' ')
@@ -67,7 +67,7 @@ static bool next_tag(const struct filler *filler, const char *at, struct tag *ta
     }
     memcpy(tag->name, name, (size_t)(end - name));
     if (tag->kind)
-        take_line(filler, tag);
+        widen_to_line(filler, tag);
     return true;
 }
 

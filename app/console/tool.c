@@ -43,7 +43,7 @@ static void become(char *const argv[], const struct streams *streams, pid_t pare
 }
 
 /* Starts a child. Returns 0 or an errno. */
-static int start(pid_t *child, char *const argv[], const struct streams *streams)
+static int start_child(pid_t *child, char *const argv[], const struct streams *streams)
 {
     int report[2], error = 0;
     pid_t parent = getpid();
@@ -68,7 +68,8 @@ static int start(pid_t *child, char *const argv[], const struct streams *streams
     return error;
 }
 
-static bool judge(int status, const struct tool *tool, const char *name, const struct dt_log *log)
+static bool judge_tool(int status, const struct tool *tool, const char *name,
+                       const struct dt_log *log)
 {
     if (status < 0) {
         report_error(log, "%s: cannot be waited for: %s", name, strerror(errno));
@@ -88,14 +89,14 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
 {
     const struct streams streams = {-1, output, console_capturing(console)};
     pid_t child;
-    int error = start(&child, argv, &streams);
+    int error = start_child(&child, argv, &streams);
     if (error) {
         report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
                      tool->hint);
         return false;
     }
     console_adopt(console, child);
-    return judge(console_wait(console, child), tool, argv[0], &console->log);
+    return judge_tool(console_wait(console, child), tool, argv[0], &console->log);
 }
 
 bool tool_quiet(char *const argv[], struct console *console)
@@ -103,7 +104,7 @@ bool tool_quiet(char *const argv[], struct console *console)
     int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     const struct streams streams = {-1, -1, nowhere};
     pid_t child;
-    bool good = nowhere >= 0 && start(&child, argv, &streams) == 0;
+    bool good = nowhere >= 0 && start_child(&child, argv, &streams) == 0;
     if (good) {
         console_adopt(console, child);
         good = console_wait(console, child) == 0;
@@ -117,7 +118,7 @@ int tool_status(char *const argv[], struct console *console)
 {
     const struct streams streams = {-1, STDOUT_FILENO, -1};
     pid_t child;
-    int error = start(&child, argv, &streams), status = -1;
+    int error = start_child(&child, argv, &streams), status = -1;
     if (!error) {
         console_adopt(console, child);
         status = console_wait(console, child);

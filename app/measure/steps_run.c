@@ -163,7 +163,7 @@ static void tell_step(struct progress *progress, const struct step *step)
             *left ? ", about " : "", *left ? left : "", *left ? " left" : "");
 }
 
-static void take_line(void *user, const char *line)
+static void take_ninja_line(void *user, const char *line)
 {
     struct progress *progress = user;
     bool skipped = progress->skips;
@@ -203,10 +203,10 @@ bool steps_run(struct steps *steps)
     good = good && make_folders(steps) && write_file(steps, "build.ninja", write_ninja) &&
            write_file(steps, "commands", write_commands);
     console_release(console);
-    if (good && tool_lines(&ninja, argv, take_line, &progress, console)) {
+    if (good && tool_lines(&ninja, argv, take_ninja_line, &progress, console)) {
         progress.planning = false;
         argv[DT_ARRAY_COUNT(argv) - 2] = NULL;
-        tool_lines(&ninja, argv, take_line, &progress, console);
+        tool_lines(&ninja, argv, take_ninja_line, &progress, console);
     }
     free(progress.seconds);
     free(progress.waits);

@@ -55,8 +55,8 @@ static void programme_free(struct programme *programme)
 }
 
 /* The pipeline with what is kept and with `count` more changes, which win. */
-static bool load(const struct tuning *tuning, struct programme *programme,
-                 struct choice *const *more, uint32_t count)
+static bool programme_load(const struct tuning *tuning, struct programme *programme,
+                           struct choice *const *more, uint32_t count)
 {
     const struct options *given = tuning->bench.options;
     const char **sets =
@@ -119,7 +119,7 @@ static bool same_path(const struct choice *a, const struct choice *b)
     return strncmp(a->set, b->set, length) == 0;
 }
 
-static void keep(struct tuning *tuning, struct choice *choice)
+static void keep_choice(struct tuning *tuning, struct choice *choice)
 {
     uint32_t at = 0;
     while (at < tuning->kept_count && !same_path(tuning->kept[at], choice))
@@ -164,7 +164,7 @@ static double pair_ratio(const struct tuning *tuning, const double *first, const
     return median;
 }
 
-static void tell(const struct tuning *tuning, const struct choice *choice)
+static void tell_choice(const struct tuning *tuning, const struct choice *choice)
 {
     const char *pass = tuning->first.pipeline.info->passes[choice->pass].name;
     printf("%-20s %-56s ", pass, choice->set);
@@ -176,7 +176,7 @@ static void tell(const struct tuning *tuning, const struct choice *choice)
     fflush(stdout);
 }
 
-static void judge(struct tuning *tuning, const struct lane lanes[2], struct choice *choice)
+static void judge_choice(struct tuning *tuning, const struct lane lanes[2], struct choice *choice)
 {
     uint32_t count = lanes[0].info->pass_count, faster;
     const double *first = lanes[0].pass_ms + choice->pass,
@@ -185,8 +185,8 @@ static void judge(struct tuning *tuning, const struct lane lanes[2], struct choi
     choice->after = bench_pass_ms(&lanes[1], choice->pass).median;
     choice->ratio = pair_ratio(tuning, first, second, count, &faster);
     if (choice->ratio <= most_ratio && 6 * faster >= 5 * tuning->bench.frames)
-        keep(tuning, choice);
-    tell(tuning, choice);
+        keep_choice(tuning, choice);
+    tell_choice(tuning, choice);
 }
 
 /* Changes of different passes at once. What the generator or the device refuses is found by halves. */
@@ -196,12 +196,12 @@ static bool attempt(struct tuning *tuning, struct choice **list, uint32_t count)
     struct programme trial;
     struct lane lanes[2] = {0};
     bool captures = console_capture(console);
-    bool good = load(tuning, &trial, list, count) &&
+    bool good = programme_load(tuning, &trial, list, count) &&
                 run_pair(tuning, lanes, (struct programme *[2]){&tuning->now, &trial}, true);
     char *said = captures ? console_captured(console) : NULL;
     bool changed = false;
     for (uint32_t i = 0; i < count && good; i++) {
-        judge(tuning, lanes, list[i]);
+        judge_choice(tuning, lanes, list[i]);
         changed |= list[i]->kept;
     }
     for (int i = 0; i < 2; i++)
@@ -209,7 +209,7 @@ static bool attempt(struct tuning *tuning, struct choice **list, uint32_t count)
     programme_free(&trial);
     if (!good && count == 1) {
         list[0]->refused = said ? said : strdup("");
-        tell(tuning, list[0]);
+        tell_choice(tuning, list[0]);
         return list[0]->refused;
     }
     free(said);
@@ -219,7 +219,7 @@ static bool attempt(struct tuning *tuning, struct choice **list, uint32_t count)
     if (!changed)
         return true;
     programme_free(&tuning->now);
-    return load(tuning, &tuning->now, NULL, 0);
+    return programme_load(tuning, &tuning->now, NULL, 0);
 }
 
 /* ---- The search ------------------------------------------------------------------------------ */
@@ -456,14 +456,15 @@ static cJSON *tuning_json(const struct tuning *tuning, const struct whole *whole
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
-static bool prepare(struct tuning *tuning, struct options *options)
+static bool tune_prepare(struct tuning *tuning, struct options *options)
 {
     struct console *console = console_of(tuning);
-    if (!file_can_write(options->output, &console->log) || !load(tuning, &tuning->first, NULL, 0))
+    if (!file_can_write(options->output, &console->log) ||
+        !programme_load(tuning, &tuning->first, NULL, 0))
         return false;
     memcpy(options->setup.size, tuning->first.options.setup.size,
            sizeof options->setup.size); /* of an input */
-    if (!load(tuning, &tuning->now, NULL, 0) ||
+    if (!programme_load(tuning, &tuning->now, NULL, 0) ||
         !session_load_scene(&tuning->bench.scene, console, tuning->first.pipeline.info,
                             &options->setup))
         return false;
@@ -473,7 +474,7 @@ static bool prepare(struct tuning *tuning, struct options *options)
     return false;
 }
 
-static void release(struct tuning *tuning)
+static void tune_release(struct tuning *tuning)
 {
     for (uint32_t i = 0; i < tuning->choice_count; i++) {
         free(tuning->choices[i].set);
@@ -500,7 +501,7 @@ int verb_tune(struct console *console, const struct options *options)
         side_free(&tuning.side);
         return EXIT_USAGE;
     }
-    bool good = prepare(&tuning, &own) && choose_passes(&tuning);
+    bool good = tune_prepare(&tuning, &own) && choose_passes(&tuning);
     if (good)
         printf("%-20s %-56s %9s %9s %6s\n", "pass", "change", "ms before", "after", "ratio");
     good = good && search(&tuning) && prove(&tuning) && time_whole(&tuning, &whole);
@@ -510,6 +511,6 @@ int verb_tune(struct console *console, const struct options *options)
     if (good)
         console->result = tuning_json(&tuning, &whole);
     free(whole.device);
-    release(&tuning);
+    tune_release(&tuning);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

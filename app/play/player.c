@@ -31,7 +31,7 @@ struct dt_player {
     pid_t process;  /* that opened it */
 };
 
-static bool fail(struct dt_player *player, const char *reason)
+static bool player_fail(struct dt_player *player, const char *reason)
 {
     report_error(&player->console.log, "%s", reason);
     return false;
@@ -83,7 +83,7 @@ static bool check_size(const struct dt_player *player, const uint32_t size[2])
     return false;
 }
 
-static bool start(struct dt_player *player)
+static bool start_player(struct dt_player *player)
 {
     struct console *console = &player->console;
     struct setup *setup = &player->setup;
@@ -111,7 +111,7 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
     player->setup = setup_of(options);
     player->timing = options->timing;
     player->process = getpid();
-    if (start(player))
+    if (start_player(player))
         return player;
     dt_play_close(player);
     return NULL;
@@ -144,7 +144,7 @@ const char *dt_play_describe(struct dt_player *player)
     player->description = cJSON_PrintUnformatted(list);
     cJSON_Delete(list);
     if (!player->description)
-        fail(player, "out of memory");
+        player_fail(player, "out of memory");
     return player->description;
 }
 
@@ -209,7 +209,7 @@ static bool is_finite(const struct dt_player *player, const struct dt_resource *
 {
     struct component *list;
     uint32_t count = resource_components(resource, &list), stride = resource_stride(resource);
-    bool good = count || fail((struct dt_player *)player, "out of memory");
+    bool good = count || player_fail((struct dt_player *)player, "out of memory");
     for (uint32_t c = 0; c < count; c++)
         for (size_t at = 0; good && number_is_float(list[c].kind) && at < bytes->size; at += stride)
             if (!isfinite(number_value(list[c].kind, bytes->data + at + list[c].offset))) {
@@ -242,7 +242,7 @@ static bool keep_input(struct dt_player *player, uint32_t resource, uint32_t mip
 {
     uint8_t *copy = malloc(bytes->size + 1);
     if (!copy)
-        return fail(player, "out of memory");
+        return player_fail(player, "out of memory");
     struct dt_bytes *kept = &input_of(&player->pipeline, resource)->mip[mip];
     free(kept->data);
     *kept = *bytes;
@@ -302,8 +302,9 @@ bool dt_play_camera(struct dt_player *player, const float eye[3], const float ta
     if (!is_own(player, "camera"))
         return false;
     if (!is_camera(&camera))
-        return fail(player, "camera: the target is away from the eye, not along up, and fov_y is "
-                            "between 0 and 180 degrees");
+        return player_fail(player,
+                           "camera: the target is away from the eye, not along up, and fov_y is "
+                           "between 0 and 180 degrees");
     player->scene.camera = camera;
     return true;
 }
@@ -344,12 +345,13 @@ bool dt_play_read(struct dt_player *player, const char *name, uint32_t mip, stru
         !is_there(player, index, mip) ||
         !player->session.runtime->read(player->session.handle, index, mip, out))
         return false;
-    return resource_clear_padding(&info->resources[index], out) || fail(player, "out of memory");
+    return resource_clear_padding(&info->resources[index], out) ||
+           player_fail(player, "out of memory");
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-static bool after_pass(void *user, uint32_t pass)
+static bool player_after_pass(void *user, uint32_t pass)
 {
     struct dt_player *player = user;
     player->pass = pass;
@@ -358,7 +360,7 @@ static bool after_pass(void *user, uint32_t pass)
 
 static bool render(struct dt_player *player, const struct dt_observer *observer)
 {
-    const struct dt_observer own = {.after_pass = after_pass, .user = player};
+    const struct dt_observer own = {.after_pass = player_after_pass, .user = player};
     if (!recover(player))
         return false;
     player->observer = observer->after_pass ? observer : NULL;
@@ -425,7 +427,7 @@ static bool compare_row(struct comparison *comparison, uint32_t index)
     if (good)
         difference_json(result, &found, resource, labels);
     good = (good && cJSON_AddItemToArray(comparison->results, result)) ||
-           fail(player, "out of memory");
+           player_fail(player, "out of memory");
     comparison->differ |= good && difference_verdict(&found) == VERDICT_DIFFERS;
     free(copies[0].data);
     free(copies[1].data);
@@ -446,12 +448,13 @@ static bool compare_pass(void *user, uint32_t pass)
 static bool can_compare(struct dt_player *a, const struct dt_player *b)
 {
     if (plan_hash(a->pipeline.plan) != plan_hash(b->pipeline.plan))
-        return fail(a, "compare: the players have different pipelines or values of parameters that "
-                       "are not live");
+        return player_fail(
+            a, "compare: the players have different pipelines or values of parameters that "
+               "are not live");
     if (memcmp(a->setup.size, b->setup.size, sizeof a->setup.size) != 0)
-        return fail(a, "compare: the players have frames of different sizes");
+        return player_fail(a, "compare: the players have frames of different sizes");
     if (a->session.frame != b->session.frame)
-        return fail(a, "compare: the players have rendered different numbers of frames");
+        return player_fail(a, "compare: the players have rendered different numbers of frames");
     return true;
 }
 
@@ -463,12 +466,13 @@ static char *compare_frames(struct comparison *comparison)
     cJSON *root = cJSON_CreateObject();
     comparison->copies = calloc(comparison->rows.outputs.count + 1, sizeof *comparison->copies);
     comparison->results = cJSON_AddArrayToObject(root, "results");
-    bool good = (comparison->copies && comparison->results) || fail(players[0], "out of memory");
+    bool good =
+        (comparison->copies && comparison->results) || player_fail(players[0], "out of memory");
     good = good && render(players[0], &keep) && render(players[1], &compare);
     cJSON_AddBoolToObject(root, "agree", !comparison->differ);
     char *text = good ? cJSON_PrintUnformatted(root) : NULL;
     if (good && !text)
-        fail(players[0], "out of memory");
+        player_fail(players[0], "out of memory");
     for (uint32_t i = 0; comparison->copies && i < comparison->rows.outputs.count; i++)
         free(comparison->copies[i].data);
     free(comparison->copies);

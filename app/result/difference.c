@@ -75,8 +75,8 @@ static double ordered(enum number_kind kind, uint32_t bits)
     return bits & sign ? -(double)(bits & ~sign) : (double)bits;
 }
 
-static double measure(enum dt_contract_kind contract, enum number_kind kind, const uint32_t bits[2],
-                      const double values[2])
+static double measure_number(enum dt_contract_kind contract, enum number_kind kind,
+                             const uint32_t bits[2], const double values[2])
 {
     if (not_finite(kind, bits[0]) || not_finite(kind, bits[1]))
         return INFINITY;
@@ -177,7 +177,7 @@ static void add_element(struct difference *difference, const struct frame *frame
         for (int i = 0; i < 2; i++)
             pair.values[i] = number_value(component->kind, frame->copies[i].data + at);
         pair.component = *component;
-        pair.error = measure(frame->contract->kind, component->kind, pair.bits, pair.values);
+        pair.error = measure_number(frame->contract->kind, component->kind, pair.bits, pair.values);
         if (frame->contract->kind == DT_CONTRACT_FLIPS && !differs)
             keep_flip(difference, &pair);
         if (!difference->worst.valid || pair.error > difference->worst.error)
@@ -280,7 +280,7 @@ bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resour
                 values[i] = number_of_bits(component->kind, bits[i]);
             }
             if (flushed(component->kind, bits[0]) != flushed(component->kind, bits[1]))
-                bins[bin_of(measure(DT_CONTRACT_ULP, component->kind, bits, values))]++;
+                bins[bin_of(measure_number(DT_CONTRACT_ULP, component->kind, bits, values))]++;
         }
     free(numbers.components);
     return good;

@@ -179,8 +179,8 @@ char *difference_list_flips(const struct difference *difference, const struct dt
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
 /* The value is null for NaN and Inf, which JSON does not have. */
-static void add_number(cJSON *root, const char *label, enum number_kind kind, uint32_t bits,
-                       double value)
+static void add_bits(cJSON *root, const char *label, enum number_kind kind, uint32_t bits,
+                     double value)
 {
     char text[16];
     cJSON *number = cJSON_AddObjectToObject(root, label);
@@ -200,7 +200,7 @@ static cJSON *pair_json(const struct difference *difference, const struct dt_res
     cJSON_AddStringToObject(root, "component", pair->component.name);
     cJSON_AddNumberToObject(root, "error", pair->error);
     for (int i = 0; i < 2; i++)
-        add_number(root, labels[i], pair->component.kind, pair->bits[i], pair->values[i]);
+        add_bits(root, labels[i], pair->component.kind, pair->bits[i], pair->values[i]);
     free(place);
     return root;
 }
@@ -214,7 +214,7 @@ static cJSON *flip_json(const struct difference *difference, const struct dt_res
     cJSON *margins = cJSON_AddObjectToObject(root, "margin");
     for (int i = 0; i < 2; i++) {
         double value = number_value(NUMBER_FLOAT, (const uint8_t *)&flip->margin_bits[i]);
-        add_number(margins, labels[i], NUMBER_FLOAT, flip->margin_bits[i], value);
+        add_bits(margins, labels[i], NUMBER_FLOAT, flip->margin_bits[i], value);
     }
     return root;
 }

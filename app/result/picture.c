@@ -135,8 +135,8 @@ void picture_label(int64_t label, uint8_t codes[3])
     }
 }
 
-static void encode(const struct dt_resource *resource, struct range range, const float color[3],
-                   uint8_t codes[3])
+static void encode_texel(const struct dt_resource *resource, struct range range,
+                         const float color[3], uint8_t codes[3])
 {
     static const uint8_t magenta[3] = {255, 0, 255};
     if (!isfinite(color[0]) || !isfinite(color[1]) || !isfinite(color[2])) {
@@ -167,7 +167,7 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
         if (labels)
             picture_label((int64_t)picture->linear[i * 3], picture->codes + i * 3);
         else
-            encode(resource, range, picture->linear + i * 3, picture->codes + i * 3);
+            encode_texel(resource, range, picture->linear + i * 3, picture->codes + i * 3);
     free(picture->linear);
     picture->linear = NULL;
     return true;

@@ -118,7 +118,7 @@ static bool make_label_unique(struct sides *sides, uint32_t index, const struct 
 }
 
 /* The next side, zeroed, or NULL. */
-static struct side *append(struct sides *sides, const struct dt_log *log)
+static struct side *append_side(struct sides *sides, const struct dt_log *log)
 {
     struct side *grown = realloc(sides->list, (sides->count + 1) * sizeof *grown);
     if (!grown) {
@@ -154,7 +154,7 @@ static bool read_entries(struct sides *sides, const char *list, const struct set
     for (const char *at = list;; at++) {
         size_t length = strcspn(at, ",");
         char *entry = strndup(at, length);
-        struct side *side = entry ? append(sides, log) : NULL;
+        struct side *side = entry ? append_side(sides, log) : NULL;
         if (entry && !length)
             report_error(log, "--backend %s: must be names with one comma between, like gl,vk",
                          list);
@@ -171,7 +171,7 @@ static bool read_entries(struct sides *sides, const char *list, const struct set
 
 static bool add_dump(struct sides *sides, const char *folder, const struct dt_log *log)
 {
-    struct side *side = append(sides, log);
+    struct side *side = append_side(sides, log);
     if (!side)
         return false;
     *side = (struct side){.label = strdup("dump"), .folder = folder};

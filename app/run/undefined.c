@@ -9,17 +9,18 @@
 #include "console/console.h"
 #include "gen/sanitize.h"
 
-static bool is_same(const struct sanitize_report *a, const struct sanitize_report *b)
+static bool is_same_report(const struct sanitize_report *a, const struct sanitize_report *b)
 {
     return strcmp(a->file, b->file) == 0 && a->line == b->line && a->column == b->column &&
            strcmp(a->pass, b->pass) == 0 && strcmp(a->text, b->text) == 0;
 }
 
-static void add(struct undefined *undefined, const struct sanitize_report *report, uint32_t side)
+static void add_report(struct undefined *undefined, const struct sanitize_report *report,
+                       uint32_t side)
 {
     uint32_t bit = 1u << (side & 31);
     for (uint32_t i = 0; i < undefined->count; i++)
-        if (is_same(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
+        if (is_same_report(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
             undefined->sides[i] |= bit;
             return;
         }
@@ -39,7 +40,7 @@ bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline,
     uint32_t *sides = list ? realloc(undefined->sides, most * sizeof *sides) : NULL;
     undefined->sides = sides ? sides : undefined->sides;
     for (uint32_t i = 0; sides && i < count; i++)
-        add(undefined, &found[i], side);
+        add_report(undefined, &found[i], side);
     free(found);
     if (!sides)
         report_error(log, "out of memory");

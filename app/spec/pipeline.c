@@ -72,7 +72,7 @@ char *pipeline_cache(const char *tools)
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-static bool find(struct load *load, const struct setup *setup, const struct dt_log *log)
+static bool find_files(struct load *load, const struct setup *setup, const struct dt_log *log)
 {
     *load = (struct load){.tools = tools_folder(log)};
     load->spec = load->tools ? pipeline_spec_path(setup->spec, log) : NULL;
@@ -86,7 +86,7 @@ static bool find(struct load *load, const struct setup *setup, const struct dt_l
     return load->templates;
 }
 
-static void forget(struct load *load)
+static void load_forget(struct load *load)
 {
     free(load->cache);
     free(load->templates);
@@ -133,7 +133,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
     struct load load;
     *pipeline = (struct pipeline){0};
     unsigned sanitize;
-    bool good = find(&load, setup, &console->log) && read_kinds(setup, &sanitize, &console->log);
+    bool good =
+        find_files(&load, setup, &console->log) && read_kinds(setup, &sanitize, &console->log);
     if (good) {
         const struct plan_request request = {.spec = load.spec,
                                              .templates = load.templates,
@@ -147,7 +148,7 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);
     }
-    forget(&load);
+    load_forget(&load);
     if (!good)
         pipeline_unload(pipeline);
     return good;
@@ -186,8 +187,8 @@ static bool run_generator(const struct load *load, const struct setup *setup,
 bool pipeline_try(struct console *console, const struct setup *setup)
 {
     struct load load;
-    bool good = find(&load, setup, &console->log) && run_generator(&load, setup, console);
-    forget(&load);
+    bool good = find_files(&load, setup, &console->log) && run_generator(&load, setup, console);
+    load_forget(&load);
     return good;
 }
 

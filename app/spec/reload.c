@@ -74,7 +74,7 @@ static bool is_source(const char *name)
     return false;
 }
 
-static void add_entry(struct sight *sight, int folder, const char *name)
+static void add_to_sight(struct sight *sight, int folder, const char *name)
 {
     struct stat info;
     if (name[0] == '.' || fstatat(folder, name, &info, 0) != 0)
@@ -99,7 +99,7 @@ static struct sight look(const struct reload *reload)
         for (struct dirent *entry = listing ? readdir(listing) : NULL; entry;
              entry = readdir(listing))
             if (entry->d_type != DT_REG || is_source(entry->d_name))
-                add_entry(&sight, dirfd(listing), entry->d_name);
+                add_to_sight(&sight, dirfd(listing), entry->d_name);
         if (listing)
             closedir(listing);
     }
@@ -113,7 +113,7 @@ static bool is_other(const struct reload *reload, struct sight seen, struct sigh
 
 /* ---- The thread ------------------------------------------------------------------------------ */
 
-static void forget(struct reload_result *result)
+static void result_forget(struct reload_result *result)
 {
     pipeline_unload(&result->pipeline);
     free(result->text);
@@ -121,19 +121,20 @@ static void forget(struct reload_result *result)
 }
 
 /* What nobody has asked for yet is outdated. */
-static void tell(struct reload *reload, enum reload_news news, const struct reload_result *result)
+static void tell_news(struct reload *reload, enum reload_news news,
+                      const struct reload_result *result)
 {
     pthread_mutex_lock(&reload->lock);
-    forget(&reload->result);
+    result_forget(&reload->result);
     reload->news = news;
     reload->result = *result;
     pthread_mutex_unlock(&reload->lock);
 }
 
-static void build(struct reload *reload, double start)
+static void build_pipeline(struct reload *reload, double start)
 {
     struct reload_result result = {0};
-    tell(reload, RELOAD_BEGUN, &result);
+    tell_news(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
     bool good = pipeline_try(reload->console, reload->setup);
     if (good) {
@@ -148,7 +149,7 @@ static void build(struct reload *reload, double start)
     if (good)
         watch(reload, &result.pipeline); /* it may be made from files of more folders */
     reload->broken = !good;
-    tell(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
+    tell_news(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
 }
 
 static bool is_stopped(struct reload *reload)
@@ -159,7 +160,7 @@ static bool is_stopped(struct reload *reload)
     return stop;
 }
 
-static void *run(void *user)
+static void *watch_files(void *user)
 {
     struct reload *reload = user;
     struct sight built = look(reload);
@@ -175,7 +176,7 @@ static void *run(void *user)
             seen = look(reload);
         }
         uint32_t folders = reload->folder_count;
-        build(reload, start);
+        build_pipeline(reload, start);
         /* with more folders it is another number; else a file saved meanwhile has its turn next */
         built = reload->folder_count == folders ? seen : look(reload);
     }
@@ -193,7 +194,7 @@ struct reload *reload_start(struct console *console, const struct setup *setup,
         *reload = (struct reload){.console = console, .setup = setup};
         pthread_mutex_init(&reload->lock, NULL);
         watch(reload, pipeline);
-        error = pthread_create(&reload->thread, NULL, run, reload);
+        error = pthread_create(&reload->thread, NULL, watch_files, reload);
         if (!error)
             return reload;
         for (uint32_t i = 0; i < reload->folder_count; i++)
@@ -224,7 +225,7 @@ void reload_stop(struct reload *reload)
     reload->stop = true;
     pthread_mutex_unlock(&reload->lock);
     pthread_join(reload->thread, NULL);
-    forget(&reload->result);
+    result_forget(&reload->result);
     for (uint32_t i = 0; i < reload->folder_count; i++)
         free(reload->folders[i]);
     pthread_mutex_destroy(&reload->lock);

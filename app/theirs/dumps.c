@@ -142,7 +142,8 @@ static bool measure_fields(struct match *match, const struct dt_bytes copies[2])
     return good;
 }
 
-static bool measure(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
+static bool measure_match(const struct dumps *dumps, struct match *match,
+                          const struct dt_bytes copies[2])
 {
     const struct dt_contract *contract = find_contract(dumps, match->sides[0]);
     struct dt_resource *what = &match->what;
@@ -180,7 +181,7 @@ static bool compare_match(struct dumps *dumps, struct match *match)
 {
     struct dt_bytes copies[2];
     bool good = load_both(dumps, match, copies, &match->compared);
-    if (good && match->compared && !measure(dumps, match, copies)) {
+    if (good && match->compared && !measure_match(dumps, match, copies)) {
         report_error(&dumps->console->log, "out of memory");
         good = false;
     }
@@ -252,7 +253,7 @@ static bool explain(struct dumps *dumps)
 
 /* ---- The verb ---------------------------------------------------------------------------------- */
 
-static void release(struct dumps *dumps)
+static void dumps_release(struct dumps *dumps)
 {
     for (uint32_t i = 0; dumps->matches && i < dumps->count; i++) {
         free(dumps->matches[i].note);
@@ -305,6 +306,6 @@ int compare_dumps(struct console *console, const struct options *options)
     if (good && options->json)
         console->result = dumps_json(&dumps);
     bool differ = dumps.guilty;
-    release(&dumps);
+    dumps_release(&dumps);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

@@ -64,7 +64,7 @@ static void read_contracts(struct reader *reader, struct fy_node *root, void *us
     }
 }
 
-static void add_key(struct reading *reading, const char *name)
+static void add_contract_key(struct reading *reading, const char *name)
 {
     for (size_t i = 0; i < reading->count; i++)
         if (!strcmp(reading->keys[i].name, name))
@@ -82,11 +82,11 @@ bool dumps_contracts(struct dumps *dumps, const char *path)
     dumps->contracts = calloc(2 * (size_t)count + 1, sizeof *dumps->contracts);
     bool good = reading.keys && dumps->contracts;
     if (good)
-        add_key(&reading, "default");
+        add_contract_key(&reading, "default");
     for (uint32_t i = 0; i < count && good; i++) {
-        add_key(&reading, dumps->matches[i].sides[0]->resource);
+        add_contract_key(&reading, dumps->matches[i].sides[0]->resource);
         if (dumps->matches[i].place)
-            add_key(&reading, dumps->matches[i].place);
+            add_contract_key(&reading, dumps->matches[i].place);
     }
     if (!good)
         report_error(&dumps->console->log, "out of memory");

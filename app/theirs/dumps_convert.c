@@ -29,7 +29,7 @@ static bool refuse(struct match *match, char *text)
 
 /* ---- Buffers ----------------------------------------------------------------------------------- */
 
-static const struct dt_field *find_field(const struct dt_resource *resource, const char *name)
+static const struct dt_field *find_their_field(const struct dt_resource *resource, const char *name)
 {
     for (uint32_t i = 0; i < resource->field_count; i++)
         if (!strcmp(resource->fields[i].name, name))
@@ -41,7 +41,7 @@ static bool same_layout(const struct dt_resource *a, const struct dt_resource *b
 {
     bool same = a->stride == b->stride && a->field_count == b->field_count;
     for (uint32_t i = 0; same && i < a->field_count; i++) {
-        const struct dt_field *f = &a->fields[i], *g = find_field(b, f->name);
+        const struct dt_field *f = &a->fields[i], *g = find_their_field(b, f->name);
         same = g && f->type == g->type && f->offset == g->offset &&
                f->array_count == g->array_count && f->array_stride == g->array_stride;
     }
@@ -69,7 +69,7 @@ static bool convert_buffers(struct match *match, struct dt_bytes copies[2])
     if (!moved)
         return refuse(match, NULL);
     for (uint32_t i = 0; i < a->field_count; i++) {
-        const struct dt_field *to = &a->fields[i], *from = find_field(b, to->name);
+        const struct dt_field *to = &a->fields[i], *from = find_their_field(b, to->name);
         if (!from || from->type != to->type || from->array_count != to->array_count) {
             free(moved);
             return refuse(match,

@@ -9,7 +9,7 @@
 #include "theirs/dumps.h"
 
 /* "radiance", "radiance mip 2", "radiance mip 2, frame 7". */
-static char *name_of(const struct their_entry *entry)
+static char *match_name(const struct their_entry *entry)
 {
     char again[24] = "", mip[24] = "", frame[24] = "";
     if (entry->again)
@@ -32,7 +32,7 @@ static int width_of(const struct dumps *dumps, bool pass)
 {
     size_t width = 8;
     for (uint32_t i = 0; i < dumps->count; i++) {
-        char *name = pass ? NULL : name_of(dumps->matches[i].sides[0]);
+        char *name = pass ? NULL : match_name(dumps->matches[i].sides[0]);
         size_t length = pass ? strlen(dumps->matches[i].sides[0]->pass) : name ? strlen(name) : 0;
         width = length > width ? length : width;
         free(name);
@@ -43,7 +43,7 @@ static int width_of(const struct dumps *dumps, bool pass)
 static void print_match(const struct dumps *dumps, const struct match *match, const int widths[2])
 {
     const char *const labels[2] = {dumps->sides[0].label, dumps->sides[1].label};
-    char *name = name_of(match->sides[0]);
+    char *name = match_name(match->sides[0]);
     char *worst = NULL;
     if (match->compared)
         worst = difference_describe_worst(&match->difference, &match->what, labels);
@@ -76,7 +76,7 @@ static void print_alone(const struct dumps *dumps, const int widths[2])
     for (uint32_t i = 0; i < second->count; i++) {
         if (is_matched(dumps, &second->entries[i]))
             continue;
-        char *name = name_of(&second->entries[i]);
+        char *name = match_name(&second->entries[i]);
         printf("%-*s  %-*s  %10s  %10s  %-7s  not in the first dump\n", widths[0],
                second->entries[i].pass, widths[1], name ? name : "", "-", "-", "alone");
         free(name);

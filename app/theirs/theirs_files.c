@@ -76,7 +76,7 @@ static const char *read_header(struct array *array, const char *header)
     return shape ? NULL : "is no .npy file: its header has no shape";
 }
 
-static const char *parse(struct array *array, const uint8_t *file, size_t size)
+static const char *parse_header(struct array *array, const uint8_t *file, size_t size)
 {
     char header[MOST_HEADER + 1];
     if (size < 12 || memcmp(file, "\x93NUMPY", 6) != 0 || file[6] < 1 || file[6] > 3)
@@ -225,7 +225,7 @@ bool their_npy(const struct theirs *theirs, struct their_entry *entry, struct dt
         (uint8_t *)foreign_read(theirs->folder, entry->file, MOST_FILE, &size, theirs->log);
     if (!file)
         return false;
-    const char *reason = parse(&array, file, size);
+    const char *reason = parse_header(&array, file, size);
     uint32_t each = 0;
     if (!reason && is_buffer(&array))
         each = shape_buffer(entry, &array) ? entry->what.stride / 4 : 0;

@@ -215,7 +215,7 @@ static void run_trial(struct asked *asked, struct trial *trial, const struct tal
 /* ---- All faults -------------------------------------------------------------------------------- */
 
 /* Keeps the cheapest; of one fault the better side. */
-static void keep(struct trial best[WHY_MOST], const struct trial *trial)
+static void keep_best(struct trial best[WHY_MOST], const struct trial *trial)
 {
     int at = 0;
     if (!(trial->cost < 0.75))
@@ -244,7 +244,7 @@ static void try_both(struct asked *asked, struct trial best[WHY_MOST], struct tr
     for (int colour = 0; colour < (map && asked->image && asked->count == 4 ? 2 : 1); colour++) {
         trial->colour = colour;
         run_trial(asked, trial, tally);
-        keep(best, trial);
+        keep_best(best, trial);
     }
 }
 
@@ -331,7 +331,7 @@ static void sample_all(struct asked *asked, uint64_t elements, uint64_t *samples
 }
 
 /* Of the differing samples, at least nine of ten as the first or the last. */
-static bool is_constant(const struct asked *asked, const struct copy *copy)
+static bool copy_is_constant(const struct asked *asked, const struct copy *copy)
 {
     uint32_t count = asked->differing_count, like[2] = {0};
     for (int k = 0; k < 2; k++)
@@ -420,8 +420,8 @@ static void write_slot(FILE *out, const char *slot, const struct asked *asked,
         fprintf(out, "%.6g", trial->fit[(*slot - '0') % FAULT_NUMBERS]);
 }
 
-static void write_text(FILE *out, const char *text, const struct asked *asked,
-                       const struct why_question *question, const struct trial *trial)
+static void write_reason(FILE *out, const char *text, const struct asked *asked,
+                         const struct why_question *question, const struct trial *trial)
 {
     for (; *text; text++)
         if (*text == '{') {
@@ -432,8 +432,8 @@ static void write_text(FILE *out, const char *text, const struct asked *asked,
         }
 }
 
-static char *describe(const struct asked *asked, const struct why_question *question,
-                      const struct trial *trial, const struct tally *tally)
+static char *describe_trial(const struct asked *asked, const struct why_question *question,
+                            const struct trial *trial, const struct tally *tally)
 {
     char *text = NULL;
     size_t size;
@@ -448,10 +448,10 @@ static char *describe(const struct asked *asked, const struct why_question *ques
         fputs(code ? "equal (to a code) " : "equal ", out);
     else
         fputs(trial->after * 20 < tally->before ? "nearly equal " : "far nearer ", out);
-    write_text(out, trial->fault->text, asked, question, trial);
+    write_reason(out, trial->fault->text, asked, question, trial);
     if (trial->inner) {
         fputs(", and ", out);
-        write_text(out, trial->inner->text, asked, question, trial);
+        write_reason(out, trial->inner->text, asked, question, trial);
     }
     fprintf(out, " (%llu %s before, %llu %s)", (unsigned long long)tally->before,
             tally->before == 1 ? "differs" : "differ", (unsigned long long)trial->after,
@@ -479,8 +479,8 @@ static uint64_t count_left(struct asked *asked, const struct trial *trial,
     return left * step;
 }
 
-static bool tell(struct why *why, struct asked *asked, const struct why_question *question,
-                 struct trial *best, const struct tally *tally)
+static bool tell_reason(struct why *why, struct asked *asked, const struct why_question *question,
+                        struct trial *best, const struct tally *tally)
 {
     for (int i = 0; i < WHY_MOST && best[i].fault; i++) {
         if (i && best[i].cost > 0.05 + 1.3 * best[0].cost)
@@ -490,7 +490,7 @@ static bool tell(struct why *why, struct asked *asked, const struct why_question
         best[i].after = count_left(asked, &best[i], tally);
         struct why_reason *reason = &why->reasons[why->count];
         *reason = (struct why_reason){.name = best[i].fault->name,
-                                      .text = describe(asked, question, &best[i], tally),
+                                      .text = describe_trial(asked, question, &best[i], tally),
                                       .before = tally->before,
                                       .after = best[i].after};
         if (!reason->text)
@@ -527,11 +527,11 @@ static bool look(struct why *why, struct asked *asked, const struct why_question
     }
     tally.few = differing_numbers(asked) < FEW;
     for (int i = 0; i < 2; i++)
-        tally.constant[i] = is_constant(asked, &asked->copies[i]);
+        tally.constant[i] = copy_is_constant(asked, &asked->copies[i]);
     try_all(asked, best, &tally);
     if (!tally.few && (!best[0].fault || best[0].cost > 0.15))
         try_pairs(asked, best, &tally);
-    return tell(why, asked, question, best, &tally);
+    return tell_reason(why, asked, question, best, &tally);
 }
 
 static void load_relatives(struct asked *asked, const struct why_question *question)

@@ -46,7 +46,7 @@ static enum number_kind kind_of(const struct asked *asked)
     return asked->components[0].kind;
 }
 
-static bool is_image(struct asked *asked, const struct fault *fault)
+static bool places_are_image(struct asked *asked, const struct fault *fault)
 {
     return asked->image && asked->from->extent[1] > 1 && fault;
 }
@@ -83,7 +83,7 @@ static double turned(const struct asked *asked, const struct fault *fault, struc
 
 static bool is_square(struct asked *asked, const struct fault *fault)
 {
-    return is_image(asked, fault) && asked->from->extent[0] == asked->from->extent[1];
+    return places_are_image(asked, fault) && asked->from->extent[0] == asked->from->extent[1];
 }
 
 /* x and y in each other's place; p: backwards. */
@@ -236,7 +236,7 @@ static bool pitch_fits(const struct asked *asked, const struct fault *fault)
 
 static bool fit_pitch(struct asked *asked, const struct fault *fault)
 {
-    if (!is_image(asked, fault) || asked->differing_count < 24)
+    if (!places_are_image(asked, fault) || asked->differing_count < 24)
         return false;
     int64_t row = (int64_t)asked->from->extent[0] * asked->count;
     for (int64_t pitch = fault->p[0] > 0 ? row / 2 : row + 1; pitch <= 2 * row + 256; pitch++) {
@@ -854,7 +854,7 @@ static double other_than_tiles(const struct asked *asked, const struct fault *fa
 #define HALF(label, words, x, y)                                                                   \
     {                                                                                              \
         .name = label, .text = "after half a texel in " words ": centres are at .5",               \
-        .at = half_shifted, .applies = is_image, .p = {                                            \
+        .at = half_shifted, .applies = places_are_image, .p = {                                    \
             x,                                                                                     \
             y                                                                                      \
         }                                                                                          \
@@ -885,19 +885,19 @@ const struct fault faults[] = {
     {.name = "flip_y",
      .text = "after a flip in y: OpenGL's row 0 is the bottom",
      .at = turned,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {0, 1},
      .symmetric = true},
     {.name = "mirror_x",
      .text = "after a mirror in x",
      .at = turned,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {1, 0},
      .symmetric = true},
     {.name = "turn",
      .text = "after half a turn: x and y run backwards",
      .at = turned,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {1, 1},
      .symmetric = true},
     {.name = "reversed",
@@ -979,17 +979,17 @@ const struct fault faults[] = {
     {.name = "roll",
      .text = "after half the width, round the edge",
      .at = rolled,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {1, 0}},
     {.name = "roll",
      .text = "after half the height, round the edge",
      .at = rolled,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {0, 1}},
     {.name = "roll",
      .text = "after half the width and height, round the edge",
      .at = rolled,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {1, 1}},
     HALF("half_texel_x", "x", 1, 0),
     HALF("half_texel_x", "x", -1, 0),
@@ -1259,30 +1259,30 @@ const struct fault faults[] = {
     {.name = "half_rate",
      .text = "if {to} has means of 2x2 texels: half the resolution",
      .at = coarse,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {2},
      .doubt = 0.02},
     {.name = "half_rate",
      .text = "if {to} has each second texel twice: nearest, half the resolution",
      .at = coarse,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {2, 1},
      .doubt = 0.02},
     {.name = "half_rate",
      .text = "if {to} has means of 4x4 texels",
      .at = coarse,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {4},
      .doubt = 0.02},
     {.name = "blurred",
      .text = "if {from} is filtered by 3x3 texels, as {to} is",
      .at = blurred,
-     .applies = is_image,
+     .applies = places_are_image,
      .doubt = 0.03},
     {.name = "blurred",
      .text = "if {from} is filtered by a 3x3 tent, as {to} is",
      .at = blurred,
-     .applies = is_image,
+     .applies = places_are_image,
      .p = {1},
      .doubt = 0.03},
     {.name = "factor",

@@ -65,7 +65,7 @@ void camera_turn(struct scene_camera *camera, float right, float up)
 /* ---- Saving ---------------------------------------------------------------------------------- */
 
 /* State while reading the YAML events of a scene file. */
-struct place {
+struct camera_place {
     int depth;       /* open mappings and sequences */
     bool is_key;     /* depth 1: the next scalar is a key */
     bool is_camera;  /* the last key was camera */
@@ -74,7 +74,7 @@ struct place {
     size_t from, to; /* the camera's bytes; to == 0: not found */
 };
 
-static void widen(struct place *place, struct fy_token *token)
+static void widen(struct camera_place *place, struct fy_token *token)
 {
     const struct fy_mark *start = token ? fy_token_start_mark(token) : NULL;
     const struct fy_mark *end = token ? fy_token_end_mark(token) : NULL;
@@ -82,7 +82,7 @@ static void widen(struct place *place, struct fy_token *token)
         place->last = end->input_pos;
 }
 
-static void begin_node(struct place *place, struct fy_token *token)
+static void begin_node(struct camera_place *place, struct fy_token *token)
 {
     if (place->depth == 1 && place->is_camera && token) {
         place->inside = true;
@@ -92,7 +92,7 @@ static void begin_node(struct place *place, struct fy_token *token)
 }
 
 /* A block mapping has no end mark: it ends with its last value. */
-static void end_node(struct place *place, struct fy_token *token)
+static void end_node(struct camera_place *place, struct fy_token *token)
 {
     widen(place, token);
     place->depth--;
@@ -104,7 +104,7 @@ static void end_node(struct place *place, struct fy_token *token)
     place->is_key = true;
 }
 
-static void take_scalar(struct place *place, struct fy_token *token)
+static void take_scalar(struct camera_place *place, struct fy_token *token)
 {
     size_t length = 0;
     const char *text = token ? fy_token_get_text(token, &length) : NULL;
@@ -116,7 +116,7 @@ static void take_scalar(struct place *place, struct fy_token *token)
     place->is_key = !place->is_key;
 }
 
-static void take_event(struct place *place, const struct fy_event *event)
+static void take_event(struct camera_place *place, const struct fy_event *event)
 {
     switch (event->type) {
     case FYET_MAPPING_START:
@@ -141,12 +141,12 @@ static void take_event(struct place *place, const struct fy_event *event)
 }
 
 /* Finds the bytes of the camera's mapping in the text. */
-static bool find_camera(const char *text, size_t size, struct place *place)
+static bool find_camera(const char *text, size_t size, struct camera_place *place)
 {
     const struct fy_parse_cfg config = {.flags = FYPCF_QUIET};
     struct fy_parser *parser = fy_parser_create(&config);
     struct fy_event *event;
-    *place = (struct place){0};
+    *place = (struct camera_place){0};
     if (!parser || fy_parser_set_string(parser, text, size) != 0) {
         fy_parser_destroy(parser);
         return false;
@@ -185,7 +185,7 @@ static char *camera_text(const struct scene_camera *camera)
 bool camera_save(const struct scene_camera *camera, const char *path, const struct dt_log *log)
 {
     size_t size;
-    struct place place;
+    struct camera_place place;
     char *text = file_read(path, &size, log);
     if (!text)
         return false;

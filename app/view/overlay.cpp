@@ -212,7 +212,7 @@ static void error(const char *title, const char *text)
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
 /* ImGui's indexed lists as plain triangles. */
-static void take(struct overlay *overlay, const ImDrawData *data)
+static void take_triangles(struct overlay *overlay, const ImDrawData *data)
 {
     static_assert(sizeof(ImDrawVert) == sizeof(dt_window_vertex), "the same layout");
     const ImVec2 scale = data->FramebufferScale;
@@ -254,7 +254,7 @@ void overlay_build(struct overlay *overlay, struct overlay_model *model)
     if (model->error)
         error(model->error_title, model->error);
     ImGui::Render();
-    take(overlay, ImGui::GetDrawData());
+    take_triangles(overlay, ImGui::GetDrawData());
 }
 
 struct dt_window_frame overlay_frame(const struct overlay *overlay)

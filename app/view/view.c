@@ -111,7 +111,7 @@ struct watch {
 };
 
 /* Resources may share memory: read the shown one after the pass that wrote it. */
-static bool after_pass(void *user, uint32_t pass)
+static bool view_after_pass(void *user, uint32_t pass)
 {
     const struct watch *watch = user;
     return view_take(watch->view, watch->side, pass);
@@ -123,7 +123,7 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
     const struct dt_pipeline *info = view->pipeline.info;
     bool output = (int)view->resource == info->display_output; /* lives on after the frame */
     bool takes = !output || view->shown_points;
-    const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
+    const struct dt_observer observer = {.after_pass = view_after_pass, .user = &watch};
     double start = milliseconds_now();
     view_forget(side);
     return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
@@ -319,7 +319,7 @@ static void measure_window(struct view *view)
     view->window_size[1] = height > 0 ? (uint32_t)height : 0;
 }
 
-static bool run(struct view *view)
+static bool run_window(struct view *view)
 {
     view->time = glfwGetTime();
     while (!is_over(view)) {
@@ -369,7 +369,7 @@ int verb_view(struct console *console, const struct options *options)
                         .gain = 16,
                         .speed = 0.5f,
                         .reload_ms = (double)NAN};
-    bool good = open_view(&view) && run(&view);
+    bool good = open_view(&view) && run_window(&view);
     if (good && options->screenshot)
         good = view_write_png(&view, options->screenshot);
     if (good)

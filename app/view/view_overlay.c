@@ -159,8 +159,8 @@ static void fill_passes(const struct view *view, struct overlay_pass *passes)
     }
 }
 
-static void describe(struct view *view, const struct texts *texts, struct overlay_param *params,
-                     struct overlay_pass *passes)
+static void describe_panel(struct view *view, const struct texts *texts,
+                           struct overlay_param *params, struct overlay_pass *passes)
 {
     const struct dt_pipeline *info = view->pipeline.info;
     const char *doc = info->resources[view->resource].doc;
@@ -201,7 +201,7 @@ bool view_overlay_build(struct view *view)
     struct overlay_pass *passes = calloc(info->pass_count + 1, sizeof *passes);
     bool good = texts.title && texts.shown && texts.state && texts.points && params && passes;
     if (good)
-        describe(view, &texts, params, passes);
+        describe_panel(view, &texts, params, passes);
     else
         report_error(&view->console->log, "out of memory for the overlay");
     free(passes);

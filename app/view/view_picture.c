@@ -89,8 +89,8 @@ void view_forget(struct view_side *side)
     picture_free(&side->picture);
 }
 
-static bool take(const struct view *view, const struct view_side *side, uint32_t pass,
-                 uint32_t resource, uint32_t mip, struct dt_bytes *bytes)
+static bool take_picture(const struct view *view, const struct view_side *side, uint32_t pass,
+                         uint32_t resource, uint32_t mip, struct dt_bytes *bytes)
 {
     const struct session *session = &side->session;
     return view_last_writer(view->pipeline.info, resource, mip) != pass || bytes->data ||
@@ -99,16 +99,16 @@ static bool take(const struct view *view, const struct view_side *side, uint32_t
 
 bool view_take(const struct view *view, struct view_side *side, uint32_t pass)
 {
-    if (!take(view, side, pass, view->resource, view->mip, &side->shown))
+    if (!take_picture(view, side, pass, view->resource, view->mip, &side->shown))
         return false;
     if (!view->shown_points)
         return true;
     const struct view_points *points = &view->points[view->shown_points - 1];
     for (uint32_t i = 0; i < points->count; i++) {
         const struct point_source *source = &points->sources[i];
-        if (!take(view, side, pass, source->buffer, 0, &side->elements[i]) ||
+        if (!take_picture(view, side, pass, source->buffer, 0, &side->elements[i]) ||
             (source->label == POINT_BUFFER &&
-             !take(view, side, pass, source->label_buffer, 0, &side->labels[i])))
+             !take_picture(view, side, pass, source->label_buffer, 0, &side->labels[i])))
             return false;
     }
     return true;

@@ -103,7 +103,7 @@ static void set_error(struct view *view, char *text)
 
 /* Starts view->pipeline, up to its first picture. With a wrong outline it runs, with no points and
  * keys. */
-static bool start(struct view *view, const char *shown, bool *offered)
+static bool start_pipeline(struct view *view, const char *shown, bool *offered)
 {
     uint32_t points = view->shown_points;
     *offered = view_outline_read(view);
@@ -130,7 +130,7 @@ static bool swap(struct view *view, struct pipeline *next)
     bool offered, capture = console_capture(view->console);
     view->pipeline = *next;
     keep_live(view, &old);
-    bool good = start(view, shown, &offered);
+    bool good = start_pipeline(view, shown, &offered);
     char *text = capture ? console_captured(view->console) : NULL;
     view->outline_wrong = good && !offered;
     if (!good || !offered) {
@@ -146,13 +146,13 @@ static bool swap(struct view *view, struct pipeline *next)
     }
     struct pipeline refused = view->pipeline;
     view->pipeline = old;
-    good = start(view, shown, &offered);
+    good = start_pipeline(view, shown, &offered);
     pipeline_unload(&refused); /* its panels were in use until now */
     return good;
 }
 
 /* Reloads the outline of the same pipeline; its errors are shown like the pipeline's. */
-static void read_outline(struct view *view)
+static void reread_outline(struct view *view)
 {
     uint32_t points = view->shown_points;
     bool capture = console_capture(view->console);
@@ -181,7 +181,7 @@ static void tell_times(const struct view *view, bool same, double made_ms, doubl
         view->reload_ms, made_ms, view->device_ms, taken_ms - view->device_ms);
 }
 
-static bool take(struct view *view, struct reload_result *result)
+static bool take_reload(struct view *view, struct reload_result *result)
 {
     double start_ms = milliseconds_now();
     if (result->text && *result->text)
@@ -191,7 +191,7 @@ static bool take(struct view *view, struct reload_result *result)
     bool same = plan_hash(result->pipeline.plan) == plan_hash(view->pipeline.plan);
     if (same) { /* only its outline, or nothing */
         pipeline_unload(&result->pipeline);
-        read_outline(view);
+        reread_outline(view);
     } else if (!swap(view, &result->pipeline)) {
         return false;
     }
@@ -212,7 +212,7 @@ bool view_reload(struct view *view)
         return true;
     case RELOAD_DONE:
         view->reloading = false;
-        return take(view, &result);
+        return take_reload(view, &result);
     case RELOAD_FAILED:
         view->reloading = view->outline_wrong = false;
         set_error(view, result.text ? result.text : strdup("out of memory\n"));

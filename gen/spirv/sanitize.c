@@ -65,7 +65,7 @@ static bool constant_of(const struct spirv *from, uint32_t id, uint32_t *value)
     return spirv_is(constant, SpvOpConstant);
 }
 
-static bool is_constant(const struct spirv *from, uint32_t id)
+static bool id_is_constant(const struct spirv *from, uint32_t id)
 {
     return from->definitions[id] < from->code &&
            !spirv_is(spirv_definition(from, id), SpvOpVariable);
@@ -403,7 +403,7 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
     }
     for (uint32_t word = first_operand(instruction); word < spirv_length(instruction); word++) {
         uint32_t finite =
-            is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
+            id_is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
         all = finite ? put_bool(s, SpvOpLogicalAnd, all, finite) : all;
     }
     if (!all)
@@ -497,7 +497,7 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
 static void put_component(struct sanitizer *s, const uint32_t *instruction, uint32_t index)
 {
     const char *name = base_name(s->from, instruction[3]);
-    if (is_constant(s->from, index))
+    if (id_is_constant(s->from, index))
         return;
     put_index(s, index, sanitizer_number(s, spirv_type(s->from, instruction[3])[3]),
               name && *name ? name : "a vector");

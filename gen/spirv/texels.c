@@ -29,7 +29,7 @@ static uint32_t find_function(const struct spirv *module, const char *format, co
 }
 
 /* The variable of the block NAME_block; 0: there is none. */
-static uint32_t find_buffer(const struct spirv *module, const char *name)
+static uint32_t find_texel_buffer(const struct spirv *module, const char *name)
 {
     char block[96];
     snprintf(block, sizeof block, "%s_block", name);
@@ -125,7 +125,7 @@ static void put_instruction(struct texels *texels, const uint32_t *instruction)
 bool spirv_texels(struct spirv *module, const char *name)
 {
     struct texels texels = {.module = module,
-                            .variable = find_buffer(module, name),
+                            .variable = find_texel_buffer(module, name),
                             .at = find_function(module, "%s_at(u1;", name),
                             .length = find_function(module, "%s_length(", name)};
     if (!texels.variable || !texels.at || !texels.length)
