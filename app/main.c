@@ -122,11 +122,8 @@ static int unknown_verb(const struct console *console, const char *word)
     const char *names[DT_ARRAY_COUNT(verbs)];
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         names[i] = verbs[i].name;
-    const char *hint = nearest_name(word, names, DT_ARRAY_COUNT(verbs));
-    if (hint)
-        report_error(&console->log, "unknown verb \"%s\"; did you mean \"%s\"?", word, hint);
-    else
-        report_error(&console->log, "unknown verb \"%s\"; see diptych --help", word);
+    report_error(&console->log, "unknown verb \"%s\"%s", word,
+                 name_hint('"', word, names, DT_ARRAY_COUNT(verbs), "; see diptych --help").text);
     return EXIT_USAGE;
 }
 

@@ -76,13 +76,10 @@ static bool unknown_option(const struct command_line *command, const char *argum
     char *word = strndup(argument, length);
     for (uint32_t i = 0; names && i < command->row_count; i++)
         names[i] = takes(command, &command->rows[i]) ? command->rows[i].name : NULL;
-    const char *hint = word && names ? nearest_name(word, names, command->row_count) : NULL;
-    if (hint)
-        report_error(log, "%sunknown option \"%s\"; did you mean \"%s\"?",
-                     error_prefix(command, prefix), word, hint);
-    else
-        report_error(log, "%sunknown option \"%s\"; see %s --help", error_prefix(command, prefix),
-                     word ? word : argument, command_name(command, name));
+    char see[96];
+    snprintf(see, sizeof see, "; see %s --help", command_name(command, name));
+    report_error(log, "%sunknown option \"%s\"%s", error_prefix(command, prefix),
+                 word ? word : argument, name_hint('"', word, names, command->row_count, see).text);
     free(word);
     free(names);
     return false;

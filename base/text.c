@@ -1,6 +1,7 @@
 /* A growing piece of text. */
 #include "base/text.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -75,6 +76,11 @@ void text_add(struct text *text, const char *format, ...)
     }
     va_end(again);
     va_end(arguments);
+}
+
+bool text_is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_';
 }
 
 void text_add_json(struct text *text, const char *string)

@@ -12,6 +12,8 @@ struct text {
 };
 void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(struct text *text, const char *bytes, size_t length);
+/* Whether the character may stand in a name of C or GLSL. */
+bool text_is_word(char c);
 void text_add_json(struct text *text, const char *string); /* quoted and escaped */
 /* As an identifier of C or GLSL: the dots of an instance's names become underscores. */
 void text_add_word(struct text *text, const char *name);

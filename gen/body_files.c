@@ -9,17 +9,12 @@
 
 enum { MOST_FILES = 256, MOST_INCLUDES = 1024 };
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 const char *find_word(const char *text, const char *word)
 {
     size_t length = strlen(word);
     for (const char *at = text; at && length && (at = strstr(at, word)); at += length) {
-        bool starts = at == text || (!is_word(at[-1]) && at[-1] != '.');
-        if (starts && !is_word(at[length]))
+        bool starts = at == text || (!text_is_word(at[-1]) && at[-1] != '.');
+        if (starts && !text_is_word(at[length]))
             return at;
     }
     return NULL;
@@ -163,7 +158,7 @@ bool body_mentions_member(const struct body_files *files, const char *word)
             const char *before = at;
             while (before > code && isspace((unsigned char)before[-1]))
                 before--;
-            if (before > code && before[-1] == '.' && !is_word(at[length]))
+            if (before > code && before[-1] == '.' && !text_is_word(at[length]))
                 return true;
         }
     }
@@ -174,7 +169,7 @@ bool body_mentions_prefix(const struct body_files *files, const char *prefix)
 {
     for (uint32_t i = 0; files && i < files->count; i++)
         for (const char *at = files->list[i].code; (at = strstr(at, prefix)); at++)
-            if (at == files->list[i].code || !is_word(at[-1]))
+            if (at == files->list[i].code || !text_is_word(at[-1]))
                 return true;
     return false;
 }

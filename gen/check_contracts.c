@@ -92,10 +92,8 @@ static int find_contract_field(struct checker *c, const struct resource *margin,
         if (!strcmp(names[i], name))
             return (int)i;
     }
-    const char *nearest = nearest_name(name, names, structure->field_count);
-    diag_error(c->diag, loc,
-               nearest ? "`%s` has no field `%s`; did you mean `%s`?" : "`%s` has no field `%s`",
-               structure->name, name, nearest);
+    diag_error(c->diag, loc, "`%s` has no field `%s`%s", structure->name, name,
+               name_hint('`', name, names, structure->field_count, "").text);
     return -1;
 }
 

@@ -394,16 +394,13 @@ static void report_unknown_name(const struct expr *expr, const struct pipeline *
         names[count++] = pipeline->params[i].name;
     for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
         names[count++] = pipeline->constants[i].name;
-    const char *nearest = names ? nearest_name(expr->name, names, count) : NULL;
-    if (!nearest && (!strcmp(expr->name, "width") || !strcmp(expr->name, "height")))
-        nearest = expr->name[0] == 'w' ? "frame.width" : "frame.height";
-    if (nearest)
-        diag_error(diag, expr->loc, "unknown name `%s`; did you mean `%s`?", expr->name, nearest);
-    else
-        diag_error(diag, expr->loc,
-                   "unknown name `%s`; expressions know parameters, constants, frame.width and "
-                   "frame.height",
-                   expr->name);
+    const char *otherwise =
+        !strcmp(expr->name, "width") ? "; did you mean `frame.width`?"
+        : !strcmp(expr->name, "height")
+            ? "; did you mean `frame.height`?"
+            : "; expressions know parameters, constants, frame.width and frame.height";
+    diag_error(diag, expr->loc, "unknown name `%s`%s", expr->name,
+               name_hint('`', expr->name, names, count, otherwise).text);
     free(names);
 }
 

@@ -12,11 +12,6 @@
 
 /* ---- Places ---------------------------------------------------------------------------------- */
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 /* The line of the source and its length; NULL when it has fewer lines. */
 static const char *line_of(const struct loc *loc, size_t *length)
 {
@@ -37,8 +32,9 @@ bool glsl_find_in_line(struct loc *loc, const char *word, size_t length)
     if (!at || !length)
         return false;
     for (size_t i = 0; i + length <= width; i++) {
-        bool inside = is_word(word[0]) && ((i && is_word(at[i - 1])) ||
-                                           (i + length < width && is_word(at[i + length])));
+        bool inside =
+            text_is_word(word[0]) && ((i && text_is_word(at[i - 1])) ||
+                                      (i + length < width && text_is_word(at[i + length])));
         if (!inside && !memcmp(at + i, word, length)) {
             loc->column = (int)i + 1;
             loc->length = (int)length;
@@ -55,8 +51,8 @@ static const char *prefix_in_line(struct loc *loc, const char *prefix, size_t *l
     const char *at = line_of(loc, &width);
     *length = 0;
     for (size_t i = 0; at && i + size <= width; i++)
-        if (!memcmp(at + i, prefix, size) && !(i && is_word(at[i - 1]))) {
-            while (i + *length < width && is_word(at[i + *length]))
+        if (!memcmp(at + i, prefix, size) && !(i && text_is_word(at[i - 1]))) {
+            while (i + *length < width && text_is_word(at[i + *length]))
                 ++*length;
             loc->column = (int)i + 1;
             loc->length = (int)*length;
@@ -350,12 +346,12 @@ static bool add_functions(struct model *model, struct shader *shader,
             continue;
         while (end && isspace((unsigned char)line[end - 1]))
             end--;
-        for (begin = end; begin && is_word(line[begin - 1]);)
+        for (begin = end; begin && text_is_word(line[begin - 1]);)
             begin--;
         for (type = begin; type && isspace((unsigned char)line[type - 1]);)
             type--;
         size_t length = 0;
-        while (length < type && is_word(line[type - length - 1]))
+        while (length < type && text_is_word(line[type - length - 1]))
             length++;
         const char *name =
             end > begin && type < begin && length && !is_keyword(line + type - length, length)
@@ -407,7 +403,7 @@ static const struct constant *redeclared_constant(const struct pipeline *pipelin
         while (before > line && isspace((unsigned char)before[-1]))
             before--;
         size_t length = 0;
-        while (before - length > line && is_word(before[-1 - (ptrdiff_t)length]))
+        while (before - length > line && text_is_word(before[-1 - (ptrdiff_t)length]))
             length++;
         if (length && before < line + loc.column - 1 && !is_keyword(before - length, length))
             return constant;

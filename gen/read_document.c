@@ -298,8 +298,8 @@ static size_t add_keys(struct reader *reader, struct fy_node *map, const char **
 
 /* Suggests names from the keys of the map, from those of its section in other files, and from the
  * fixed keys of its section. */
-static void report_unknown_key(struct reader *reader, const struct setting *setting,
-                               struct fy_node *map, enum section section)
+static void report_unknown_setting(struct reader *reader, const struct setting *setting,
+                                   struct fy_node *map, enum section section)
 {
     const char *names[MOST_NAMES + 64];
     size_t count = add_keys(reader, map, names, 0);
@@ -394,7 +394,7 @@ static void apply_in_map(struct reader *reader, struct setting *setting, struct 
     bool declares = key && !strcmp(key->name, "*") && section != SECTION_CONTRACTS;
     bool opens = key && key->type != KEY_LIST && key->child == SECTION_CONTRACTS;
     if (!key || (!pair && (declares || (!opens && !is_last(setting)))))
-        report_unknown_key(reader, setting, map, section);
+        report_unknown_setting(reader, setting, map, section);
     else if (!is_last(setting))
         apply_below(reader, setting, key,
                     pair ? fy_node_pair_value(pair) : add_value(reader, setting, map, "{}"));
@@ -425,7 +425,7 @@ static void apply_bare(struct reader *reader, struct setting *setting)
     else if (is_param)
         apply_in_map(reader, setting, params, SECTION_PARAMS);
     else
-        report_unknown_key(reader, setting, params, SECTION_PARAMS);
+        report_unknown_setting(reader, setting, params, SECTION_PARAMS);
 }
 
 /* The path goes on in the document that declares what its second segment names. */

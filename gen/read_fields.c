@@ -153,17 +153,13 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
         words[count++] = word;
     if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
         return false;
-    const char *nearest = nearest_name(text, words, count);
     struct text list = {0};
+    text_add(&list, count > 1 ? "; use one of" : "; use");
     for (size_t i = 0; i < count; i++)
-        text_add(&list, "%s%s", i ? ", " : "", words[i]);
-    const char *label = strcmp(key->name, "*") ? key->name : "value";
-    if (nearest)
-        diag_error(reader->diag, loc, "`%s` is not a valid %s; did you mean `%s`?", text, label,
-                   nearest);
-    else
-        diag_error(reader->diag, loc, "`%s` is not a valid %s; %s %s", text, label,
-                   count > 1 ? "use one of" : "use", list.data ? list.data : "");
+        text_add(&list, "%s %s", i ? "," : "", words[i]);
+    diag_error(reader->diag, loc, "`%s` is not a valid %s%s", text,
+               strcmp(key->name, "*") ? key->name : "value",
+               name_hint('`', text, words, count, list.data ? list.data : "").text);
     text_free(&list);
     return false;
 }
@@ -219,19 +215,17 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
     const char *names[MOST_KEYS];
     size_t count = 0;
     struct text list = {0};
+    text_add(&list, "; known are");
     for (size_t i = 0; i < table_key_count && count < MOST_KEYS; i++) {
         if (table_keys[i].section != section)
             continue;
-        text_add(&list, "%s%s", count ? ", " : "", table_keys[i].name);
+        text_add(&list, "%s %s", count ? "," : "", table_keys[i].name);
         names[count++] = table_keys[i].name;
     }
-    const char *nearest = nearest_name(name, names, count);
-    if (nearest)
-        diag_error(reader->diag, loc, "unknown key `%s` in %s; did you mean `%s`?", name,
-                   table_sections[section].title, nearest);
-    else
-        diag_error(reader->diag, loc, "unknown key `%s` in %s; known are %s", name,
-                   table_sections[section].title, list.data ? list.data : "none");
+    if (!count)
+        text_add(&list, " none");
+    diag_error(reader->diag, loc, "unknown key `%s` in %s%s", name, table_sections[section].title,
+               name_hint('`', name, names, count, list.data ? list.data : "").text);
     text_free(&list);
 }
 

@@ -472,10 +472,8 @@ static struct fy_node *find_group(struct use *use)
             if (key_text(reader, fy_node_pair_key(pair)))
                 names[count++] = key_text(reader, fy_node_pair_key(pair));
     } while ((at = at->next));
-    const char *nearest = nearest_name(name, names, count);
-    diag_error(reader->diag, field_loc(reader, &use->fields, "group"),
-               nearest ? "unknown group `%s`; did you mean `%s`?" : "unknown group `%s`", name,
-               nearest);
+    diag_error(reader->diag, field_loc(reader, &use->fields, "group"), "unknown group `%s`%s", name,
+               name_hint('`', name, names, count, "").text);
     return NULL;
 }
 
@@ -495,11 +493,9 @@ static void report_unknown_arguments(struct use *use, const struct scope *scope,
         const char *name = key_text(reader, fy_node_pair_key(pair));
         if (!name || find_binding(scope, name, strlen(name)))
             continue;
-        const char *nearest = nearest_name(name, names, count);
         diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
-                   nearest ? "the group has no argument `%s`; did you mean `%s`?"
-                           : "the group has no argument `%s`",
-                   name, nearest);
+                   "the group has no argument `%s`%s", name,
+                   name_hint('`', name, names, count, "").text);
     }
 }
 

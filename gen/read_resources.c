@@ -31,12 +31,10 @@ static void set_type(struct reader *reader, struct field *field, const char *tex
         static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
                                             "ivec2", "ivec3", "ivec4", "uint", "uvec2",
                                             "uvec3", "uvec4", "mat4"};
-        const char *nearest = nearest_name(word, words, sizeof words / sizeof *words);
-        diag_error(reader->diag, loc,
-                   nearest
-                       ? "unknown type `%s`; did you mean `%s`?"
-                       : "unknown type `%s`; a field is float, int, uint, a vector of them or mat4",
-                   word, nearest);
+        diag_error(reader->diag, loc, "unknown type `%s`%s", word,
+                   name_hint('`', word, words, DT_ARRAY_COUNT(words),
+                             "; a field is float, int, uint, a vector of them or mat4")
+                       .text);
     } else {
         field->type = (enum dt_type)type;
     }
@@ -387,12 +385,8 @@ static void report_unknown_resource(struct reader *reader, const struct named *n
     const char **names = reader_alloc(reader, pipeline->resource_count, sizeof *names);
     for (uint32_t i = 0; names && i < pipeline->resource_count; i++)
         names[i] = pipeline->resources[i].name;
-    const char *nearest = names ? nearest_name(named->name, names, pipeline->resource_count) : NULL;
-    if (nearest)
-        diag_error(reader->diag, named->loc, "no buffer or image `%s`; did you mean `%s`?",
-                   named->name, nearest);
-    else
-        diag_error(reader->diag, named->loc, "no buffer or image `%s`", named->name);
+    diag_error(reader->diag, named->loc, "no buffer or image `%s`%s", named->name,
+               name_hint('`', named->name, names, pipeline->resource_count, "").text);
 }
 
 /* Included files may have a contract for the same name. */

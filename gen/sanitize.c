@@ -183,19 +183,14 @@ bool sanitize_glsl(struct glsl *glsl)
 
 /* ---- Reports --------------------------------------------------------------------------------- */
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 /* Whether the word of an operation stands here, and no other operator. */
 static bool stands(const char *line, const char *at, const char *word, size_t length)
 {
     if (strncmp(at, word, length) != 0)
         return false;
-    if (is_word(*word))
-        return (at == line || !is_word(at[-1])) &&
-               (!is_word(word[length - 1]) || !is_word(at[length]));
+    if (text_is_word(*word))
+        return (at == line || !text_is_word(at[-1])) &&
+               (!text_is_word(word[length - 1]) || !text_is_word(at[length]));
     bool twice =
         (*word == '+' || *word == '-') && (at[1] == *word || (at > line && at[-1] == *word));
     return !twice;
@@ -210,7 +205,7 @@ static bool is_read(const char *line, const char *at, size_t length)
     if (*after == '.')
         after += strspn(after, ".xyzwrgbastpq");
     after += strspn(after, " \t");
-    bool declared = before < at && before > line && is_word(before[-1]) &&
+    bool declared = before < at && before > line && text_is_word(before[-1]) &&
                     !(before - line >= 6 && !strncmp(before - 6, "return", 6));
     return !declared && !(after[0] == '=' && after[1] != '=');
 }

@@ -34,18 +34,11 @@ static void report_unknown_key(struct reader *reader, struct fy_node *node, cons
                                const struct key *keys, size_t count)
 {
     const char *names[32];
-    const char *nearest = NULL;
-    for (size_t i = 0; i < count && i < DT_ARRAY_COUNT(names); i++) {
-        names[i] = keys[i].name;
-        if (*name && strncmp(name, names[i], strlen(name)) == 0)
-            nearest = names[i];
-    }
-    if (!nearest)
-        nearest = nearest_name(name, names, count < 32 ? count : 32);
-    if (nearest)
-        reader_report(reader, node, "unknown key `%s`; did you mean `%s`?", name, nearest);
-    else
-        reader_report(reader, node, "unknown key `%s`", name);
+    size_t named = 0;
+    for (; named < count && named < DT_ARRAY_COUNT(names); named++)
+        names[named] = keys[named].name;
+    reader_report(reader, node, "unknown key `%s`%s", name,
+                  name_hint('`', name, names, named, "").text);
 }
 
 /* ---- Mappings -------------------------------------------------------------------------------- */

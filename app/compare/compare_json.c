@@ -52,7 +52,7 @@ static cJSON *add_event(cJSON *root, const char *name, const struct compare *com
     return event;
 }
 
-static void add_pair(cJSON *root, const struct compare *compare, const struct pair *pair)
+static void add_pair_json(cJSON *root, const struct compare *compare, const struct pair *pair)
 {
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
     for (int i = 0; i < 2; i++)
@@ -108,7 +108,7 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
 cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair)
 {
     cJSON *item = cJSON_CreateObject();
-    add_pair(item, compare, pair);
+    add_pair_json(item, compare, pair);
     add_outcome(item, compare, pair);
     return item;
 }
@@ -128,7 +128,7 @@ cJSON *compare_json(const struct compare *compare)
     for (uint32_t i = 0; i < compare->sides.count; i++)
         cJSON_AddStringToObject(devices, compare->sides.list[i].label, compare->devices[i]);
     if (compare->pair_count == 1)
-        add_pair(root, compare, told);
+        add_pair_json(root, compare, told);
     cJSON *pairs = compare->pair_count > 1 ? cJSON_AddArrayToObject(root, "pairs") : NULL;
     for (uint32_t i = 0; pairs && i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];

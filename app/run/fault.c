@@ -74,12 +74,8 @@ static bool find_pass(struct fault *fault, const char *text, const char *word,
         if (names)
             names[i] = pipeline->passes[i].name;
     }
-    const char *hint = names ? nearest_name(word, names, pipeline->pass_count) : NULL;
-    if (hint)
-        report_error(log, "--fault %s: %s has no pass \"%s\"; did you mean \"%s\"?", text,
-                     pipeline->name, word, hint);
-    else
-        report_error(log, "--fault %s: %s has no pass \"%s\"", text, pipeline->name, word);
+    report_error(log, "--fault %s: %s has no pass \"%s\"%s", text, pipeline->name, word,
+                 name_hint('"', word, names, pipeline->pass_count, "").text);
     free(names);
     return false;
 }

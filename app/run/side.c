@@ -28,13 +28,8 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
             return true;
         }
     }
-    const char *hint = nearest_name(name, names, DRIVERS);
-    if (hint)
-        report_error(log, "--backend %s: unknown backend \"%s\"; did you mean \"%s\"?", side->label,
-                     name, hint);
-    else
-        report_error(log, "--backend %s: unknown backend \"%s\"; there are gl, vk, osmesa and zink",
-                     side->label, name);
+    report_error(log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
+                 name_hint('"', name, names, DRIVERS, "; there are gl, vk, osmesa and zink").text);
     return false;
 }
 

@@ -327,12 +327,8 @@ static bool refuse_option(const struct dt_log *log, const struct dt_pipeline *in
     for (uint32_t i = 0; list && i < info->resource_count; i++)
         if (info->resources[i].input && !info->resources[i].file)
             list[count++] = info->resources[i].name;
-    const char *hint = list && name ? nearest_name(name, list, count) : NULL;
-    if (hint)
-        report_error(log, "input %s: %s has no such input; did you mean \"%s\"?", option,
-                     info->name, hint);
-    else
-        report_error(log, "input %s: %s has no such input", option, info->name);
+    report_error(log, "input %s: %s has no such input%s", option, info->name,
+                 name_hint('"', name, list, count, "").text);
     free(name);
     free(list);
     return false;

@@ -216,12 +216,8 @@ static void refuse_name(const struct dt_pipeline *info, const char *what, const 
     const char **names = calloc(count + 1, sizeof *names);
     for (uint32_t i = 0; names && i < count; i++)
         memcpy(&names[i], (const char *)first + i * stride, sizeof *names);
-    const char *hint = names ? nearest_name(name, names, count) : NULL;
-    if (hint)
-        report_error(log, "%s %s: %s has no such %s; did you mean \"%s\"?", what, name, info->name,
-                     kind, hint);
-    else
-        report_error(log, "%s %s: %s has no such %s", what, name, info->name, kind);
+    report_error(log, "%s %s: %s has no such %s%s", what, name, info->name, kind,
+                 name_hint('"', name, names, count, "").text);
     free(names);
 }
 

@@ -2,19 +2,8 @@
  * generator declares where something must run behind the body (glsl_body.c), then diptych_flush(), which
  * --sanitize adds. So the body may return where it likes, and its text stays as it is. */
 #include <spirv/unified1/spirv.h>
-#include <string.h>
 
 #include "passes.h"
-
-static const struct spirv_function *find_function(const struct spirv *module, const char *wanted)
-{
-    for (uint32_t i = 0; i < module->function_count; i++) {
-        const char *name = spirv_name(module, module->functions[i].id);
-        if (name && !strcmp(name, wanted))
-            return &module->functions[i];
-    }
-    return NULL;
-}
 
 /* What is said of the body is said of the entry point. */
 static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
@@ -33,8 +22,8 @@ static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
 
 bool spirv_end_entry(struct spirv *module)
 {
-    const struct spirv_function *const ends[] = {find_function(module, "diptych_end("),
-                                                 find_function(module, "diptych_flush(")};
+    const struct spirv_function *const ends[] = {spirv_find_function(module, "diptych_end("),
+                                                 spirv_find_function(module, "diptych_flush(")};
     if (!ends[0] && !ends[1])
         return true;
     struct spirv_edit edit;

@@ -217,6 +217,25 @@ const char *spirv_name(const struct spirv *module, uint32_t id)
     return NULL;
 }
 
+const struct spirv_function *spirv_find_function(const struct spirv *module, const char *name)
+{
+    for (uint32_t i = 0; i < module->function_count; i++) {
+        const char *own = spirv_name(module, module->functions[i].id);
+        if (own && !strcmp(own, name))
+            return &module->functions[i];
+    }
+    return NULL;
+}
+
+char spirv_letter(const uint32_t *type)
+{
+    if (spirv_is(type, SpvOpTypeBool))
+        return 'b';
+    if (spirv_is(type, SpvOpTypeFloat))
+        return type[2] == 32 ? 'f' : 0;
+    return spirv_is(type, SpvOpTypeInt) && type[2] == 32 ? (type[3] ? 'i' : 'u') : 0;
+}
+
 uint32_t spirv_glsl(const struct spirv *module)
 {
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)

@@ -41,13 +41,6 @@ uint32_t sanitizer_number(struct sanitizer *s, uint32_t value)
     return spirv_declare(&s->edit, SpvOpConstant, sanitizer_uint(s), &value, 1);
 }
 
-/* The letter of a scalar of 32 bits in mangled names; 0: another type. */
-static char letter_of(const uint32_t *type)
-{
-    bool narrow = (spirv_is(type, SpvOpTypeFloat) || spirv_is(type, SpvOpTypeInt)) && type[2] == 32;
-    return !narrow ? 0 : spirv_is(type, SpvOpTypeFloat) ? 'f' : type[3] ? 'i' : 'u';
-}
-
 static uint32_t width_of(const uint32_t *type)
 {
     return spirv_is(type, SpvOpTypeVector) ? type[3] : 1;
@@ -73,23 +66,14 @@ static bool id_is_constant(const struct spirv *from, uint32_t id)
 
 /* ---- Calls ----------------------------------------------------------------------------------- */
 
-static const uint32_t *find_named(const struct spirv *from, const char *name)
-{
-    for (uint32_t i = 0; i < from->function_count; i++) {
-        const char *own = spirv_name(from, from->functions[i].id);
-        if (own && !strcmp(own, name))
-            return from->words + from->functions[i].begin;
-    }
-    return NULL;
-}
-
 /* The result of a call; 0: there is no such function. */
 uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values)
 {
-    const uint32_t *function = find_named(s->from, mangled);
+    const struct spirv_function *found = spirv_find_function(s->from, mangled);
     uint32_t operands[12] = {0}, count = 3;
-    if (!function)
+    if (!found)
         return 0;
+    const uint32_t *function = s->from->words + found->begin;
     operands[0] = function[1];
     operands[1] = s->edit.bound++;
     operands[2] = function[2];
@@ -273,9 +257,9 @@ static uint32_t put_check(struct sanitizer *s, const struct check *check, const 
         uint32_t id = operands[check->first + i];
         const uint32_t *type = spirv_type(s->from, id), *scalar = scalar_of(s->from, type);
         bool vector = spirv_is(type, SpvOpTypeVector);
-        if (!letter_of(scalar))
+        if (!spirv_letter(scalar))
             return 0;
-        const char letters[] = {letter_of(scalar), 0};
+        const char letters[] = {spirv_letter(scalar), 0};
         length +=
             vector && check->whole
                 ? snprintf(mangled + length, sizeof mangled - (size_t)length, "v%s%u;", letters,
@@ -328,7 +312,7 @@ static uint32_t put_operands(struct sanitizer *s, const struct check *check,
     if (!check->function || is_safe(s, instruction))
         return 0;
     const uint32_t *type = spirv_type(s->from, operands[check->first]);
-    spell(check, letter_of(scalar_of(s->from, type)), text, sizeof text);
+    spell(check, spirv_letter(scalar_of(s->from, type)), text, sizeof text);
     uint32_t site = sanitizer_site(s, check->word, "", text);
     for (uint32_t i = 0; i < check->count && !check->whole; i++) {
         uint32_t own = width_of(spirv_type(s->from, operands[check->first + i]));
@@ -348,7 +332,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
     uint32_t all = 0;
     if (spirv_is(type, SpvOpTypeMatrix)) {
         const uint32_t *column = spirv_definition(s->from, type[2]);
-        for (uint32_t i = 0; i < type[3] && letter_of(scalar_of(s->from, column)) == 'f'; i++) {
+        for (uint32_t i = 0; i < type[3] && spirv_letter(scalar_of(s->from, column)) == 'f'; i++) {
             char mangled[40];
             struct values values = {{put_part(s, id, type, i)}, 1};
             snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", column[3]);
@@ -356,7 +340,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
         }
         return all;
     }
-    if (letter_of(scalar_of(s->from, type)) != 'f')
+    if (spirv_letter(scalar_of(s->from, type)) != 'f')
         return 0;
     char mangled[40] = "diptych_finite(f1;";
     if (spirv_is(type, SpvOpTypeVector))
@@ -385,7 +369,7 @@ static bool has_floats(const struct spirv *from, const uint32_t *type)
 {
     if (spirv_is(type, SpvOpTypeMatrix))
         type = spirv_definition(from, type[2]);
-    return letter_of(scalar_of(from, type)) == 'f';
+    return spirv_letter(scalar_of(from, type)) == 'f';
 }
 
 /* Behind the operation: whether it made NaN or infinity of finite numbers. */
@@ -439,7 +423,7 @@ static const char *member_name(const struct spirv *from, uint32_t structure, uin
 
 static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const char *name)
 {
-    char letter = letter_of(spirv_type(s->from, index)), mangled[40], text[160];
+    char letter = spirv_letter(spirv_type(s->from, index)), mangled[40], text[160];
     struct values values = {{index, count}, 2};
     snprintf(text, sizeof text, "index @0%c of `%.60s`, which has @1u elements", letter, name);
     snprintf(mangled, sizeof mangled, "diptych_index(%c1;u1;u1;u1;", letter);
@@ -485,7 +469,7 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
             continue;
         }
         uint32_t count =
-            letter_of(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
+            spirv_letter(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
         (void)index;
         if (count)
             put_index(s, chain[word], count, name && *name ? name : "an array");
