@@ -1,4 +1,18 @@
-/* From the planned model to tables; see lower.h. */
+/* From the planned model to tables; see lower.h.
+ *
+ * The model is the spec's: names, expressions, accesses with their places. Tables are the
+ * runtime's: structs of templates/c/panel.h and diptych.h, with indices and numbers. Here the
+ * latter are made of the former. Printing C (emit_pipeline.c, emit_panel.c) and playing a spec
+ * without C (app/spec/play.c) are loops over them, so they cannot decide differently;
+ * tests/play_test.c compares both.
+ *
+ * Little is decided here but the form. What a pass touches, binds and waits for is in the model
+ * (plan.c); what it calls is in its steps (steps.c). Only facts of the compiled shaders are added:
+ * features and limits that a device must have (`needs`, `demands`), and the vertex attributes that
+ * are read.
+ *
+ * Tables point into the model's arena and the shaders' words and own nothing. When memory is out,
+ * `table` gives scratch for one element and sets `failed`, so that only the end of lower() asks. */
 #include "lower.h"
 
 #include <spirv/unified1/spirv.h>

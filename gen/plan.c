@@ -1,5 +1,22 @@
-/* The plan: makes the decisions that both backends share: order, kinds of access, bindings,
- * ranges, lifetimes, memory slots, barriers. */
+/* The plan: the decisions that both backends share, each made once. Emitters and runtimes take the
+ * planned model const. So two backends cannot number a binding or order a barrier in two ways, and
+ * a difference between them is a driver's or a shader's.
+ *
+ * plan_model runs the parts in this order, since each needs those before it:
+ *   order.c    the passes in order of execution; "before" means in this order from here on
+ *   ranges     of a pass: its workgroup, and where the elements that it loops over lie
+ *   kinds      what each access is to a device (enum dt_access), also for buffers of ranges
+ *   bindings   one numbering for all kinds, since Vulkan has one set
+ *   alias.c    lifetimes, then what shares memory
+ *   barrier.c  who waits for whom; also for the former user of shared memory
+ *
+ * pass_touches is the one answer to "which mips does a pass read and write, in which stages":
+ * lifetimes and barriers read touches, never accesses.
+ *
+ * Nothing here asks a device. What is faster on CPU drivers and what on GPUs depends on the spec's
+ * `target` alone, and limits are of the APIs and of such kinds (plan.h). So a spec has one plan on
+ * all machines, and its generated text can be compared. What does not fit is an error at its place
+ * in the spec; all passes are tried, so that one run tells all such errors. */
 #include "plan.h"
 #include "expr.h"
 #include "sanitize.h"

@@ -1,4 +1,19 @@
-/* What a pass does, as steps: the calls of verbs and their arguments. See lower.h. */
+/* What a pass does, as steps: the calls of verbs and their arguments. See lower.h.
+ *
+ * The list of a pass is the whole truth about its recording: NAME.c is printed from it, play.c
+ * calls it; the graph, --needs and `diptych list` read it. What is not a step happens in no
+ * backend.
+ *
+ * Its shape: `begin` with whether the pass runs, `barriers`, what it does if it runs, what it does
+ * if it is skipped, `end`. Barriers stand outside of the condition: later passes rely on them
+ * whether the pass runs or not. A skipped pass clears what it would have written whole, so later
+ * passes read the clear value, not what another user left in the memory.
+ *
+ * An argument is an amount, not a number: live parameters and the frame's size are known only when
+ * a frame is recorded. An amount is not an expression either, since verbs take counts that C rounds
+ * and clamps in one place (dt_count, dt_groups, dt_size of templates/c): c_amount prints these
+ * calls, and amount_value makes them. Both must give the same number; tests/play_test.c records
+ * pipelines both ways. */
 #include "expr.h"
 #include "lower.h"
 #include "plan.h"

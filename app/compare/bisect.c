@@ -1,4 +1,17 @@
-/* Reduces a difference to one pass; see bisect.h. */
+/* Reduces a difference to one pass; see bisect.h.
+ *
+ * blame.c has named the guilty pass and the first row that breaks its contract, but keeps no bytes:
+ * those of all passes together may be more than memory holds. So the frame runs a third time, and
+ * the viewer keeps what belongs to this pass alone: all its inputs, and the outputs of both sides.
+ * region.c then finds the box of failing elements and, by halving it, the smallest region that
+ * fails; evidence.c writes the folder, whole or not at all.
+ *
+ * Inputs are those of the first side, which the second side got, too. So the folder holds one set
+ * of inputs, and what both sides made of it: `replay` needs no other pass, and runs on any backend.
+ *
+ * Padding is zeroed before anything is kept (keep_row): drivers leave it as they like, and equal
+ * content shall give equal files. If the row agrees in this run, the side is not repeatable, and no
+ * folder is written: evidence that does not show the difference is worse than none. */
 #include "compare/bisect.h"
 
 #include <stdlib.h>

@@ -1,4 +1,25 @@
-/* Runs a frame again, each pass of the second side on the first side's inputs; see blame.h. */
+/* Runs a frame again, each pass of the second side on the first side's inputs; see blame.h.
+ *
+ * In the first run differences spread: a pass that differs spoils all that read it, and a table of
+ * differences shows where they are, not where they begin. Here both sides run in lockstep, pass by
+ * pass. Before each pass the second side gets the first side's inputs, bit by bit (hand_over), so
+ * an output that then differs is this pass's own error (`own`). The guilty pass is the first in the
+ * order of execution whose own error breaks its contract. There is no search: one more frame
+ * answers for all passes.
+ *
+ * - The second side runs this frame alone: history is among the inputs that it gets.
+ * - The first side may be a dump (--against); then it is read instead of run.
+ * - The first side's outputs are hashed and compared with those of the first run. Where they
+ *   differ, the side does not repeat, and nothing can be said about the other: BLAME_NOT_REPEATABLE
+ *   comes before all other outcomes. Likewise where the first run broke a contract, and now neither
+ *   an own error nor a different input is left.
+ * - No own error beyond a contract, but inputs that differ: small errors of several passes add up
+ *   (BLAME_INHERITED), or came with the history of an earlier frame (BLAME_EARLIER).
+ * - Where `raster` allows edges to differ, what lies behind them is judged by own errors alone
+ *   (BLAME_WITHIN).
+ *
+ * bisect.c runs the same replay once more, with another viewer, to keep the bytes of the guilty
+ * pass. */
 #include "compare/blame.h"
 
 #include <stdlib.h>

@@ -1,4 +1,21 @@
-/* Drives one runtime through its verbs; see session.h. */
+/* Drives one runtime through its verbs; see session.h.
+ *
+ * A session is one backend, one pipeline, one scene: what `render`, `view`, the library and each
+ * worker of a comparison have in common. It is the only file of the application that opens a
+ * runtime: a device's options and the label before its messages are decided here. The order is
+ * open, set_scene, create, resize, inputs, frames, close; `view` creates again when the spec has
+ * changed.
+ *
+ * - A session borrows all: pipeline, scene and setup must outlive it. Workers fork after these are
+ *   loaded, so both sides of a comparison read the same bytes.
+ * - Frames count up from first_frame. All that moves is computed from the frame's number
+ *   (scene_frame_at), never from a clock: frame 7 is the same in every run and on both sides.
+ *   Replays give a frame block instead.
+ * - Inputs are written after each resize, since resources of another size lose their content.
+ * - --fault wraps the observer of one side (fault.c) and changes what a pass leaves; no runtime
+ *   knows of it.
+ * - An error of validation fails the run at its end (session_is_silent), not the pass: a message
+ *   often explains the next. */
 #include "run/session.h"
 
 #include <stdlib.h>

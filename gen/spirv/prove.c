@@ -3,7 +3,21 @@
  *
  * Sources: the Vulkan specification, "Precision of Individual Operations" in the appendix "Vulkan
  * Environment for SPIR-V", and GLSL 4.60, section 4.7.1, for OpenGL. What either leaves open is
- * open; so is an instruction that no table has. Zeros: GLSL.std.450 lets FMin(-0.0, 0.0) be either. */
+ * open. Zeros: GLSL.std.450 lets FMin(-0.0, 0.0) be either.
+ *
+ * The tables allow; they do not forbid. An instruction that no table has is open, so a new version
+ * of glslang can make the proof fail, but not hold where it should not.
+ *
+ * The module is the finished one, behind exact.c: what exact.c has replaced is proved by the
+ * instructions of its functions, and what it has missed is found here. The proof knows nothing of
+ * exact.c. The one judgement of where a value goes is `drops`: a result of an atomic operation that
+ * nothing reads cannot differ, and x and y of gl_FragCoord are exact (takes_xy). Beyond MOST_DEPTH
+ * calls and variables the answer is "open".
+ *
+ * An operation that has no value at all (WRONG) is an error without --prove, too. Who calls decides
+ * which passes count: those that write a resource with the contract `exact` (shaders.c).
+ * spirv_prove (compile.c) compiles a shader again with lines only if something is open. What no
+ * shader does, blending and coverage, is in prove_fixed.c. */
 #include "prove.h"
 
 #include <spirv/unified1/GLSL.std.450.h>
@@ -511,7 +525,7 @@ static void take_decoration(struct proof *proof, const uint32_t *instruction)
 }
 
 /* OpLine: its file is a string that holds the number of a source. */
-static void take_solver_line(struct proof *proof, const uint32_t *instruction)
+static void take_op_line(struct proof *proof, const uint32_t *instruction)
 {
     const uint32_t *string = proof->module->words + proof->module->definitions[instruction[1]];
     proof->at.file = (uint32_t)strtoul((const char *)(string + 2), NULL, 10);
@@ -533,7 +547,7 @@ bool prove_module(const struct spirv *module,
         if (opcode == SpvOpDecorate)
             take_decoration(&proof, instruction);
         else if (opcode == SpvOpLine)
-            take_solver_line(&proof, instruction);
+            take_op_line(&proof, instruction);
         else if (opcode == SpvOpFunction)
             proof.function = instruction[2];
         else if (opcode == SpvOpEntryPoint)
