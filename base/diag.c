@@ -273,37 +273,13 @@ static struct message *sort_messages(const struct diag *diag)
     return sorted;
 }
 
-static void add_json(struct text *out, enum severity severity, const char *message)
-{
-    bool first = !out->length || out->data[out->length - 1] == '[';
-    text_add(out, "%s\n    {\"severity\": \"%s\", \"message\": ", first ? "" : ",",
-             severity_names[severity]);
-    text_add_json(out, message);
-}
-
-void diag_json_text(bool error, const char *message, struct text *out)
-{
-    add_json(out, error ? SEVERITY_ERROR : SEVERITY_WARNING, message);
-    text_add(out, "}");
-}
-
-void diag_json(const struct diag *diag, struct text *out)
+bool diag_each(const struct diag *diag, diag_visitor *take, void *user)
 {
     struct message *sorted = sort_messages(diag);
-    out->failed |= !sorted;
-    for (unsigned i = 0; sorted && i < diag->count; i++) {
-        struct loc loc = sorted[i].loc;
-        add_json(out, sorted[i].severity, sorted[i].text);
-        if (loc.source) {
-            text_add(out, ", \"file\": ");
-            text_add_json(out, loc.source->path);
-            text_add(out, ", \"line\": %d, \"column\": %d, \"length\": %d",
-                     loc.line < 1 ? 1 : loc.line, loc.line < 1 ? 1 : loc.column,
-                     loc.length < 1 ? 1 : loc.length);
-        }
-        text_add(out, "}");
-    }
+    for (unsigned i = 0; sorted && i < diag->count; i++)
+        take(user, severity_names[sorted[i].severity], sorted[i].loc, sorted[i].text);
     free(sorted);
+    return sorted;
 }
 
 void diag_print(const struct diag *diag, const char *program, FILE *out)

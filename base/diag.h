@@ -38,7 +38,10 @@ void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
 unsigned diag_error_count(const struct diag *diag);
 const char *diag_first_error(const struct diag *diag, struct loc *loc); /* its text; NULL: none */
 
-/* All messages, sorted by place, a note behind its message. `program` begins those without a file. */
+/* Visits all messages, sorted by place, a note behind its message. False: out of memory. */
+typedef void diag_visitor(void *user, const char *severity, struct loc loc, const char *message);
+bool diag_each(const struct diag *diag, diag_visitor *take, void *user);
+/* Prints them in this order. `program` begins those without a file. */
 void diag_print(const struct diag *diag, const char *program, FILE *out);
 /* The same as a text without the last newline; free(). NULL: out of memory. */
 char *diag_text(const struct diag *diag, const char *program);

@@ -78,6 +78,16 @@ void text_add(struct text *text, const char *format, ...)
     va_end(arguments);
 }
 
+char *format_string(const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    return length < 0 ? NULL : text;
+}
+
 bool text_is_word(char c)
 {
     return isalnum((unsigned char)c) || c == '_';

@@ -26,6 +26,9 @@ void text_add_double(struct text *text, double value);
 void text_wrap(struct text *text, size_t columns);
 void text_free(struct text *text);
 
+/* printf into a new string; NULL when out of memory. */
+char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
 /* Whether any text or arena of this process ran out of memory since memory_forget. What was made
  * since then may be incomplete. */
 bool memory_was_lost(void);

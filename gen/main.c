@@ -3,14 +3,13 @@
  * failure (usage, files, memory). */
 #include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include "base/command.h"
+#include "base/installed.h"
 #include "load.h"
 #include "watchdog.h"
 
@@ -136,7 +135,7 @@ static bool parse_options(int count, char **words, struct options *options)
 
 struct generation {
     const struct options *options;
-    const char *templates, *spec_path;
+    char *templates, *spec_path;
     struct spec spec;
     struct diag *diag;
     struct output *output;
@@ -362,39 +361,12 @@ static enum status print_variations(struct generation *g)
     return STATUS_WRONG_SPEC;
 }
 
-/* The given folder, else `templates` in the working folder. Else the one that belongs to the
- * program: templates/ for build/diptych-gen, share/diptych/templates for an installed
- * bin/diptych-gen. */
-static const char *find_templates(struct arena *arena, const char *given)
+/* The given folder, else `templates` in the working folder, else the one that came with the program. */
+static char *find_templates(const char *given)
 {
-    char program[PATH_MAX];
-    if (given)
-        return given;
-    if (!access("templates/glsl", R_OK))
-        return "templates";
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length <= 0)
-        return "templates";
-    program[length] = '\0';
-    for (int i = 0; i < 2; i++) {
-        char *slash = strrchr(program, '/');
-        if (slash)
-            *slash = '\0';
-    }
-    const char *path = arena_printf(arena, "%s/share/diptych/templates", program);
-    const char *glsl = arena_printf(arena, "%s/glsl", path ? path : "");
-    if (!glsl || access(glsl, R_OK) != 0)
-        path = arena_printf(arena, "%s/templates", program);
-    return path ? path : "templates";
-}
-
-/* A bare word that is no file: the spec of that name in the templates, if there is one. */
-static const char *find_spec(struct arena *arena, const char *path, const char *templates)
-{
-    const char *shipped = arena_printf(arena, "%s/%s.yaml", templates, path);
-    struct stat info;
-    bool bare = !strpbrk(path, "./") && (stat(path, &info) != 0 || S_ISDIR(info.st_mode));
-    return bare && shipped && access(shipped, R_OK) == 0 ? shipped : path;
+    const struct dt_log log = {.message = print_option_message};
+    const char *here = given ? given : access("templates/glsl", R_OK) == 0 ? "templates" : NULL;
+    return here ? strdup(here) : templates_folder(&log);
 }
 
 static void add_summary_json(const struct model *model, struct text *text)
@@ -445,8 +417,10 @@ static enum status run_options(const struct options *options)
         .options = options, .diag = diag_create(), .spec.model.arena = arena_create()};
     enum status status = STATUS_FAILED;
     if (g.diag && g.spec.model.arena) {
-        g.templates = find_templates(g.spec.model.arena, options->templates);
-        g.spec_path = find_spec(g.spec.model.arena, options->spec, g.templates);
+        g.templates = find_templates(options->templates);
+        g.spec_path = find_in(options->spec, g.templates);
+    }
+    if (g.templates && g.spec_path) {
         status = options->variations ? print_variations(&g) : generate(&g);
         if (options->json)
             status = write_json(&g, status);
@@ -457,6 +431,8 @@ static enum status run_options(const struct options *options)
     output_free(g.output);
     diag_free(g.diag);
     spec_free(&g.spec);
+    free(g.templates);
+    free(g.spec_path);
     return status;
 }
 

@@ -149,6 +149,9 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
 struct fy_node *field_node(const struct fields *fields, const char *key);
 bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
+/* Reports those of the keys, up to NULL, that are given: `what` has none of them. */
+void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
+                 const char *const *keys);
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
 /* Of a resource, pass or file; an argument stands for its value. */
 const char *field_reference(struct reader *reader, const struct fields *fields, const char *key);

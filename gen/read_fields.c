@@ -348,6 +348,15 @@ struct loc field_loc(const struct reader *reader, const struct fields *fields, c
     return loc.line ? loc : fields->loc;
 }
 
+void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
+                 const char *const *keys)
+{
+    for (; *keys; keys++)
+        if (field_node(fields, *keys))
+            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what,
+                       *keys);
+}
+
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key)
 {
     return node_text(reader, field_node(fields, key));

@@ -274,16 +274,6 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
         read_exprs(reader, node, pass->local_size);
 }
 
-/* Reports keys that this kind of pass does not have. */
-static void refuse_pass_keys(struct reader *reader, const struct fields *fields, const char *what,
-                             const char *const *keys)
-{
-    for (; *keys; keys++)
-        if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what,
-                       *keys);
-}
-
 static void refuse_others(struct reader *reader, const struct fields *fields,
                           const struct pass *pass)
 {
@@ -295,13 +285,13 @@ static void refuse_others(struct reader *reader, const struct fields *fields,
         "view",  "layers",         "indices",  "cull",    "depth",      "depth_write",
         "blend", "clip_distances", "viewport", "scissor", "depth_bias", NULL};
     if (pass->kind == DT_PASS_DRAW_SCENE)
-        refuse_pass_keys(reader, fields, "a draw", scene);
+        refuse_keys(reader, fields, "a draw", scene);
     else if (pass->kind == DT_PASS_DRAW_FULLSCREEN)
-        refuse_pass_keys(reader, fields, "a fullscreen draw", fullscreen);
+        refuse_keys(reader, fields, "a fullscreen draw", fullscreen);
     else if (pass->kind == DT_PASS_DRAW_VERTICES)
-        refuse_pass_keys(reader, fields, "a draw of vertices", vertices);
+        refuse_keys(reader, fields, "a draw of vertices", vertices);
     else
-        refuse_pass_keys(reader, fields, "a dispatch", dispatch);
+        refuse_keys(reader, fields, "a dispatch", dispatch);
 }
 
 static void read_draw(struct reader *reader, const struct fields *fields, struct pass *pass)

@@ -198,16 +198,6 @@ void read_resources(struct reader *reader, const struct fields *top)
 
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
-/* Reports keys of the other kind of sampler. */
-static void refuse_sampler_keys(struct reader *reader, const struct fields *fields,
-                                const char *kind, const char *const *keys)
-{
-    for (; *keys; keys++)
-        if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys),
-                       "a sampler of kind %s has no `%s`", kind, *keys);
-}
-
 static void read_sampler(struct reader *reader, const struct named *named, struct sampler *sampler)
 {
     static const char *const points[] = {"count", "map", NULL};
@@ -222,7 +212,7 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
     if (!field_node(&fields, "kind"))
         return;
     if (sampler->kind == SAMPLER_HAMMERSLEY) {
-        refuse_sampler_keys(reader, &fields, "hammersley", filters);
+        refuse_keys(reader, &fields, "a sampler of kind hammersley", filters);
         sampler->count = field_expr(reader, &fields, "count");
         sampler->map = (enum sampler_map)field_choice(reader, &fields, "map", MAP_SQUARE);
         if (!field_node(&fields, "count"))
@@ -230,7 +220,7 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
                        "a sampler of kind hammersley needs the key `count`");
         return;
     }
-    refuse_sampler_keys(reader, &fields, "filter", points);
+    refuse_keys(reader, &fields, "a sampler of kind filter", points);
     sampler->linear = field_choice(reader, &fields, "filter", 0) == 1;
     sampler->linear_mip = field_choice(reader, &fields, "mip_filter", 0) == 1;
     sampler->wrap = (enum dt_wrap)field_choice(reader, &fields, "wrap", DT_WRAP_CLAMP);

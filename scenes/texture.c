@@ -35,8 +35,7 @@ static struct srgb *srgb_tables(void)
     srgb_decode_table(tables->decode);
     for (int i = 0; i < ENCODE_STEPS; i++) {
         double light = i / (double)(ENCODE_STEPS - 1);
-        double code = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
-        tables->encode[i] = (uint8_t)lround(255 * code);
+        tables->encode[i] = (uint8_t)lround(255 * srgb_code(light));
     }
     return tables;
 }

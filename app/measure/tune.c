@@ -80,22 +80,11 @@ static bool programme_load(const struct tuning *tuning, struct programme *progra
 
 /* ---- Choices --------------------------------------------------------------------------------- */
 
-/* What --set or --with sets stays. */
-static bool is_set(const struct options *options, const char *path)
-{
-    size_t length = strlen(path);
-    for (uint32_t i = 0; i < options->setup.set_count; i++)
-        if (strncmp(options->setup.sets[i], path, length) == 0 &&
-            options->setup.sets[i][length] == '=')
-            return true;
-    return false;
-}
-
 static bool take_choice(void *user, uint32_t pass, const char *path, const char *value)
 {
     struct tuning *tuning = user;
     uint32_t count = tuning->choice_count, turn = 0;
-    if (is_set(tuning->bench.options, path))
+    if (setup_sets(&tuning->bench.options->setup, path))
         return true;
     struct choice *grown = realloc(tuning->choices, (count + 1) * sizeof *grown);
     if (!grown)
@@ -422,30 +411,24 @@ static bool write_overlay(const struct tuning *tuning, const struct whole *whole
     return file_draft_end(&draft, options->output, &console_of(tuning)->log);
 }
 
-static void add_number(cJSON *item, const char *name, double value)
-{
-    cJSON_AddItemToObject(item, name,
-                          isnan(value) ? cJSON_CreateNull() : cJSON_CreateNumber(value));
-}
-
 static cJSON *tuning_json(const struct tuning *tuning, const struct whole *whole)
 {
     const struct dt_pipeline *info = tuning->first.pipeline.info;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "pipeline", info->name);
     cJSON_AddStringToObject(root, "device", whole->device ? whole->device : "");
-    add_number(root, "before_ms", whole->before);
-    add_number(root, "after_ms", whole->after);
-    add_number(root, "ratio", whole->ratio);
+    bench_add_number(root, "before_ms", whole->before);
+    bench_add_number(root, "after_ms", whole->after);
+    bench_add_number(root, "ratio", whole->ratio);
     cJSON *tried = cJSON_AddArrayToObject(root, "tried");
     for (uint32_t i = 0; i < tuning->choice_count; i++) {
         const struct choice *choice = &tuning->choices[i];
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "pass", info->passes[choice->pass].name);
         cJSON_AddStringToObject(item, "set", choice->set);
-        add_number(item, "before_ms", choice->before);
-        add_number(item, "after_ms", choice->after);
-        add_number(item, "ratio", choice->ratio);
+        bench_add_number(item, "before_ms", choice->before);
+        bench_add_number(item, "after_ms", choice->after);
+        bench_add_number(item, "ratio", choice->ratio);
         cJSON_AddBoolToObject(item, "kept", choice->kept);
         if (choice->refused)
             cJSON_AddStringToObject(item, "refused", choice->refused);

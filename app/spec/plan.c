@@ -244,12 +244,3 @@ uint64_t plan_hash(const struct plan *plan)
     text_free(&text);
     return hash;
 }
-
-char *plan_header(const struct plan *plan)
-{
-    struct text text = {0};
-    emit_header(&plan->spec.model, &text);
-    if (text.failed)
-        text_free(&text);
-    return text.data;
-}

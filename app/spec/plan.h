@@ -64,7 +64,5 @@ bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
 
 /* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);
-/* NAME.h, for such a file; free(). */
-char *plan_header(const struct plan *plan);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "scenes/srgb.h"
 #include "theirs/dumps.h"
 #include "formats.h"
 
@@ -109,11 +110,6 @@ static bool find_format(uint32_t channels, enum number_kind kind, enum dt_format
     return false;
 }
 
-static double decoded(double code)
-{
-    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
-}
-
 static bool to_format(struct dt_bytes *bytes, const struct dt_resource *from,
                       const struct dt_resource *to)
 {
@@ -127,7 +123,7 @@ static bool to_format(struct dt_bytes *bytes, const struct dt_resource *from,
             struct component source = format_component(from->format, c);
             struct component target = format_component(to->format, c);
             double value = number_value(source.kind, bytes->data + i * strides[0] + source.offset);
-            their_store(target.kind, srgb && c < 3 ? decoded(value) : value,
+            their_store(target.kind, srgb && c < 3 ? srgb_light(value) : value,
                         data + i * strides[1] + target.offset);
         }
     if (!data)

@@ -6,6 +6,7 @@
 
 #include "theirs/theirs.h"
 #include "theirs/why_fault.h"
+#include "scenes/srgb.h"
 
 enum { FIT_PAIRS = 512 };
 
@@ -403,7 +404,7 @@ static double channel_inverted(const struct asked *asked, const struct fault *fa
 static double to_srgb(const struct asked *asked, const struct fault *fault, double v)
 {
     (void)asked, (void)fault;
-    return v <= 0.0031308 ? 12.92 * v : 1.055 * pow(v, 1 / 2.4) - 0.055;
+    return srgb_code(v);
 }
 
 static double power(const struct asked *asked, const struct fault *fault, double v)

@@ -30,17 +30,6 @@ void view_set_live(struct view *view, const struct dt_param *param, const double
     live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
 }
 
-/* Whether --set gave its initial value. */
-static bool is_set(const struct options *options, const char *name)
-{
-    size_t length = strlen(name);
-    for (uint32_t i = 0; i < options->setup.set_count; i++)
-        if (strncmp(options->setup.sets[i], name, length) == 0 &&
-            options->setup.sets[i][length] == '=')
-            return true;
-    return false;
-}
-
 /* Keeps values that the user changed, if the new pipeline accepts them. */
 static void keep_live(struct view *view, const struct pipeline *old)
 {
@@ -56,7 +45,7 @@ static void keep_live(struct view *view, const struct pipeline *old)
         bool fits = true;
         for (uint32_t k = 0; k < type_components(was->type); k++)
             fits = fits && value[k] >= is->min && value[k] <= is->max;
-        if (fits && (is_set(view->options, was->name) ||
+        if (fits && (setup_sets(&view->options->setup, was->name) ||
                      memcmp(value, initial, type_components(was->type) * sizeof *value) != 0))
             view_set_live(view, is, value);
     }

@@ -24,13 +24,6 @@ uint32_t spirv_result(const uint32_t *instruction)
     return word ? instruction[word] : 0;
 }
 
-bool spirv_ends_block(const uint32_t *instruction)
-{
-    uint32_t opcode = spirv_opcode(instruction);
-    return (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
-           opcode == SpvOpTerminateInvocation;
-}
-
 bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
 {
     switch (spirv_opcode(instruction)) {
