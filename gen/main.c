@@ -354,6 +354,7 @@ static enum status print_variations(struct generation *g)
                                    .count = (uint32_t)count,
                                    .seed = seed,
                                    .bytes = memory << 20,
+                                   .arena = g->spec.model.arena,
                                    .cache = options->cache};
     if (vary(&request, &text, g->diag))
         return print_text(&text);

@@ -110,8 +110,9 @@ struct vary_request {
     size_t set_count;
     uint32_t count;
     uint64_t seed;
-    uint64_t bytes;    /* most that the resources of a variation may take together */
-    const char *cache; /* folder of compiled shaders; NULL: none */
+    uint64_t bytes;      /* most that the resources of a variation may take together */
+    const char *cache;   /* folder of compiled shaders; NULL: none */
+    struct arena *arena; /* of the files that messages point into; of the caller */
 };
 bool vary(const struct vary_request *request, struct text *out, struct diag *diag);
 

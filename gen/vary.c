@@ -222,10 +222,10 @@ bool vary(const struct vary_request *request, struct text *out, struct diag *dia
     struct draws draws = {.request = request,
                           .cache = shader_cache_open(request->cache, diag),
                           .arena = arena_create()};
-    struct model model = {.arena = arena_create(), .templates_dir = request->templates_dir};
+    struct model model = {.arena = request->arena, .templates_dir = request->templates_dir};
     struct listing listing = {{0}, {0}};
     struct variation variation = {.number = 0};
-    bool good = draws.arena && model.arena && take_sets(&model, &draws, COMPILED, diag);
+    bool good = draws.arena && take_sets(&model, &draws, COMPILED, diag);
     for (uint32_t listed = 0; good && listed < request->count; variation.number++) {
         good = find_valid(&draws, &variation, &listing, diag);
         variation.twin = variation.twin && listed + 1 < request->count;
@@ -235,13 +235,12 @@ bool vary(const struct vary_request *request, struct text *out, struct diag *dia
     }
     if (good)
         print(&model, &listing, out);
-    bool failed = !draws.arena || !model.arena || draws.out_of_memory || out->failed ||
-                  listing.variations.failed || listing.refusals.failed;
+    bool failed = !draws.arena || draws.out_of_memory || out->failed || listing.variations.failed ||
+                  listing.refusals.failed;
     if (failed)
         diag_error(diag, (struct loc){0}, "out of memory");
     text_free(&listing.variations);
     text_free(&listing.refusals);
-    arena_free(model.arena);
     arena_free(draws.arena);
     shader_cache_close(draws.cache);
     return good && !failed;

@@ -62,17 +62,19 @@ struct cJSON *plan_variations(const struct plan_request *request, uint32_t count
                                         .count = count,
                                         .seed = seed,
                                         .bytes = bytes,
-                                        .cache = request->cache};
+                                        .cache = request->cache,
+                                        .arena = arena_create()};
     struct diag *diag = diag_create();
     struct text text = {0};
-    bool good = diag && vary(&wanted, &text, diag);
+    bool good = diag && wanted.arena && vary(&wanted, &text, diag);
     struct cJSON *answer = good && !text.failed ? cJSON_Parse(text.data) : NULL;
-    if (diag && !good)
+    if (diag)
         diag_report(diag, &console->log);
-    else if (!answer)
+    if (!answer && (!diag || !diag_error_count(diag)))
         report_error(&console->log, "out of memory");
     text_free(&text);
     diag_free(diag);
+    arena_free(wanted.arena);
     return answer;
 }
 
