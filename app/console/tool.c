@@ -86,7 +86,7 @@ static bool judge_tool(int status, const struct tool *tool, const char *name,
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
 {
     const struct streams streams = {-1, output, console_capturing(console)};
-    pid_t child;
+    pid_t child = -1;
     int error = start_child(&child, argv, &streams);
     if (error) {
         report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
