@@ -65,13 +65,22 @@ static const struct verb verbs[] = {
      "makes\nindex.html from their results. The same command continues an interrupted "
      "report.\nExit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report, EXIT_USAGE},
-    {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
-     "W A S D and the mouse fly, Q and E go down and up; Shift: faster, the wheel: how fast.\n"
+    {"view", VERB_VIEW, "a window on one to three backends, which says whether they agree",
+     "Without options: the Cornell Box, by OpenGL and Vulkan. The bar on top is the verdict: a "
+     "click, or G,\n"
+     "shows the first difference. Left are passes and what they write, right the parameters, below "
+     "errors and log.\n"
+     "W A S D and the mouse fly, Q and E go down and up; right button: orbit; wheel: zoom; F: "
+     "whole.\n"
      "Tab or Right, Left: the next or previous image; Home: the picture; Up, Down: a layer;\n"
      "Page Up, Page Down: a mip; V: points; 0 to 9: the parameter that view.yaml beside the spec "
      "names.\n"
-     "C: two backends side by side, half of each, their difference; + and -: its amplification.\n"
-     "Space: pause; H: the panel; P: screenshot; Ctrl+S: camera into the scene file; Esc: end.\n"
+     "C: backends side by side, a part of each, difference; + and -: its amplification; T: false "
+     "colour; R: range.\n"
+     "Space: pause; . one frame; B: settings A or B; Ctrl+Z: undo; P: save the picture; Ctrl+S: "
+     "the camera;\n"
+     "F1: keys; F2, F3, F4, H: panes; Esc: end. Sizes of panes are kept in "
+     "$XDG_CONFIG_HOME/diptych/view.yaml.\n"
      "Saving the spec or a file that it names reloads the pipeline.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_view, EXIT_FAILED},

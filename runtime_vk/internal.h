@@ -95,6 +95,7 @@ struct vk_present {
     VkSurfaceKHR surface;
     VkSwapchainKHR swapchain; /* null: created before the next frame */
     VkFormat format;
+    bool can_be_read; /* images of the swapchain can be copied from */
     uint32_t width, height, image_count;
     VkImage images[VK_MAX_WINDOW_IMAGES];
     VkImageView views[VK_MAX_WINDOW_IMAGES];

@@ -6,7 +6,7 @@
 #define ALL       (VERB_RENDER | VERB_COMPARE)
 #define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE)
 #define SHOWN     (SCENE | VERB_FLICKER)
-#define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
+#define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER | VERB_VIEW)
 #define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
 #define MAKING    (SPEC | VERB_REPORT | VERB_LIST)
 #define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
@@ -44,9 +44,9 @@ static const struct option_row rows[] = {
      "backends; the first is compared with each of the others, like gl,vk,zink (default: gl,vk)"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "backends to measure in turn, like gl,vk,zink (default: gl,vk)"},
-    {"--backend", OPTION_STRING, AT(setup.backend), VERB_VIEW, 0, "NAME|both",
-     "gl, vk, or both side by side; or two with a comma, of which the first draws the window "
-     "(default: gl)"},
+    {"--backend", OPTION_STRING, AT(setup.backend), VERB_VIEW, 0, "LIST|both",
+     "one to three backends, like gl,vk,vk@NAME; the first draws the window, and is compared with "
+     "each of the others (default: both, gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "
      "needed with --dump, --timings or --capture"},
@@ -64,11 +64,15 @@ static const struct option_row rows[] = {
      "WxH",
      "frame size in pixels (default: that of an --input that fills the frame, else 1920x1080)"},
     {"--size", OPTION_SIZE, AT(setup.size), VERB_VIEW, 0, "WxH",
-     "pixels of each backend in the window (default: 960x540)"},
+     "frame size in pixels (default: the room in the window)"},
+    {"--window", OPTION_SIZE, AT(window), VERB_VIEW, 0, "WxH",
+     "size of the window (default: as it was the last time, at first 1280x720)"},
+    {"--present", OPTION_STRING, AT(present), VERB_VIEW, 0, "FILE.png",
+     "photograph the window as it is at the end, panes and all"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_VIEW, 0, "N",
      "frames to run (default: until the window is closed)"},
     {"--screenshot", OPTION_STRING, AT(screenshot), VERB_VIEW, 0, "FILE.png",
-     "write the last picture shown"},
+     "write the last picture shown, without the panes"},
     {"--frames", OPTION_COUNT, AT(setup.frames), ALL, 0, "N",
      "frames to run; the result is the last one (default: 1; with --motion all of it)"},
     {"--frames", OPTION_COUNT, AT(setup.frames), VERB_FLICKER, 0, "N",
@@ -145,7 +149,7 @@ static const struct option_row rows[] = {
      "keep the layout change of the N-th barrier, but drop what it waits for"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder from which `replay` runs the guilty pass alone"},
-    {"--fault", OPTION_STRING, AT(fault), ALL | VERB_SWEEP | VERB_REPLAY, 0,
+    {"--fault", OPTION_STRING, AT(fault), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0,
      "SIDE:PASS:KIND[:SEED][@FRAME]",
      "inject a fault into the result of a pass on one side: bit|texel|sign|missing"},
     {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL, 0, "KINDS",

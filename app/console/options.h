@@ -73,7 +73,9 @@ struct options {
     uint32_t random, memory, jobs, run_frames; /* 0: not given; sweep, bench, view */
     uint32_t warmup;
     bool collect;
-    const char *screenshot; /* view */
+    const char *screenshot; /* view; like the next two */
+    const char *present;
+    uint32_t window[2]; /* 0: not given */
     const char *outline;    /* report: NULL: the one beside the spec */
     bool trust;             /* replay: without a sandbox */
     bool help;

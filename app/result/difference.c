@@ -264,6 +264,12 @@ static int bin_of(double distance)
                                             : exponent;
 }
 
+double difference_distance(enum number_kind kind, const uint32_t bits[2])
+{
+    const double values[2] = {number_of_bits(kind, bits[0]), number_of_bits(kind, bits[1])};
+    return bits[0] == bits[1] ? 0 : measure(DT_CONTRACT_ULP, kind, bits, values);
+}
+
 bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resource *resource,
                           const struct dt_bytes copies[2])
 {

@@ -72,6 +72,10 @@ bool difference_needs_margins(const struct difference *difference,
 void difference_add_margins(struct difference *difference, const struct dt_resource *resource,
                             const struct dt_resource *margin, const struct dt_bytes margins[2]);
 
+/* How far two numbers of one kind are apart: floats in ulp, codes of unorm and snorm in codes, integers as they are; INFINITY
+ * where either is NaN or Inf, unless both have the same bits. */
+double difference_distance(enum number_kind kind, const uint32_t bits[2]);
+
 /* Numbers whose bits differ, by their distance in ulp, in codes, or of integers: none for zeros of two
  * signs, then 2^(i-1) to 2^i - 1 in bin i; NaN and Inf in the last. Copies have one size. False when out
  * of memory. */

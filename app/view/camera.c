@@ -62,6 +62,15 @@ void camera_turn(struct scene_camera *camera, float right, float up)
     store(camera->target, add(vec3_of(camera->eye), scale(way, distance)));
 }
 
+void camera_orbit(struct scene_camera *camera, float right, float up)
+{
+    struct scene_camera back = *camera; /* from the target to the eye */
+    memcpy(back.eye, camera->target, sizeof back.eye);
+    memcpy(back.target, camera->eye, sizeof back.target);
+    camera_turn(&back, right, -up);
+    memcpy(camera->eye, back.target, sizeof camera->eye);
+}
+
 /* ---- Saving ---------------------------------------------------------------------------------- */
 
 /* State while reading the YAML events of a scene file. */
@@ -169,7 +178,7 @@ static void print_number(char out[24], float number, double factor)
     }
 }
 
-static char *camera_text(const struct scene_camera *camera)
+char *camera_text(const struct scene_camera *camera)
 {
     const float *vectors[3] = {camera->eye, camera->target, camera->up};
     char numbers[3][3][24], degrees[24];

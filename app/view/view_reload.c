@@ -62,20 +62,39 @@ static void keep_live(struct view *view, const struct pipeline *old)
     }
 }
 
-/* The same image as before, by name. */
-static bool keep_shown(struct view *view, const char *name)
+/* What was shown of the old pipeline; borrowed names. */
+struct kept_shown {
+    const char *resource, *pass;
+    struct overlay_shown shown;
+};
+
+static struct kept_shown shown_of(const struct view *view, const struct dt_pipeline *info)
+{
+    return (struct kept_shown){.resource = info->resources[view->shown.resource].name,
+                               .pass = info->passes[view->shown.pass].name,
+                               .shown = view->shown};
+}
+
+/* The same as before, by name. */
+static bool keep_shown(struct view *view, const struct kept_shown *kept)
 {
     const struct dt_pipeline *info = view->pipeline.info;
-    int layer = view->layer;
-    uint32_t mip = view->mip;
+    const struct overlay_shown *was = &kept->shown;
+    struct overlay_shown *shown = &view->shown;
     if (!view_find_home(view))
         return false;
     for (uint32_t i = 0; i < info->resource_count; i++) {
-        if (strcmp(info->resources[i].name, name) != 0 || !view_can_show(info, i))
+        if (strcmp(info->resources[i].name, kept->resource) != 0 || !view_can_show(info, i))
             continue;
         view_show(view, i);
-        view->mip = mip < view_mips(view) ? mip : 0;
-        view->layer = layer < (int)view_layers(view) ? layer : -1;
+        shown->look = was->look;
+        shown->mip = was->mip < view_mips(view) ? was->mip : 0;
+        shown->layer = was->layer < (int)view_layers(view) ? was->layer : -1;
+        shown->marked = was->marked;
+        for (uint32_t k = 0; k < info->pass_count; k++)
+            for (uint32_t w = 0; w < info->passes[k].write_count; w++)
+                if (strcmp(info->passes[k].name, kept->pass) == 0 && info->passes[k].writes[w] == i)
+                    shown->pass = k;
     }
     return true;
 }
@@ -103,7 +122,7 @@ static void set_error(struct view *view, char *text)
 
 /* Starts view->pipeline, up to its first picture. With a wrong outline it runs, with no points and
  * keys. */
-static bool start(struct view *view, const char *shown, bool *offered)
+static bool start(struct view *view, const struct kept_shown *shown, bool *offered)
 {
     uint32_t points = view->shown_points;
     *offered = view_outline_read(view);
@@ -118,7 +137,8 @@ static bool start(struct view *view, const char *shown, bool *offered)
         memcpy(view->size, view->pipeline.frame_size, sizeof view->size);
     created = created && create(view);
     view->device_ms = milliseconds_now() - begun;
-    return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
+    return created && keep_shown(view, shown) && view_times_create(view) &&
+           view_params_create(view) && view_verdict_create(view) && view_render(view);
 }
 
 /* Errors of a driver or runtime for the new pipeline are shown like the generator's, and the old
@@ -126,11 +146,11 @@ static bool start(struct view *view, const char *shown, bool *offered)
 static bool swap(struct view *view, struct pipeline *next)
 {
     struct pipeline old = view->pipeline;
-    const char *shown = old.info->resources[view->resource].name;
+    const struct kept_shown shown = shown_of(view, old.info);
     bool offered, capture = console_capture(view->console);
     view->pipeline = *next;
     keep_live(view, &old);
-    bool good = start(view, shown, &offered);
+    bool good = start(view, &shown, &offered);
     char *text = capture ? console_captured(view->console) : NULL;
     view->outline_wrong = good && !offered;
     if (!good || !offered) {
@@ -146,7 +166,7 @@ static bool swap(struct view *view, struct pipeline *next)
     }
     struct pipeline refused = view->pipeline;
     view->pipeline = old;
-    good = start(view, shown, &offered);
+    good = start(view, &shown, &offered);
     pipeline_unload(&refused); /* its panels were in use until now */
     return good;
 }

@@ -59,7 +59,7 @@ static bool has_patience(struct view *view)
     if (!soon)
         return true;
     view->paused = view->gave_up = true;
-    view->overlay_hidden = false;
+    view->settings.hidden = false;
     view->step = false;
     if (hopeless || view->options->run_frames) {
         report_error(&view->console->log,

@@ -393,6 +393,9 @@ struct dt_window_frame {
     uint32_t vertex_count;
     const struct dt_window_draw *draws;
     uint32_t draw_count;
+    /* NULL, or gets what is shown: RGBA8, row 0 at the top, in its width and height; left as it is
+     * while nothing is shown. The caller frees its data */
+    struct dt_bytes *photo;
 };
 
 /* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the pointer
