@@ -17,7 +17,7 @@ small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32)
 cd "$work" || exit 1 # where screenshots go
 
 exec 3<>display.number
-Xvfb -noreset -screen 0 800x400x24 -displayfd 3 2>/dev/null &
+Xvfb -noreset -screen 0 2560x1440x24 -displayfd 3 2>/dev/null &
 server=$!
 trap 'kill $server; rm -rf "$work"' EXIT
 for _ in $(seq 100); do
@@ -295,6 +295,118 @@ check "... up to its end" ends 0
 LOSE=40,60 LD_PRELOAD=$losses open_window --backend gl --size 240x180 --window 240x180 --set bounces=0 --frames 100
 check "with nobody there it is an error" ends 1
 check "... that says so" says "the window ends"
+
+# ---- The panes ------------------------------------------------------------------------------------------------------
+
+panes=(--scene "$scene" --spec "$work/templates/rsm.yaml" --set rsm_size=64 --set samples=4 --size 160x120)
+open_panes() { # option...
+    rm -f config/diptych/view.yaml
+    "$diptych" view "${panes[@]}" --json view.json "$@" >view.out 2>view.err &
+    window=$!
+}
+click() { # x y: in the window at the left top corner of the screen; waits until the pointer has been seen
+    xdotool mousemove "$1" "$2"
+    sleep 0.4
+    xdotool click 1
+    steps=$((steps + 1))
+}
+press() { # key...
+    xdotool key "$@"
+    steps=$((steps + $#))
+}
+
+# Photographs, which were looked at: both backends and one, on a usual screen and on a large one.
+photograph() { # description name condition option...
+    local name=$2 condition=$3
+    open_panes "${@:4}"
+    check "$1" see "$name.ppm" "$condition" "like=$root/tests/view/$name.png"
+    xdotool key Escape
+    wait "$window"
+}
+photograph "two sides look as they did" two verdict=green --window 1280x720
+photograph "... on a large screen" large verdict=green --window 2560x1440 --backend vk,gl
+photograph "three sides" three verdict=green --window 1280x720 --backend gl,vk,vk@llvmpipe
+for backend in gl vk; do
+    check "$backend photographs its window, alone and without a verdict" "$diptych" view "${panes[@]}" --frames 2 --backend $backend --window 480x270 --present $backend.png
+    check "... as it is" /usr/bin/python3 "$root/tests/view.py" --photo $backend.png "$root/tests/view/small.png"
+done
+# A session of real work: find the guilty pass, read the texel, mend the body, save what was changed.
+steps=0
+body=$work/templates/shared/composite.glsl
+sed -i 's/radiance_store(p, vec4(/#ifdef VULKAN\n#define SHARE 0.75\n#else\n#define SHARE 1.0\n#endif\n&SHARE * /' "$body"
+open_panes --backend both --window 1280x720
+check "a body that is another in Vulkan is seen" see guilty.ppm verdict=red
+press g
+check "... shown by one key" see texel.ppm verdict=red not=guilty.ppm
+xdotool mousemove 472 272
+steps=$((steps + 1))
+sleep 1
+cp "$root/templates/shared/composite.glsl" "$body"
+check "... mended" says "reloaded in"
+check "... and the verdict says so" see mended.ppm verdict=green
+click 1076 206 # bounces: one less
+press b        # ... and none of it again
+press b
+xdotool mousemove 640 20
+click 1181 72 # save
+check "what was changed is saved" says "wrote diptych-000.yaml"
+check "... as overrides" grep -qx -- "- bounces=0" diptych-000.yaml
+check "... in at most 12 steps" [ $steps -le 12 ]
+
+# The numbers on the screen, as files.
+xdotool key Home
+sleep 1
+click 422 91 # .npy
+check "arrays are saved" says "wrote diptych-000-vk.npy"
+# Sizes of panes are kept.
+xdotool mousemove 302 400
+sleep 0.5
+xdotool mousedown 1
+sleep 0.5
+xdotool mousemove 362 400
+sleep 0.5
+xdotool mouseup 1
+sleep 0.5
+press F4 Escape
+check "the session ends" ends 0
+check "... with equal sides" holds_json 'd["verdict"].startswith("equal, ")'
+check "sizes of panes are kept" grep -qx 'left: 3[56][0-9]' config/diptych/view.yaml
+check "... and what is folded" grep -qx 'bottom_folded: 1' config/diptych/view.yaml
+# shellcheck disable=SC2317
+same_numbers() { # the array is what render dumps
+    "$diptych" render "${panes[@]}" --backend vk --with diptych-000.yaml --dump dumped || return
+    /usr/bin/python3 -c 'import glob, numpy
+array = numpy.load("diptych-000-vk.npy")
+dump = numpy.fromfile(glob.glob("dumped/*tonemap*display*")[0], "u1")
+assert array.shape == (1, 120, 160, 4) and (array.ravel() == dump).all(), array.shape'
+}
+check "the array is what render dumps" same_numbers
+
+# A planted fault, bisection, a table.
+# shellcheck disable=SC2317
+agrees() { # the window's verdict is that of compare
+    "$diptych" compare "${panes[@]}" --fault vk:rsm_map:sign --json compare.json >/dev/null
+    /usr/bin/python3 -c 'import json
+seen, told = json.load(open("fault.json"))["verdict"], json.load(open("compare.json"))["guilty"]
+assert seen.startswith("differs: first pass %s, %s, " % (told["pass"], told["resource"])), (seen, told)'
+}
+open_panes --backend both --window 1280x720 --fault vk:rsm_map:sign
+check "a fault is red, and marked in its pass" see fault.ppm verdict=red "like=$root/tests/view/fault.png"
+click 1024 141 # bisect here
+check "a case is written from the window" says "wrote diptych-000-case"
+check "... and replays" "$diptych" replay diptych-000-case --backend gl
+click 60 393 # taps
+check "a buffer is a table" see table.ppm verdict=red "like=$root/tests/view/table.png"
+click 1099 649 # samples: one more, for which the plan is made again
+check "another number of samples makes the plan again" says "reloaded in"
+: >view.err
+xdotool key ctrl+z
+check "... and undo makes it as it was" says "reloaded in"
+xdotool key Escape
+check "... and the window ends" ends 0
+check "... with nothing changed" holds_json 'd["changes"] == ""'
+cp view.json fault.json
+check "its verdict names what compare names" agrees
 
 DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
 DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl

@@ -173,13 +173,24 @@ static void verdict(struct overlay *overlay, struct overlay_model *model, struct
 
 /* ---- Passes and resources -------------------------------------------------------------------- */
 
-static void cell(double ms)
+/* At the right end of the line, in columns of the sides. */
+static void side_column(const struct overlay_model *model, uint32_t side)
 {
-    ImGui::TableNextColumn();
-    if (std::isnan(ms))
-        ImGui::TextDisabled("-");
-    else
-        ImGui::Text("%.2f", ms);
+    float width = ImGui::GetFontSize() * 3.4f;
+    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
+                    width * static_cast<float>(model->side_count - side));
+}
+
+/* Columns for waves of `cost` would be the same. */
+static void times(const struct overlay_model *model, const double ms[OVERLAY_SIDES])
+{
+    for (uint32_t k = 0; k < model->side_count; k++) {
+        side_column(model, k);
+        if (std::isnan(ms[k]))
+            ImGui::TextDisabled("-");
+        else
+            ImGui::Text(ms[k] < 100 ? "%.2f" : "%.1f", ms[k]);
+    }
 }
 
 static void mark(enum overlay_mark mark)
@@ -215,12 +226,10 @@ static void row(struct overlay_model *model, uint32_t index)
     bool chosen =
         shown->pass == row->pass && shown->resource == row->resource && shown->mip == row->mip;
     char label[160];
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
     ImGui::Indent(ImGui::GetFontSize());
     mark(model->row_mark ? model->row_mark[index] : OVERLAY_UNKNOWN);
     std::snprintf(label, sizeof label, "%s##row%u", row->name, index);
-    if (ImGui::Selectable(label, chosen, ImGuiSelectableFlags_SpanAllColumns))
+    if (ImGui::Selectable(label, chosen))
         show(model, row->pass, row->resource, row->mip);
     tip(doc ? doc : "");
     ImGui::Unindent(ImGui::GetFontSize());
@@ -233,26 +242,27 @@ static void pass(struct overlay *overlay, struct overlay_model *model, uint32_t 
     const uint32_t *first = model->rows->outputs.first;
     bool whole = is_sought(overlay->search, pass->name), any = whole, skipped = true;
     enum overlay_mark worst = OVERLAY_UNKNOWN;
+    double ms[OVERLAY_SIDES];
     for (uint32_t i = first[index]; i < first[index + 1]; i++) {
         any |= is_sought(overlay->search, model->rows->outputs.list[i].name);
         if (model->row_mark && model->row_mark[i] > worst)
             worst = model->row_mark[i];
     }
-    for (uint32_t k = 0; k < model->side_count; k++)
-        skipped &= model->sides[k].pass_ms && std::isnan(model->sides[k].pass_ms[index]);
+    for (uint32_t k = 0; k < model->side_count; k++) {
+        const double *all = model->sides[k].pass_ms;
+        ms[k] = all ? all[index] : static_cast<double>(NAN);
+        skipped &= all && std::isnan(ms[k]);
+    }
     if (!any)
         return;
     if (skipped)
         ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
     mark(worst);
     ImGui::SetNextItemOpen(true, ImGuiCond_Once);
     bool open = ImGui::TreeNodeEx(pass->name, ImGuiTreeNodeFlags_NoTreePushOnOpen |
                                                   ImGuiTreeNodeFlags_SpanAvailWidth);
     tip(skipped ? "skipped in this frame" : pass->doc ? pass->doc : "");
-    for (uint32_t k = 0; k < model->side_count; k++) /* waves of `cost` would be columns, too */
-        cell(model->sides[k].pass_ms ? model->sides[k].pass_ms[index] : static_cast<double>(NAN));
+    times(model, ms);
     for (uint32_t i = first[index]; open && i < first[index + 1]; i++)
         if (whole || is_sought(overlay->search, model->rows->outputs.list[i].name))
             row(model, i);
@@ -271,49 +281,40 @@ static bool is_written(const struct overlay_model *model, uint32_t resource)
 /* Inputs, and what no pass of this pipeline uses. */
 static void unwritten(struct overlay *overlay, struct overlay_model *model)
 {
+    ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
     for (uint32_t i = 0; i < model->info->resource_count; i++) {
         const struct dt_resource *resource = &model->info->resources[i];
         if (is_written(model, i) || !is_sought(overlay->search, resource->name))
             continue;
-        ImGui::TableNextRow();
-        ImGui::TableNextColumn();
-        if (!resource->input) {
-            ImGui::TextDisabled("    %s", resource->name);
-            tip("No pass writes it.");
-            continue;
-        }
-        ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-        if (ImGui::Selectable(resource->name, model->shown->resource == i))
+        ImGui::Indent(ImGui::GetFontSize());
+        if (ImGui::Selectable(resource->name, model->shown->resource == i) && resource->input)
             show(model, model->info->pass_count - 1, i, 0);
-        ImGui::PopStyleColor();
-        tip("an input");
+        tip(resource->input ? "an input" : "No pass writes it.");
+        ImGui::Unindent(ImGui::GetFontSize());
     }
+    ImGui::PopStyleColor();
 }
 
 static void passes(struct overlay *overlay, struct overlay_model *model)
 {
-    const ImGuiTableFlags flags = ImGuiTableFlags_RowBg | ImGuiTableFlags_SizingFixedFit |
-                                  ImGuiTableFlags_ScrollY | ImGuiTableFlags_PadOuterX;
+    double ms[OVERLAY_SIDES];
     ImGui::SetNextItemWidth(-1);
     ImGui::InputTextWithHint("##search", "search passes and resources", overlay->search,
                              sizeof overlay->search);
-    if (!ImGui::BeginTable("passes", 1 + static_cast<int>(model->side_count), flags))
-        return;
-    ImGui::TableSetupScrollFreeze(0, 1);
-    ImGui::TableSetupColumn("pass, milliseconds:", ImGuiTableColumnFlags_WidthStretch);
-    for (uint32_t i = 0; i < model->side_count; i++)
-        ImGui::TableSetupColumn(model->sides[i].label, ImGuiTableColumnFlags_WidthFixed,
-                                overlay->em * 3.2f);
-    ImGui::TableHeadersRow();
-    ImGui::TableNextRow();
-    ImGui::TableNextColumn();
-    ImGui::TextUnformatted("  frame");
-    for (uint32_t k = 0; k < model->side_count; k++)
-        cell(model->sides[k].frame_ms);
+    ImGui::BeginChild("passes");
+    ImGui::TextDisabled("milliseconds");
+    for (uint32_t k = 0; k < model->side_count; k++) {
+        side_column(model, k);
+        ImGui::TextDisabled("%.7s", model->sides[k].label);
+        tip(model->sides[k].label);
+        ms[k] = model->sides[k].frame_ms;
+    }
+    ImGui::TextUnformatted("frame");
+    times(model, ms);
     for (uint32_t i = 0; i < model->info->pass_count; i++)
         pass(overlay, model, i);
     unwritten(overlay, model);
-    ImGui::EndTable();
+    ImGui::EndChild();
 }
 
 /* ---- Errors, log, keys ----------------------------------------------------------------------- */

@@ -134,7 +134,7 @@ static bool press_wish(struct view *view, int key)
                 {GLFW_KEY_PERIOD, OVERLAY_STEP | OVERLAY_ALONE}};
     for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
         if (keys[i].key == key) {
-            view->wishes |= keys[i].wishes;
+            view->wishes ^= keys[i].wishes; /* twice A or B between two frames is none */
             return true;
         }
     return false;

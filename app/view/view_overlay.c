@@ -246,6 +246,10 @@ void view_tell(const struct view *view)
     cJSON_AddNumberToObject(root, "frames", view->frames);
     cJSON_AddStringToObject(root, "shown",
                             view->pipeline.info->resources[view->shown.resource].name);
+    char *changes = view_params_text(view, "", " ", true, true);
+    if (changes)
+        cJSON_AddStringToObject(root, "changes", changes);
+    free(changes);
     if (view->verdict.known)
         cJSON_AddStringToObject(root, "verdict", view->verdict.text);
     cJSON_AddNumberToObject(root, "reloads", view->reloads);
