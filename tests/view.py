@@ -15,6 +15,7 @@ becomes FILE, a PPM.
   verdict=COLOR  the bar on top is that: red or green
   like=FILE      reduced to 160x90 it is nearly that PNG; UPDATE=1 writes it"""
 import os
+import random
 import struct
 import subprocess
 import sys
@@ -156,7 +157,32 @@ def holds(condition, picture, age):
     raise ValueError(condition)
 
 
+def play(count):
+    seed = int(os.environ.get("SEED", random.SystemRandom().randrange(1 << 30)))
+    print(f"random input of seed {seed}", file=sys.stderr)
+    chance = random.Random(seed)
+    keys = ("Tab shift+Tab Home Up Down Next Prior space period v c plus minus g t r b h f F1 F2 F3 F4 0 1 2 w a s d q e "
+            "ctrl+z ctrl+plus ctrl+minus Return BackSpace 7").split()
+    for _ in range(count):
+        kind = chance.randrange(10)
+        print(f"mousemove {chance.randrange(1280)} {chance.randrange(720)}")
+        if kind < 4:
+            print(f"key {chance.choice(keys)}")
+        elif kind < 7:
+            print(f"click {chance.choice((1, 1, 1, 2, 3))}")
+        elif kind < 8:
+            print(f"click {chance.choice((4, 5))}")
+        else:
+            button = chance.choice((1, 1, 2, 3))
+            print(f"mousedown {button} mousemove {chance.randrange(1280)} {chance.randrange(720)}")
+            print(f"sleep 0.05 mouseup {button}")
+        print(f"sleep {chance.choice((0, 0.02, 0.1))}")
+    return 0
+
+
 def main():
+    if sys.argv[1] == "--random":  # COUNT: lines for xdotool, without what ends the window or saves many cases
+        return play(int(sys.argv[2]))
     if sys.argv[1] == "--photo":  # PNG KEPT: a photograph of the window
         return not is_like(read(sys.argv[2]), sys.argv[3])
     path, seconds, conditions = sys.argv[1], float(sys.argv[2]), sys.argv[3:]

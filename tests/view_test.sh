@@ -337,7 +337,8 @@ sed -i 's/radiance_store(p, vec4(/#ifdef VULKAN\n#define SHARE 0.75\n#else\n#def
 open_panes --backend both --window 1280x720
 check "a body that is another in Vulkan is seen" see guilty.ppm verdict=red
 press g
-check "... shown by one key" see texel.ppm verdict=red not=guilty.ppm
+sleep 1
+check "... shown by one key" see texel.ppm verdict=red "like=$root/tests/view/texel.png"
 xdotool mousemove 472 272
 steps=$((steps + 1))
 sleep 1
@@ -407,6 +408,25 @@ check "... and the window ends" ends 0
 check "... with nothing changed" holds_json 'd["changes"] == ""'
 cp view.json fault.json
 check "its verdict names what compare names" agrees
+
+# Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.
+# shellcheck disable=SC2317 # called through check
+survives() { # seconds
+    local end=$((SECONDS + $1))
+    while [ $SECONDS -lt $end ] && kill -0 "$window"; do
+        /usr/bin/python3 "$root/tests/view.py" --random 40 | xdotool - || return
+    done
+    kill -0 "$window" && ! grep -E 'AddressSanitizer|runtime error' view.err
+}
+if [ -n "${DIPTYCH_LONG:-}" ] && [ -x "$root/build/asan/diptych" ]; then
+    diptych=$root/build/asan/diptych
+    export ASAN_OPTIONS=detect_leaks=0
+fi
+open_panes --backend both --window 1280x720
+check "a window for random input" see played.ppm verdict=green
+check "random input does no harm" survives $([ -n "${DIPTYCH_LONG:-}" ] && echo 600 || echo 2)
+xdotool key Escape
+check "... up to the end" ends 0
 
 DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
 DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl

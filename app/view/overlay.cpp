@@ -305,7 +305,7 @@ static void passes(struct overlay *overlay, struct overlay_model *model)
     ImGui::TextDisabled("milliseconds");
     for (uint32_t k = 0; k < model->side_count; k++) {
         side_column(model, k);
-        ImGui::TextDisabled("%.7s", model->sides[k].label);
+        ImGui::TextDisabled("%.6s", model->sides[k].label);
         tip(model->sides[k].label);
         ms[k] = model->sides[k].frame_ms;
     }
@@ -455,9 +455,14 @@ static void panes(struct overlay *overlay, struct overlay_model *model)
     const float unit = overlay->font_size / 15; /* settings are for letters of 15 pixels */
     float top = std::round(em * 2.4f), bottom = std::round(em * 1.7f);
     float middle = screen.y - top - bottom;
-    float left = s->left_folded ? strip : clamp(s->left * unit, em * 8, screen.x * 0.4f);
-    float right = s->right_folded ? strip : clamp(s->right * unit, em * 8, screen.x * 0.4f);
-    float low = s->bottom_folded ? strip : clamp(s->bottom * unit, em * 4, middle * 0.6f);
+    /* a third side has its column; small windows have room for the picture alone */
+    float more = model->side_count > 2 ? em * 3.4f : 0;
+    bool narrow = screen.x < em * 40, flat = middle < em * 24;
+    float left =
+        s->left_folded || narrow ? strip : clamp(s->left * unit + more, em * 8, screen.x * 0.4f);
+    float right =
+        s->right_folded || narrow ? strip : clamp(s->right * unit, em * 8, screen.x * 0.4f);
+    float low = s->bottom_folded || flat ? strip : clamp(s->bottom * unit, em * 4, middle * 0.6f);
     verdict(overlay, model, {0, 0, screen.x, top});
     status(model, {0, screen.y - bottom, screen.x, bottom});
     splitter("left bar", {left, top, bar, middle}, &left, 1, true);
@@ -466,19 +471,19 @@ static void panes(struct overlay *overlay, struct overlay_model *model)
     splitter("lower bar", {left + bar, top + middle - low - bar, inner, bar}, &low, -1, false);
 
     pane_begin("left", {0, top, left, middle});
-    if (head("left", "F2", &s->left_folded, ImGuiDir_Left, ImGuiDir_Right)) {
+    if (head("left", "F2", &s->left_folded, ImGuiDir_Left, ImGuiDir_Right) && !narrow) {
         ImGui::SameLine();
         passes(overlay, model);
-        s->left = left / unit;
+        s->left = (left - more) / unit;
     }
     ImGui::End();
-    params_pane(overlay, model, {screen.x - right, top, right, middle});
-    if (!s->right_folded)
+    params_pane(overlay, model, {screen.x - right, top, right, middle}, narrow);
+    if (!s->right_folded && !narrow)
         s->right = right / unit;
     pane_begin("lower", {left + bar, top + middle - low, inner, low});
     if (model->error && model->error != overlay->error)
         s->bottom_folded = false;
-    if (head("lower", "F4", &s->bottom_folded, ImGuiDir_Down, ImGuiDir_Up)) {
+    if (head("lower", "F4", &s->bottom_folded, ImGuiDir_Down, ImGuiDir_Up) && !flat) {
         ImGui::SameLine();
         ImGui::BeginGroup();
         lower(overlay, model);

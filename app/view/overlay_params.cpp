@@ -151,14 +151,14 @@ static void time_bar(struct overlay_model *model)
         model->wishes |= OVERLAY_BISECT;
 }
 
-void params_pane(struct overlay *overlay, struct overlay_model *model, struct box box)
+void params_pane(struct overlay *overlay, struct overlay_model *model, struct box box, bool narrow)
 {
     bool *folded = &model->settings->right_folded;
     pane_begin("right", box);
     if (ImGui::ArrowButton("##fold right", *folded ? ImGuiDir_Left : ImGuiDir_Right))
         *folded = !*folded;
     tip("F3");
-    if (!*folded) {
+    if (!*folded && !narrow) {
         ImGui::SameLine();
         ImGui::SetNextItemWidth(-1);
         ImGui::InputTextWithHint("##search", "search parameters", overlay->param_search,

@@ -52,6 +52,6 @@ bool is_sought(const char *search, const char *text);
 void picture_pane(struct overlay *overlay, struct overlay_model *model, struct box box);
 /* The picture alone. */
 void picture_alone(struct overlay *overlay, struct overlay_model *model, struct box box);
-void params_pane(struct overlay *overlay, struct overlay_model *model, struct box box);
+void params_pane(struct overlay *overlay, struct overlay_model *model, struct box box, bool narrow);
 
 #endif

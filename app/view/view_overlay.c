@@ -163,7 +163,7 @@ static bool describe(struct view *view, const char *title, const char *state, co
                    : verdict->known     ? verdict->text
                                         : "comparing ...",
         .mark = verdict->known ? verdict->worst : OVERLAY_UNKNOWN,
-        .stale = verdict->stale,
+        .stale = verdict->known && verdict->stale,
         .row_mark = verdict->known ? verdict->marks : NULL,
         .info = view->pipeline.info,
         .rows = &verdict->rows,
