@@ -218,7 +218,7 @@ static void show(struct overlay_model *model, uint32_t pass, uint32_t resource, 
     model->wishes |= OVERLAY_STEP;
 }
 
-static void row(struct overlay_model *model, uint32_t index)
+static void row(struct overlay *overlay, struct overlay_model *model, uint32_t index)
 {
     const struct row *row = &model->rows->outputs.list[index];
     const struct overlay_shown *shown = model->shown;
@@ -232,6 +232,10 @@ static void row(struct overlay_model *model, uint32_t index)
     if (ImGui::Selectable(label, chosen))
         show(model, row->pass, row->resource, row->mip);
     tip(doc ? doc : "");
+    if (chosen && overlay->listed != index) {
+        ImGui::SetScrollHereY();
+        overlay->listed = index;
+    }
     ImGui::Unindent(ImGui::GetFontSize());
 }
 
@@ -265,7 +269,7 @@ static void pass(struct overlay *overlay, struct overlay_model *model, uint32_t 
     times(model, ms);
     for (uint32_t i = first[index]; open && i < first[index + 1]; i++)
         if (whole || is_sought(overlay->search, model->rows->outputs.list[i].name))
-            row(model, i);
+            row(overlay, model, i);
     if (skipped)
         ImGui::PopStyleColor();
 }

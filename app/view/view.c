@@ -409,6 +409,9 @@ static void measure_window(struct view *view)
 static bool run(struct view *view)
 {
     view->time = glfwGetTime();
+    measure_window(view);
+    if (!view_present(view, NULL)) /* the panes, while drivers compile for the first frame */
+        return false;
     while (!is_over(view)) {
         if (rests(view))
             glfwWaitEventsTimeout(0.02);
