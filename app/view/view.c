@@ -12,7 +12,7 @@
 #include "base/files.h"
 #include "scenes/motion.h"
 #include "spec/inputs.h"
-#include "view/camera.h"
+#include "run/camera.h"
 
 /* ---- Opening --------------------------------------------------------------------------------- */
 

@@ -13,7 +13,7 @@
 #include "result/picture.h"
 #include "run/session.h"
 #include "view/overlay.h"
-#include "view/points.h"
+#include "result/points.h"
 
 enum {
     VIEW_SIDES = OVERLAY_SIDES,

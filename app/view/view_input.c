@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#include "view/camera.h"
+#include "run/camera.h"
 
 static struct view *view_of(GLFWwindow *window)
 {

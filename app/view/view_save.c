@@ -9,11 +9,11 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "base/text.h"
+#include "compare/apart.h"
 #include "console/hdr.h"
-#include "console/texels.h"
-#include "console/tool.h"
-#include "view/camera.h"
+#include "console/settings.h"
+#include "result/array.h"
+#include "run/camera.h"
 
 /* diptych-NNN with that ending, of the first free number; free(). */
 static char *free_name(const char *ending, const struct dt_log *log)
@@ -47,104 +47,13 @@ static void tell(const struct view *view, bool good, const char *path)
         report_message(&view->console->log, DT_INFO, "wrote %s", path);
 }
 
-/* ---- Arrays ---------------------------------------------------------------------------------- */
-
-/* The elements of a buffer with its fields, without padding. */
-static void add_fields(struct text *type, const struct dt_resource *resource)
-{
-    text_add(type, "[");
-    for (uint32_t i = 0; i < resource->field_count; i++) {
-        const struct dt_field *field = &resource->fields[i];
-        enum dt_type scalar = type_info(field->type)->scalar;
-        const char *code = scalar == DT_TYPE_FLOAT ? "<f4" : scalar == DT_TYPE_INT ? "<i4" : "<u4";
-        uint32_t numbers = type_components(field->type);
-        text_add(type, "('%s', '%s', (", *field->name ? field->name : "value", code);
-        if (field->array_count)
-            text_add(type, "%u,", field->array_count);
-        if (field->type == DT_TYPE_MAT4)
-            text_add(type, "4,4,");
-        else if (numbers > 1)
-            text_add(type, "%u,", numbers);
-        text_add(type, ")), ");
-    }
-    text_add(type, "]");
-}
-
-/* Codes of unorm and snorm stay codes; packed floats become float. */
-static const char *number_code(enum number_kind kind)
-{
-    switch (number_is_packed(kind) ? NUMBER_FLOAT : kind) {
-    case NUMBER_UNORM8:
-    case NUMBER_UINT8:
-        return "|u1";
-    case NUMBER_INT8:
-        return "|i1";
-    case NUMBER_UNORM16:
-    case NUMBER_UINT16:
-        return "<u2";
-    case NUMBER_SNORM16:
-    case NUMBER_INT16:
-        return "<i2";
-    case NUMBER_HALF:
-        return "<f2";
-    case NUMBER_UINT:
-        return "<u4";
-    case NUMBER_INT:
-        return "<i4";
-    default:
-        return "<f4";
-    }
-}
-
-static void add_head(struct text *out, const struct dt_resource *resource,
-                     const struct component *first, uint32_t count, const uint32_t extent[3])
-{
-    struct text type = {0}, head = {0};
-    if (resource->kind == DT_BUFFER)
-        add_fields(&type, resource);
-    else
-        text_add(&type, "'%s'", number_code(first->kind));
-    text_add(&head, "{'descr': %s, 'fortran_order': False, 'shape': (", type.data ? type.data : "");
-    if (resource->kind == DT_BUFFER)
-        text_add(&head, "%u,), }", extent[0]);
-    else
-        text_add(&head, "%u, %u, %u, %u), }", extent[2], extent[1], extent[0], count);
-    while ((10 + head.length + 1) % 64)
-        text_add(&head, " ");
-    text_add(&head, "\n");
-    const char length[2] = {(char)(head.length & 255), (char)(head.length >> 8)};
-    text_add_bytes(out, "\x93NUMPY\x01\x00", 8);
-    text_add_bytes(out, length, 2);
-    text_add_bytes(out, head.data ? head.data : "", head.length);
-    out->failed |= type.failed || head.failed;
-    text_free(&type);
-    text_free(&head);
-}
+/* ---- Files ----------------------------------------------------------------------------------- */
 
 static bool write_npy(const struct view *view, const struct view_side *side, const char *path)
 {
-    const struct dt_resource *resource = &view->pipeline.info->resources[view->shown.resource];
     const struct dt_bytes bytes = view_layer(view, side);
-    struct component *list = NULL;
-    uint32_t count = resource_components(resource, &list), stride = resource_stride(resource);
-    struct text out = {0};
-    if (count)
-        add_head(&out, resource, list, count, bytes.extent);
-    for (size_t at = 0; count && at + stride <= bytes.size && !out.failed; at += stride)
-        for (uint32_t i = 0; i < count; i++) {
-            const uint8_t *place = bytes.data + at + list[i].offset;
-            float number = (float)number_value(list[i].kind, place);
-            bool packed = number_is_packed(list[i].kind);
-            text_add_bytes(&out, packed ? (const char *)&number : (const char *)place,
-                           packed ? sizeof number : number_size(list[i].kind));
-        }
-    bool good = count && !out.failed;
-    if (!good)
-        report_error(&view->console->log, "%s: out of memory", path);
-    good = good && file_write(path, out.data, out.length, &view->console->log);
-    text_free(&out);
-    free(list);
-    return good;
+    return array_write(path, &view->pipeline.info->resources[view->shown.resource], &bytes,
+                       &view->console->log);
 }
 
 static bool write_exr(const struct view *view, const struct view_side *side, const char *path)
@@ -229,44 +138,30 @@ bool view_photograph(struct view *view, const char *path)
 
 /* ---- Bisection ------------------------------------------------------------------------------- */
 
-enum { MOST_WORDS = 512 };
-
-/* A command line; its strings are owned, and NULL behind the last. */
+/* All that the thread needs; owned. */
 struct bisection {
     struct console *console;
     atomic_bool *running;
-    char *words[MOST_WORDS + 1];
-    uint32_t count;
-    bool failed;
-    char *folder, *motion; /* motion: a file to remove; NULL: none */
+    struct compare_apart apart;
+    char *edits, *folder, *motion; /* motion: a file to remove; NULL: none */
 };
-
-static void add_word(struct bisection *work, const char *name, const char *value)
-{
-    const char *const both[2] = {name, value};
-    for (int i = 0; i < 2 && !work->failed; i++) {
-        if (!both[i] || (i == 0 && !value))
-            continue;
-        work->failed = work->count == MOST_WORDS || !(work->words[work->count] = strdup(both[i]));
-        work->count += !work->failed;
-    }
-}
 
 static void free_bisection(struct bisection *work)
 {
-    for (uint32_t i = 0; i < work->count; i++)
-        free(work->words[i]);
-    if (work->motion)
+    if (work && work->motion)
         unlink(work->motion);
-    free(work->motion);
-    free(work->folder);
+    if (work) {
+        free(work->motion);
+        free(work->folder);
+        free(work->edits);
+    }
     free(work);
 }
 
 static void *run_bisection(void *user)
 {
     struct bisection *work = user;
-    int status = tool_status(work->words, work->console);
+    int status = compare_apart(work->console, &work->apart);
     if (file_exists(work->folder))
         report_message(&work->console->log, DT_INFO, "wrote %s: diptych replay %s --backend NAME",
                        work->folder, work->folder);
@@ -294,62 +189,47 @@ static char *write_camera(const struct view *view)
     return NULL;
 }
 
-static void add_setup(struct bisection *work, const struct view *view)
+static struct bisection *plan_bisection(struct view *view)
 {
-    const struct setup *setup = &view->options->setup;
-    char size[32], frames[16];
-    snprintf(size, sizeof size, "%ux%u", view->size[0], view->size[1]);
-    snprintf(frames, sizeof frames, "%u", view->moving ? view->moment + 1 : 1);
-    add_word(work, "--backend", setup->backend);
-    add_word(work, "--spec", setup->spec);
-    add_word(work, "--scene", setup->scene);
-    add_word(work, "--scenes", setup->scenes);
-    add_word(work, "--device", setup->device);
-    add_word(work, "--fault", view->options->fault);
-    if (setup->glsl)
-        add_word(work, "", "--glsl");
-    for (uint32_t i = 0; i < setup->inputs.count; i++)
-        add_word(work, "--input", setup->inputs.items[i]);
-    for (uint32_t i = 0; i < setup->set_count; i++)
-        add_word(work, "--set", setup->sets[i]);
-    char *edits = view_params_text(view, "", "\n", true, true);
-    char *rest = NULL;
-    for (char *edit = strtok_r(edits ? edits : (char[]){""}, "\n", &rest); edit;
-         edit = strtok_r(NULL, "\n", &rest))
-        add_word(work, "--set", edit);
-    work->failed |= !edits;
-    free(edits);
-    add_word(work, "--size", size);
-    add_word(work, "--frames", frames);
-    add_word(work, "--motion", view->moving ? setup->motion : work->motion);
-    add_word(work, "--bisect", work->folder);
+    struct bisection *work = calloc(1, sizeof *work);
+    if (!work)
+        return NULL;
+    work->console = view->console;
+    work->running = &view->bisecting;
+    work->folder = free_name("-case", &view->console->log);
+    work->edits = view_params_text(view, "", "\n", true, true);
+    bool own = !view->moving && view->scene.path;
+    if (own)
+        work->motion = write_camera(view);
+    work->apart = (struct compare_apart){.setup = &view->options->setup,
+                                         .fault = view->options->fault,
+                                         .edits = work->edits,
+                                         .size = {view->size[0], view->size[1]},
+                                         .frames = view->moving ? view->present_moment + 1 : 1,
+                                         .motion = own            ? work->motion
+                                                   : view->moving ? view->options->setup.motion
+                                                                  : NULL,
+                                         .folder = work->folder};
+    if (work->folder && work->edits && (!own || work->motion))
+        return work;
+    free_bisection(work);
+    return NULL;
 }
 
 void view_bisect(struct view *view)
 {
     const struct dt_log *log = &view->console->log;
-    struct bisection *work = calloc(1, sizeof *work);
     view_bisect_end(view);
-    if (work) {
-        *work = (struct bisection){.console = view->console, .folder = free_name("-case", log)};
-        if (!view->moving && view->scene.path)
-            work->motion = write_camera(view);
-        add_word(work, "/proc/self/exe", "compare");
-        add_setup(work, view);
-    }
-    view->bisecting = true;
-    if (work)
-        work->running = &view->bisecting;
-    if (!work || work->failed || !work->folder ||
-        pthread_create(&view->bisector, NULL, run_bisection, work) != 0) {
-        report_error(log, "the bisection cannot be started: out of memory");
-        view->bisecting = false;
-        if (work)
-            free_bisection(work);
+    struct bisection *work = plan_bisection(view);
+    view->bisecting = work;
+    if (work && pthread_create(&view->bisector, NULL, run_bisection, work) == 0) {
+        view->bisected = true;
+        report_message(log, DT_INFO, "bisecting in a process of its own ...");
         return;
     }
-    view->bisected = true;
-    report_message(log, DT_INFO, "bisecting in a process of its own ...");
+    view->bisecting = false;
+    free_bisection(work);
+    report_error(log, "the bisection cannot be started");
 }
 
 void view_bisect_end(struct view *view)
@@ -360,14 +240,6 @@ void view_bisect_end(struct view *view)
 }
 
 /* ---- Settings -------------------------------------------------------------------------------- */
-
-struct setting {
-    const char *name;
-    float *number;
-    bool *flag;
-    int *whole;
-    double least, most;
-};
 
 enum { SETTINGS = 10 };
 
@@ -387,69 +259,21 @@ static void list_settings(struct overlay_settings *s, struct setting list[SETTIN
     memcpy(list, all, sizeof all);
 }
 
-/* In $XDG_CONFIG_HOME or ~/.config; NULL: neither is known; free(). */
-static char *settings_path(void)
-{
-    const char *config = getenv("XDG_CONFIG_HOME"), *home = getenv("HOME");
-    if (config && *config == '/')
-        return format_string("%s/diptych/view.yaml", config);
-    return home && *home ? format_string("%s/.config/diptych/view.yaml", home) : NULL;
-}
-
-static void take_setting(struct setting *list, const char *name, double value)
-{
-    for (int i = 0; i < SETTINGS; i++) {
-        const struct setting *to = &list[i];
-        if (strcmp(to->name, name) != 0 || !(value >= to->least && value <= to->most))
-            continue;
-        if (to->number)
-            *to->number = (float)value;
-        if (to->flag)
-            *to->flag = value != 0;
-        if (to->whole)
-            *to->whole = (int)value;
-    }
-}
-
 void view_settings_read(struct overlay_settings *settings)
 {
     struct setting list[SETTINGS];
-    char line[128], name[32];
-    double value;
     *settings = (struct overlay_settings){
         .left = 300, .right = 300, .bottom = 130, .font = 15, .window = {1280, 720}};
     list_settings(settings, list);
-    char *path = settings_path();
-    FILE *file = path ? fopen(path, "re") : NULL;
-    while (file && fgets(line, sizeof line, file))
-        if (sscanf(line, "%31[a-z_]: %lf", name, &value) == 2)
-            take_setting(list, name, value);
-    if (file)
-        fclose(file);
-    free(path);
+    settings_read("view.yaml", list, SETTINGS);
 }
 
 void view_settings_write(const struct view *view)
 {
     struct overlay_settings settings = view->settings;
     struct setting list[SETTINGS];
-    struct text text = {0};
-    char *path = settings_path(), *slash = path ? strrchr(path, '/') : NULL;
     list_settings(&settings, list);
-    for (int i = 0; i < SETTINGS; i++)
-        text_add(&text, "%s: %g\n", list[i].name,
-                 list[i].number ? (double)*list[i].number
-                 : list[i].flag ? (double)*list[i].flag
-                                : (double)*list[i].whole);
-    if (slash && !text.failed) {
-        *slash = 0;
-        bool good = file_make_folders(path, &view->console->log);
-        *slash = '/';
-        if (good)
-            file_write(path, text.data, text.length, &view->console->log);
-    }
-    text_free(&text);
-    free(path);
+    settings_write("view.yaml", list, SETTINGS, &view->console->log);
 }
 
 /* ---- Messages -------------------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
 /* Moves a camera and saves it to a scene file; see camera.h. */
-#include "view/camera.h"
+#include "run/camera.h"
 
 #include <libfyaml.h>
 #include <math.h>

@@ -1,5 +1,5 @@
 /* Draws points; see points.h. */
-#include "view/points.h"
+#include "result/points.h"
 
 #include <math.h>
 #include <string.h>
