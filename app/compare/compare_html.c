@@ -1,6 +1,7 @@
 /* The page of `compare --html`: what templates/report/compare.html is filled with; see compare.h. */
 #include <cjson/cJSON.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -59,6 +60,22 @@ static void add_pictures(cJSON *item, const struct dt_resource *resource,
         cJSON_AddNumberToObject(shown, "amplification", result->strip.amplification);
 }
 
+/* Whether the pass's inputs differed, and its own error, as the table that is printed has them. */
+static void add_blame(cJSON *item, const struct pair *pair, uint32_t index)
+{
+    const struct difference *own = pair->blame.own ? &pair->blame.own[index] : NULL;
+    char text[32] = "none";
+    if (!cJSON_HasObjectItem(item, "inputs"))
+        cJSON_AddStringToObject(item, "inputs", "");
+    if (own && own->size_differs)
+        snprintf(text, sizeof text, "size");
+    else if (own && own->differing)
+        snprintf(text, sizeof text, "%llu differ", (unsigned long long)own->differing);
+    else if (own && own->not_finite)
+        snprintf(text, sizeof text, "not finite");
+    cJSON_AddStringToObject(item, "own", text);
+}
+
 /* Adds what the page has beyond the JSON of --json. */
 static void add_row(cJSON *item, const struct compare *compare, const struct pair *pair,
                     uint32_t index)
@@ -76,6 +93,7 @@ static void add_row(cJSON *item, const struct compare *compare, const struct pai
     cJSON_AddStringToObject(item, "about", resource->doc ? resource->doc : "");
     cJSON_AddBoolToObject(item, "equal", difference_verdict(&result->difference) == VERDICT_EQUAL);
     cJSON_AddStringToObject(item, "largest", worst ? worst : "");
+    add_blame(item, pair, index);
     add_pictures(item, resource, result);
     add_histogram(item, result);
     free(worst);
@@ -89,6 +107,13 @@ static cJSON *pair_page(const struct compare *compare, uint32_t index)
     cJSON_AddNumberToObject(page, "pair", index);
     cJSON_AddStringToObject(page, "first", pair->sides[0]->label);
     cJSON_AddStringToObject(page, "second", pair->sides[1]->label);
+    cJSON_AddBoolToObject(page, "blamed",
+                          pair->blame.outcome != BLAME_NOT_RUN && !pair->on_equal_inputs);
+    if (!cJSON_HasObjectItem(page, "why"))
+        cJSON_AddArrayToObject(page, "why");
+    cJSON *guilty = cJSON_GetObjectItem(page, "guilty");
+    if (cJSON_IsObject(guilty))
+        cJSON_AddNumberToObject(guilty, "row", pair->blame.row);
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(page, "results"))
         add_row(item, compare, pair, row++);
     return page;
@@ -117,6 +142,8 @@ bool compare_write_html(const struct compare *compare)
     cJSON *pairs = cJSON_AddArrayToObject(page, "pairs");
     for (uint32_t i = 0; i < compare->pair_count; i++)
         cJSON_AddItemToArray(pairs, pair_page(compare, i));
+    cJSON *found = undefined_json(&compare->undefined);
+    cJSON_AddItemToObject(page, "undefined", found ? found : cJSON_CreateArray());
     cJSON *golden = cJSON_AddObjectToObject(page, "golden");
     if (compare->options.golden && !compare->options.update) {
         cJSON_AddStringToObject(golden, "folder", compare->options.golden);
