@@ -411,6 +411,11 @@ check "... with nothing changed" holds_json 'd["changes"] == ""'
 cp view.json fault.json
 check "its verdict names what compare names" agrees
 
+# What a body does that is undefined.
+/usr/bin/python3 -B "$root/tests/sanitize.py" make "$work"
+check "undefined behaviour is found" "$diptych" view --spec wrong.yaml --sanitize --backend vk --size 16x16 --window 640x480 --frames 2 --json view.json
+check "... in its line" holds_json '"index 8 of `taps`, which has 8 elements" in d["undefined"]'
+
 # Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.
 # shellcheck disable=SC2317 # called through check
 survives() { # seconds

@@ -152,7 +152,7 @@ static const struct option_row rows[] = {
     {"--fault", OPTION_STRING, AT(fault), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0,
      "SIDE:PASS:KIND[:SEED][@FRAME]",
      "inject a fault into the result of a pass on one side: bit|texel|sign|missing"},
-    {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL, 0, "KINDS",
+    {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL | VERB_VIEW, 0, "KINDS",
      "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some of index, "
      "arithmetic, loop, variable"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",

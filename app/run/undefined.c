@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "console/console.h"
 #include "gen/sanitize.h"
 
@@ -61,6 +62,16 @@ static void print_count(uint32_t count)
         printf(",%03u", count % 1000);
     } else {
         printf("%u", count);
+    }
+}
+
+void undefined_text(const struct undefined *undefined, struct text *text)
+{
+    text_add(text, "%s", "");
+    for (uint32_t i = 0; i < undefined->count; i++) {
+        const struct sanitize_report *report = &undefined->list[i];
+        text_add(text, "%s:%d:%d: undefined: %s; pass %s, %u times\n", report->file, report->line,
+                 report->column, report->text, report->pass, report->count);
     }
 }
 

@@ -21,6 +21,9 @@ void undefined_free(struct undefined *undefined); /* takes a zeroed one */
 /* On stdout. labels: of the sides; NULL: there is one. */
 void undefined_print(const struct undefined *undefined, const char *const *labels,
                      uint32_t side_count);
+struct text;
+/* A line for each, for a window. */
+void undefined_text(const struct undefined *undefined, struct text *text);
 /* For --json: [{"file", "line", "column", "message", "pass", "invocation", "count", "frame"}]. */
 struct cJSON *undefined_json(const struct undefined *undefined);
 

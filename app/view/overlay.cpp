@@ -377,6 +377,14 @@ static void lower(struct overlay *overlay, struct overlay_model *model)
                            model->error ? model->error_title : "none");
         scrolled(overlay, "error text", model->error ? model->error : "", false);
     }
+    bool found = model->undefined && *model->undefined;
+    if (found)
+        ImGui::PushStyleColor(ImGuiCol_Tab, ImVec4(0.6f, 0.12f, 0.1f, 1));
+    bool undefined = model->undefined && tab(overlay, "undefined");
+    if (found)
+        ImGui::PopStyleColor();
+    if (undefined)
+        scrolled(overlay, "undefined text", found ? model->undefined : "nothing was found", false);
     if (tab(overlay, "log")) {
         scrolled(overlay, "log text", model->log, model->log_size != overlay->log_size);
         overlay->log_size = model->log_size;

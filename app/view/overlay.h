@@ -104,10 +104,11 @@ struct overlay_model {
     const char *points; /* points that are shown, or "" */
     const char *error;  /* of a reload that failed; NULL: none */
     const char *error_title;
-    const char *log;     /* lines */
-    uint32_t log_size;   /* grows with every line, also when old ones go */
-    const char *changes; /* --set NAME=VALUE ..., or "" */
-    char slot;           /* 'A' or 'B' */
+    const char *undefined; /* lines of --sanitize; NULL: without it */
+    const char *log;       /* lines */
+    uint32_t log_size;     /* grows with every line, also when old ones go */
+    const char *changes;   /* --set NAME=VALUE ..., or "" */
+    char slot;             /* 'A' or 'B' */
     bool paused;
     uint32_t moments; /* frames of the motion; 0: nothing moves */
     uint32_t *moment; /* the present one; in and out, like the next */

@@ -305,10 +305,7 @@ bool view_render(struct view *view)
                               : (float)((milliseconds_now() - view->start) * 1e-3);
     view->frames++;
     view->camera = frame.camera;
-    if (!render_sides(view, &frame))
-        return false;
-    view_verdict_end(view);
-    return view_pictures(view);
+    return render_sides(view, &frame) && view_verdict_end(view) && view_pictures(view);
 }
 
 bool view_present(struct view *view, struct dt_bytes *photo)

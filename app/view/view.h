@@ -12,6 +12,7 @@
 #include "result/difference.h"
 #include "result/picture.h"
 #include "run/session.h"
+#include "run/undefined.h"
 #include "view/overlay.h"
 #include "result/points.h"
 
@@ -49,6 +50,7 @@ struct view_verdict {
     uint32_t first;            /* row that differs; rows.outputs.count: none */
     struct difference largest; /* of that row */
     uint32_t side;             /* that differs from the first there */
+    char *undefined;           /* --sanitize: what was found, a line each; NULL: not known; owned */
     double checked, cost;      /* end of the last check, and how long it took, in milliseconds */
 };
 
@@ -206,7 +208,7 @@ void view_verdict_free(struct view_verdict *verdict);
 void view_verdict_begin(struct view *view);
 /* After that pass of that side, in a frame that is checked. */
 bool view_verdict_take(struct view *view, uint32_t side, uint32_t pass);
-void view_verdict_end(struct view *view); /* after the frame */
+bool view_verdict_end(struct view *view); /* after the frame */
 void view_show_first(struct view *view);  /* the first difference, at its largest texel */
 
 /* ---- view_params.c --------------------------------------------------------------------------- */

@@ -173,6 +173,8 @@ static bool describe(struct view *view, const char *title, const char *state, co
         .error = view->error,
         .error_title = view->outline_wrong ? "view.yaml is wrong; the pipeline runs"
                                            : "reload failed; what was good before runs on",
+        .undefined =
+            view->options->setup.sanitize ? (verdict->undefined ? verdict->undefined : "") : NULL,
         .changes = changes,
         .slot = view->params.slot,
         .paused = view->paused,
@@ -250,6 +252,8 @@ void view_tell(const struct view *view)
     if (changes)
         cJSON_AddStringToObject(root, "changes", changes);
     free(changes);
+    if (view->verdict.undefined)
+        cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
     if (view->verdict.known)
         cJSON_AddStringToObject(root, "verdict", view->verdict.text);
     cJSON_AddNumberToObject(root, "reloads", view->reloads);

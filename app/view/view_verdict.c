@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "console/texels.h"
 
 /* Least milliseconds between two checks: after a change, and while only time goes on. */
@@ -39,6 +40,7 @@ static void forget(struct view_verdict *verdict)
 void view_verdict_free(struct view_verdict *verdict)
 {
     forget(verdict);
+    free(verdict->undefined);
     free(verdict->kept);
     free(verdict->marks);
     rows_free(&verdict->rows);
@@ -56,7 +58,7 @@ void view_verdict_begin(struct view *view)
     double pause = verdict->cost * (soon ? 2 : 10);
     bool due = now - verdict->checked > (pause > least ? pause : least) && view->frame > 0;
     bool wanted = view->paused || (last && view->frames + 1 >= last);
-    verdict->checking = view->side_count > 1 && (due || wanted);
+    verdict->checking = (view->side_count > 1 || view->options->setup.sanitize) && (due || wanted);
     if (!verdict->checking)
         return;
     forget(verdict);
@@ -148,12 +150,35 @@ static void tell_difference(struct view *view)
     free(place);
 }
 
-void view_verdict_end(struct view *view)
+/* --sanitize: reads what the frames have found on every side. */
+static bool read_undefined(struct view *view)
+{
+    const struct dt_log *log = &view->console->log;
+    struct undefined found = {0};
+    struct text text = {0};
+    bool good = true;
+    for (uint32_t i = 0; i < view->side_count && good; i++) {
+        const struct session *session = &view->side[i].session;
+        struct dt_bytes bytes = {0};
+        good =
+            session->runtime->read(session->handle, plan_reports(view->pipeline.plan), 0, &bytes) &&
+            undefined_add(&found, &view->pipeline, i, &bytes, log);
+        free(bytes.data);
+    }
+    if (good)
+        undefined_text(&found, &text);
+    undefined_free(&found);
+    free(view->verdict.undefined);
+    view->verdict.undefined = text.data;
+    return good;
+}
+
+bool view_verdict_end(struct view *view)
 {
     struct view_verdict *verdict = &view->verdict;
     uint32_t count = verdict->rows.outputs.count, equal = 0, within = 0;
     if (!verdict->checking)
-        return;
+        return true;
     for (uint32_t i = 0; i < count; i++) {
         equal += verdict->marks[i] == OVERLAY_EQUAL;
         within += verdict->marks[i] == OVERLAY_WITHIN;
@@ -173,6 +198,7 @@ void view_verdict_end(struct view *view)
     verdict->stale = verdict->checking = false;
     verdict->cost = milliseconds_now() - verdict->checked;
     verdict->checked += verdict->cost;
+    return !view->options->setup.sanitize || read_undefined(view);
 }
 
 void view_show_first(struct view *view)
