@@ -414,13 +414,13 @@ check "its verdict names what compare names" agrees
 # What a body does that is undefined.
 /usr/bin/python3 -B "$root/tests/sanitize.py" make "$work"
 check "undefined behaviour is found" "$diptych" view --spec wrong.yaml --sanitize --backend vk --size 16x16 --window 640x480 --frames 2 --json view.json
-check "... in its line" holds_json '"index 8 of `taps`, which has 8 elements" in d["undefined"]'
+check "... in its line" holds_json '": undefined: index 8 of " in d["undefined"]'
 
 # Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.
 # shellcheck disable=SC2317 # called through check
 survives() { # seconds
     local end=$((SECONDS + $1))
-    while [ $SECONDS -lt $end ] && kill -0 "$window"; do
+    while [ "$SECONDS" -lt "$end" ] && kill -0 "$window"; do
         /usr/bin/python3 "$root/tests/view.py" --random 40 | xdotool - || return
     done
     kill -0 "$window" && ! grep -E 'AddressSanitizer|runtime error' view.err
@@ -434,7 +434,9 @@ if [ -n "${DIPTYCH_LONG:-}" ] && [ -x "$root/build/asan/diptych" ]; then
 fi
 open_panes --backend both --window 1280x720
 check "a window for random input" see played.ppm verdict=green
-check "random input does no harm" survives $([ -n "${DIPTYCH_LONG:-}" ] && echo 600 || echo 2)
+seconds=2
+[ -z "${DIPTYCH_LONG:-}" ] || seconds=600
+check "random input does no harm" survives $seconds
 xdotool key Escape
 check "... up to the end" ends 0
 

@@ -286,6 +286,7 @@ static bool is_written(const struct overlay_model *model, uint32_t resource)
 static void unwritten(struct overlay *overlay, struct overlay_model *model)
 {
     ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
+    ImGui::PushID("unwritten"); /* passes may have the same names */
     for (uint32_t i = 0; i < model->info->resource_count; i++) {
         const struct dt_resource *resource = &model->info->resources[i];
         if (is_written(model, i) || !is_sought(overlay->search, resource->name))
@@ -296,6 +297,7 @@ static void unwritten(struct overlay *overlay, struct overlay_model *model)
         tip(resource->input ? "an input" : "No pass writes it.");
         ImGui::Unindent(ImGui::GetFontSize());
     }
+    ImGui::PopID();
     ImGui::PopStyleColor();
 }
 

@@ -18,18 +18,27 @@ static void snap(struct overlay_param *param)
     }
 }
 
-/* A box with a button for less and one for more. */
-static bool number_box(struct overlay_param *param, uint32_t index, float width)
+/* A box with a button for less and one for more. Counts when the button is released or the box left. */
+static bool number_box(struct overlay *overlay, struct overlay_param *param, uint32_t index,
+                       float width)
 {
     const char *format = param->is_whole ? "%.0f" : "%.6g";
     double step = param->step > 0 ? param->step : param->is_whole ? 1 : 0.05;
-    double large = step * 10;
+    double large = step * 10, *value = &param->value[index];
+    double shown = overlay->typing == value ? overlay->typed : *value;
     ImGui::SetNextItemWidth(width);
     ImGui::PushID(static_cast<int>(index));
-    bool changed = ImGui::InputScalar("##box", ImGuiDataType_Double, &param->value[index], &step,
-                                      &large, format, ImGuiInputTextFlags_EnterReturnsTrue);
+    if (ImGui::InputScalar("##box", ImGuiDataType_Double, &shown, &step, &large, format)) {
+        overlay->typing = value;
+        overlay->typed = shown;
+    }
+    bool done = ImGui::IsItemDeactivatedAfterEdit() && overlay->typing == value;
     ImGui::PopID();
-    return changed;
+    if (done) {
+        *value = overlay->typed;
+        overlay->typing = nullptr;
+    }
+    return done;
 }
 
 /* Between two ends, logarithmic where they are far apart. */
@@ -43,13 +52,13 @@ static bool slider(struct overlay_param *param, float width)
                                 wide ? ImGuiSliderFlags_Logarithmic : 0);
 }
 
-static bool edit_numbers(struct overlay_param *param)
+static bool edit_numbers(struct overlay *overlay, struct overlay_param *param)
 {
     bool ranged = !std::isinf(param->min) && !std::isinf(param->max), changed = false;
     float width = ImGui::GetContentRegionAvail().x - ImGui::GetFontSize() * 1.8f;
     float gap = ImGui::GetStyle().ItemSpacing.x;
     if (param->count == 1) {
-        changed |= number_box(param, 0, ranged ? width * 0.5f : width);
+        changed |= number_box(overlay, param, 0, ranged ? width * 0.5f : width);
         if (ranged) {
             ImGui::SameLine();
             changed |= slider(param, width * 0.5f - gap);
@@ -59,11 +68,11 @@ static bool edit_numbers(struct overlay_param *param)
     if (ranged)
         return slider(param, width);
     for (uint32_t i = 0; i < param->count; i++)
-        changed |= number_box(param, i, width);
+        changed |= number_box(overlay, param, i, width);
     return changed;
 }
 
-static void edit(struct overlay_param *param)
+static void edit(struct overlay *overlay, struct overlay_param *param)
 {
     bool changed,
         other = std::memcmp(param->value, param->initial, param->count * sizeof *param->value) != 0;
@@ -78,7 +87,7 @@ static void edit(struct overlay_param *param)
                                  : ImGui::GetStyleColorVec4(ImGuiCol_Text),
                            "%s", param->name);
         tip(param->doc);
-        changed = edit_numbers(param);
+        changed = edit_numbers(overlay, param);
     }
     if (changed)
         snap(param);
@@ -101,7 +110,7 @@ static void group(struct overlay *overlay, struct overlay_model *model, const ch
     for (uint32_t i = 0; i < model->param_count; i++)
         if (model->params[i].live == live &&
             is_sought(overlay->param_search, model->params[i].name))
-            edit(&model->params[i]);
+            edit(overlay, &model->params[i]);
 }
 
 static void changes(struct overlay_model *model)

@@ -34,6 +34,8 @@ struct overlay {
     bool marked;      /* as it was in the last build, like the next two */
     uint64_t texel;
     uint32_t resource;
+    const double *typing; /* number that is being typed; NULL: none */
+    double typed;
     uint32_t listed; /* row of the list that is shown */
     char search[64], param_search[64];
     const char *tab; /* to be shown next in the lower pane; NULL: as it is */

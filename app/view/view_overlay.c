@@ -152,6 +152,7 @@ static bool describe(struct view *view, const char *title, const char *state, co
 {
     const struct view_verdict *verdict = &view->verdict;
     const struct overlay_shown before = view->shown;
+    bool judged = verdict->known && view->side_count > 1;
     uint32_t moment = view->present_moment;
     struct overlay_model model = {
         .settings = &view->settings,
@@ -162,9 +163,9 @@ static bool describe(struct view *view, const char *title, const char *state, co
         .verdict = view->side_count < 2 ? "one backend: nothing to compare with"
                    : verdict->known     ? verdict->text
                                         : "comparing ...",
-        .mark = verdict->known ? verdict->worst : OVERLAY_UNKNOWN,
-        .stale = verdict->known && verdict->stale,
-        .row_mark = verdict->known ? verdict->marks : NULL,
+        .mark = judged ? verdict->worst : OVERLAY_UNKNOWN,
+        .stale = judged && verdict->stale,
+        .row_mark = judged ? verdict->marks : NULL,
         .info = view->pipeline.info,
         .rows = &verdict->rows,
         .side_count = view->side_count,
@@ -254,7 +255,7 @@ void view_tell(const struct view *view)
     free(changes);
     if (view->verdict.undefined)
         cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
-    if (view->verdict.known)
+    if (view->verdict.known && view->side_count > 1)
         cJSON_AddStringToObject(root, "verdict", view->verdict.text);
     cJSON_AddNumberToObject(root, "reloads", view->reloads);
     cJSON_AddItemToObject(root, "reload_ms", number_or_null(view->reload_ms));
