@@ -75,9 +75,9 @@ struct options {
     bool collect;
     const char *screenshot; /* view; like the next two */
     const char *present;
-    uint32_t window[2]; /* 0: not given */
-    const char *outline;    /* report: NULL: the one beside the spec */
-    bool trust;             /* replay: without a sandbox */
+    uint32_t window[2];  /* 0: not given */
+    const char *outline; /* report: NULL: the one beside the spec */
+    bool trust;          /* replay: without a sandbox */
     bool help;
 };
 

@@ -15,9 +15,9 @@ struct setting {
 };
 
 /* Stores what the file has; other names, and numbers out of range, are ignored, as is a missing file. */
-void settings_read(const char *file, const struct setting *list, uint32_t count);
+void settings_read(const char *name, const struct setting *list, uint32_t count);
 /* Makes the folder; logs its error. */
-bool settings_write(const char *file, const struct setting *list, uint32_t count,
+bool settings_write(const char *name, const struct setting *list, uint32_t count,
                     const struct dt_log *log);
 
 #endif

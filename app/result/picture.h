@@ -37,7 +37,7 @@ bool picture_look(struct picture *picture, const struct dt_resource *resource,
 /* The range of all finite numbers of the channels that are looked at, without a cleared depth of 1;
  * 0 to 1 where there are none. */
 void picture_range(const struct dt_resource *resource, const struct dt_bytes *bytes,
-                   uint32_t channel, float range[2]);
+                   uint32_t channel, float out[2]);
 
 /* Width and height of a picture of that extent, and where in it a texel of the resource is. False: there is
  * no texel at that place of the picture. */
