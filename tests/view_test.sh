@@ -440,6 +440,14 @@ check "random input does no harm" survives $seconds
 xdotool key Escape
 check "... up to the end" ends 0
 
+# Without a second driver, both backends become one, unless they were asked for.
+# shellcheck disable=SC2317 # called through check
+alone() { # option...
+    VK_ICD_FILENAMES=/dev/null "$diptych" view "${panes[@]}" --window 480x270 --frames 1 "$@"
+}
+check "OpenGL is shown alone where Vulkan is missing" alone
+check_status 1 "... but not when both are asked for" alone --backend gl,vk
+
 DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
 DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl
 check "four backends are too many" is_told 1 "at most 3 backends" "$diptych" view "${small[@]}" --backend gl,vk,gl,vk
