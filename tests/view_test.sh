@@ -72,9 +72,9 @@ is_told() { # status text command...
     grep -F -- "$text" told
 }
 
-# Both backends in one window, from the first picture to the last.
+# Both backends in one window, from the first picture to the last. References are taken at rest: frame 0 has no history yet.
 open_window --backend both --size 240x180 --window 480x180
-check "a window opens, and OpenGL's half is Vulkan's half" see panels.ppm shown size=480x180 halves
+check "a window opens, and OpenGL's half is Vulkan's half" see panels.ppm shown size=480x180 halves still
 xdotool key h
 check "H shows what is around the picture" see panes.ppm not=panels.ppm shown
 xdotool key h
@@ -82,7 +82,7 @@ check "... and hides it" see bare.ppm as=panels.ppm
 xdotool key 1
 check "1 is one bounce" see one.ppm not=panels.ppm shown halves
 xdotool key 0
-check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves
+check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves still
 check "it is what render makes of either" "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o none.png
 xdotool key c c
 check "the difference is black" see black.ppm black size=480x180
