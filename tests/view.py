@@ -36,6 +36,8 @@ def grab():
     header = struct.unpack(">25I", data[:100])
     width, height, bits, pitch = header[4], header[5], header[11], header[12]
     start, step = header[0] + header[19] * 12, bits // 8
+    if len(data) < start + height * pitch or height < 3:  # it got another size meanwhile
+        return 0, 0, []
     rows = []
     for y in range(height):
         row = data[start + y * pitch:start + y * pitch + width * step]

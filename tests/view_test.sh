@@ -298,6 +298,7 @@ check "... that says so" says "the window ends"
 
 # ---- The panes ------------------------------------------------------------------------------------------------------
 
+cp "$root/scenes/cornell.yaml" "$scene" # with its own camera
 panes=(--scene "$scene" --spec "$work/templates/rsm.yaml" --set rsm_size=64 --set samples=4 --size 160x120)
 open_panes() { # option...
     rm -f config/diptych/view.yaml
