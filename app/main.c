@@ -18,22 +18,30 @@ static const struct verb verbs[] = {
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.", verb_render,
      EXIT_FAILED},
     {"compare", VERB_COMPARE,
-     "run two or more backends, or take two dumps, and compare every resource after every pass",
+     "run two or more backends, or take dumps, and compare every resource after every pass",
      "Prints a table. Its last line names the guilty pass: the first with an error of its own when "
-     "it gets\nthe first side's inputs.\nWith A and B nothing is run: the last line names the "
+     "it gets\nthe first side's inputs.\nWith dumps nothing is run but --run: the last line names "
+     "the "
      "first pass that differs, lines before it say "
-     "why.\nExit status: 0 the backends agree, 1 they differ, 2 it "
-     "could not run.",
+     "why.\nLines that begin with `elsewhere:` tell what other devices or runs may do.\nExit "
+     "status: 0 the backends agree, 1 they differ, or --sanitize or --repeat has found something, "
+     "2 it could not run.",
      verb_compare, EXIT_USAGE},
+    {"import", VERB_IMPORT, "make a spec of shaders, or of a preset of RetroArch",
+     "The shaders stay as they are; the spec declares what they read and write. It checks and runs "
+     "at "
+     "once;\ncomments name what a shader does not tell, such as sizes.\nExit status: 0 done, 1 it "
+     "failed (the reason is on stderr), 2 wrong usage.",
+     verb_import, EXIT_FAILED},
     {"list", VERB_LIST, "name the parameters, resources and passes of a pipeline",
      "Parameters have their type, value and range; resources their format and size; passes what "
      "they\n"
-     "read and write, in order of execution.\n"
+     "call at this size, read and write, in order of execution.\n"
      "Exit status: 0 done, 1 the spec is wrong (the reason is on stderr), 2 wrong usage.",
      verb_list, EXIT_FAILED},
     {"replay", VERB_REPLAY, "run one pass alone, from a folder that compare --bisect wrote",
      "Prints how the results of the pass differ from the expected ones.\nExit status: 0 as "
-     "expected, 1 it differs, 2 it could not run.",
+     "expected, 1 it differs, or --sanitize has found something, 2 it could not run.",
      verb_replay, EXIT_USAGE},
     {"reference", VERB_REFERENCE, "path-trace a scene as ground truth for pipelines",
      "Surfaces are Lambertian; lights, camera and materials are the same as for "
@@ -60,18 +68,34 @@ static const struct verb verbs[] = {
      "also compared with that C on this processor.\nExit status: 0 done, 1 it failed (the reason "
      "is on stderr), 2 wrong usage.",
      verb_bench, EXIT_FAILED},
+    {"cost", VERB_COST, "what a frame costs on a GPU, by its compiler, without the GPU",
+     "Compiles every pass for chips of AMD with RADV on its null hardware, and prints registers, "
+     "waves, "
+     "code\nand cycles of each stage. With the plan's counts they make lower bounds of times: of "
+     "arithmetic, of one\nwave's latency, and of bytes.\n"
+     "Exit status: 0 done, 1 --against: a pass is worse beyond the limit, 2 it could not run.",
+     verb_cost, EXIT_USAGE},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
      "Runs reference, render, metrics, bench and compare from a ninja file in the folder, and "
      "makes\nindex.html from their results. The same command continues an interrupted "
      "report.\nExit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report, EXIT_USAGE},
-    {"view", VERB_VIEW, "a window on one backend, or on two beside each other",
-     "W A S D and the mouse fly, Q and E go down and up; Shift: faster, the wheel: how fast.\n"
+    {"view", VERB_VIEW, "a window on one to three backends, which says whether they agree",
+     "Without options: the Cornell Box, by OpenGL and Vulkan. The bar on top is the verdict: a "
+     "click, or G,\n"
+     "shows the first difference. Left are passes and what they write, right the parameters, below "
+     "errors and log.\n"
+     "W A S D and the mouse fly, Q and E go down and up; right button: orbit; wheel: zoom; F: "
+     "whole.\n"
      "Tab or Right, Left: the next or previous image; Home: the picture; Up, Down: a layer;\n"
      "Page Up, Page Down: a mip; V: points; 0 to 9: the parameter that view.yaml beside the spec "
      "names.\n"
-     "C: two backends side by side, half of each, their difference; + and -: its amplification.\n"
-     "Space: pause; H: the panel; P: screenshot; Ctrl+S: camera into the scene file; Esc: end.\n"
+     "C: backends side by side, a part of each, difference; + and -: its amplification; T: false "
+     "colour; R: range.\n"
+     "Space: pause; . one frame; B: settings A or B; Ctrl+Z: undo; P: save the picture; Ctrl+S: "
+     "the camera;\n"
+     "F1: keys; F2, F3, F4, H: panes; Esc: end. Sizes of panes are kept in "
+     "$XDG_CONFIG_HOME/diptych/view.yaml.\n"
      "Saving the spec or a file that it names reloads the pipeline.\n"
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_view, EXIT_FAILED},
@@ -86,7 +110,9 @@ static const struct verb verbs[] = {
     {"tune", VERB_TUNE, "find the fastest choices that change no bit, for one device",
      "Tries other workgroups, and other storage and loops of ranges, which a spec leaves to the "
      "generator.\nA change is kept if it makes its pass faster in frames that take turns; passes "
-     "below 1 % of the frame\nare left as they are. --set keeps a value. At the end, all resources "
+     "below 1 % of the frame\nare left as they are. --gpu goes by the figures of a GPU's compiler, "
+     "as `cost` does, and leaves loops "
+     "out. --set keeps a value. At the end, all resources "
      "of all passes must have the same bits.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_tune, EXIT_FAILED},
     {"help", VERB_HELP, "list the verbs, or the options of one",
@@ -122,11 +148,8 @@ static int unknown_verb(const struct console *console, const char *word)
     const char *names[DT_ARRAY_COUNT(verbs)];
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         names[i] = verbs[i].name;
-    const char *hint = nearest_name(word, names, DT_ARRAY_COUNT(verbs));
-    if (hint)
-        report_error(&console->log, "unknown verb \"%s\"; did you mean \"%s\"?", word, hint);
-    else
-        report_error(&console->log, "unknown verb \"%s\"; see diptych --help", word);
+    report_error(&console->log, "unknown verb \"%s\"%s", word,
+                 name_hint('"', word, names, DT_ARRAY_COUNT(verbs), "; see diptych --help").text);
     return EXIT_USAGE;
 }
 
@@ -151,7 +174,7 @@ static int verb_help(struct console *console, const struct options *options)
 }
 
 /* For app/manual.awk. */
-static int describe(void)
+static int describe_verbs(void)
 {
     printf("program\tdiptych\tone description of a GPU pipeline, run by OpenGL and by Vulkan\t\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(environment); i++)
@@ -215,7 +238,7 @@ static int run_verb(struct console *console, const struct verb *verb, int argc, 
     return status;
 }
 
-static int run(struct console *console, int argc, char **argv)
+static int run_command(struct console *console, int argc, char **argv)
 {
     if (argc < 2) {
         help(stderr);
@@ -230,7 +253,7 @@ static int run(struct console *console, int argc, char **argv)
         return EXIT_FINE;
     }
     if (strcmp(argv[1], "--describe") == 0)
-        return describe();
+        return describe_verbs();
     const struct verb *verb = find_verb(argv[1]);
     return verb ? run_verb(console, verb, argc - 2, argv + 2) : unknown_verb(console, argv[1]);
 }
@@ -241,7 +264,7 @@ int main(int argc, char **argv)
     /* Vulkan drivers may keep each command of a frame in a block of malloc's: recording ssvp takes a
      * tenth less with lavapipe where blocks of this size are reused as they are. No harm if refused. */
     mallopt(M_MXFAST, 160);
-    int status = console_open(&console) ? run(&console, argc, argv) : EXIT_FAILED;
+    int status = console_open(&console) ? run_command(&console, argc, argv) : EXIT_FAILED;
     console_close(&console);
     if (fflush(stdout) != 0 || ferror(stdout)) {
         fprintf(stderr, "diptych: error: standard output cannot be written\n");

@@ -7,8 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/diag.h"
 #include "base/input.h"
-#include "base/log.h"
 #include "base/nearest.h"
 
 #define MOST_OVERLAY_BYTES ((size_t)1 << 20)
@@ -57,12 +57,13 @@ static const char *text_at(const void *options, const struct option_row *row)
     return *(const char *const *)(const void *)((const char *)options + row->offset);
 }
 
-/* The first positional argument without a value, or NULL. */
+/* The first positional argument without a value, or a list, which takes all the rest; or NULL. */
 static const struct option_row *find_alone(const struct command_line *command, const void *options)
 {
     for (uint32_t i = 0; i < command->row_count; i++) {
         const struct option_row *row = &command->rows[i];
-        if (takes(command, row) && row->name[0] != '-' && !text_at(options, row))
+        if (takes(command, row) && row->name[0] != '-' &&
+            (row->kind == OPTION_TEXTS || !text_at(options, row)))
             return row;
     }
     return NULL;
@@ -76,13 +77,10 @@ static bool unknown_option(const struct command_line *command, const char *argum
     char *word = strndup(argument, length);
     for (uint32_t i = 0; names && i < command->row_count; i++)
         names[i] = takes(command, &command->rows[i]) ? command->rows[i].name : NULL;
-    const char *hint = word && names ? nearest_name(word, names, command->row_count) : NULL;
-    if (hint)
-        report_error(log, "%sunknown option \"%s\"; did you mean \"%s\"?",
-                     error_prefix(command, prefix), word, hint);
-    else
-        report_error(log, "%sunknown option \"%s\"; see %s --help", error_prefix(command, prefix),
-                     word ? word : argument, command_name(command, name));
+    char see[96];
+    snprintf(see, sizeof see, "; see %s --help", command_name(command, name));
+    report_error(log, "%sunknown option \"%s\"%s", error_prefix(command, prefix),
+                 word ? word : argument, name_hint('"', word, names, command->row_count, see).text);
     free(word);
     free(names);
     return false;
@@ -103,7 +101,7 @@ static const char *read_count(const char *text, char end, uint32_t least, uint32
     return end ? rest + 1 : rest;
 }
 
-static bool read_number(const char *text, double *value)
+static bool parse_option_number(const char *text, double *value)
 {
     char *rest = NULL;
     double number = strtod(text, &rest);
@@ -130,7 +128,7 @@ bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
                 OPTIONS_MAX_SIZE);
 }
 
-static bool append(struct text_list *list, const char *text, const struct dt_log *log)
+static bool append_text(struct text_list *list, const char *text, const struct dt_log *log)
 {
     const char **grown = realloc(list->items, (list->count + 1) * sizeof *grown);
     if (!grown)
@@ -163,7 +161,7 @@ static bool store(void *options, const struct option_row *row, const char *value
                fail(log, "%s %s: must be a whole number from %u to %d", row->name, value, least,
                     OPTIONS_MAX_COUNT);
     case OPTION_NUMBER:
-        return read_number(value, place) ||
+        return parse_option_number(value, place) ||
                fail(log, "%s %s: must be a number above 0", row->name, value);
     case OPTION_SIZE:
         return option_size(value, place, log);
@@ -171,9 +169,9 @@ static bool store(void *options, const struct option_row *row, const char *value
         if (!strchr(value, '=') || value[0] == '=')
             return fail(log, "%s %s: must be %s, like %s", row->name, value, row->argument,
                         strcmp(row->argument, "NAME=FILE") ? "clusters=16" : "photo=in.png");
-        return append(place, value, log);
+        return append_text(place, value, log);
     case OPTION_TEXTS:
-        return append(place, value, log);
+        return append_text(place, value, log);
     }
     return false;
 }
@@ -240,24 +238,27 @@ static bool is_tunable(const char *set)
 }
 
 /* A line `- PATH=VALUE`. */
-static bool take_line(struct text_list *all, const char *path, unsigned number, const char *line,
-                      const struct dt_log *log)
+static bool take_overlay_line(struct text_list *all, const char *path, int number, const char *line,
+                              const struct dt_log *log)
 {
+    const struct source source = {.path = path};
     if (strncmp(line, "- ", 2) != 0 || !strchr(line, '='))
-        return fail(log, "%s:%u:1: error: this is no line `- PATH=VALUE`", path, number);
-    if (!is_tunable(line + 2))
-        return fail(log,
-                    "%s:%u:3: error: an overlay sets parameters, `local`, `storage` and `loop` "
-                    "alone; use --set for `%.*s`",
-                    path, number, (int)strcspn(line + 2, "="), line + 2);
-    return append(all, line + 2, log);
+        report_at(log, (struct loc){&source, number, 1, 1}, "this is no line `- PATH=VALUE`");
+    else if (!is_tunable(line + 2))
+        report_at(log, (struct loc){&source, number, 3, 1},
+                  "an overlay sets parameters, `local`, `storage` and `loop` alone; use --set for "
+                  "`%.*s`",
+                  (int)strcspn(line + 2, "="), line + 2);
+    else
+        return append_text(all, line + 2, log);
+    return false;
 }
 
 bool command_overlay(struct text_list *sets, const char *path, char **text,
                      const struct dt_log *log)
 {
     struct text_list all = {0};
-    unsigned number = 1;
+    int number = 1;
     const char *reason;
     size_t length;
     *text = input_read(path, MOST_OVERLAY_BYTES, &length, &reason);
@@ -265,10 +266,10 @@ bool command_overlay(struct text_list *sets, const char *path, char **text,
     for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
         if (!*line || *line == '#')
             continue;
-        good = take_line(&all, path, number, line, log);
+        good = take_overlay_line(&all, path, number, line, log);
     }
     for (uint32_t i = 0; i < sets->count && good; i++)
-        good = append(&all, sets->items[i], log);
+        good = append_text(&all, sets->items[i], log);
     free(good ? sets->items : all.items);
     if (good)
         *sets = all;

@@ -19,16 +19,6 @@
 #include "base/input.h"
 #include "base/temporary.h"
 
-char *format_string(const char *format, ...)
-{
-    char *text = NULL;
-    va_list arguments;
-    va_start(arguments, format);
-    int length = vasprintf(&text, format, arguments);
-    va_end(arguments);
-    return length < 0 ? NULL : text;
-}
-
 char *file_read(const char *path, size_t *size, const struct dt_log *log)
 {
     const char *reason;

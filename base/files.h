@@ -5,12 +5,10 @@
 
 #include <stdio.h>
 
+#include "base/text.h"
 #include "diptych.h"
 
 struct cJSON;
-
-/* printf into a new string; NULL when out of memory. */
-char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* The whole file plus a terminating zero that *size does not count; free(). */
 char *file_read(const char *path, size_t *size, const struct dt_log *log);

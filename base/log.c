@@ -7,12 +7,17 @@
 
 void report_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
 {
-    char *text = NULL;
-    va_list arguments;
+    char *text = NULL, short_text[1024]; /* where memory is out */
+    va_list arguments, again;
     va_start(arguments, format);
+    va_copy(again, arguments);
     int length = vasprintf(&text, format, arguments);
+    if (length < 0)
+        vsnprintf(short_text, sizeof short_text, format, again);
+    va_end(again);
     va_end(arguments);
-    log->message(log->user, level, length < 0 ? "out of memory" : text);
+    if (log->message)
+        log->message(log->user, level, length < 0 ? short_text : text);
     if (length >= 0)
         free(text);
 }

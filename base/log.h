@@ -4,7 +4,7 @@
 
 #include "diptych.h"
 
-/* printf into a log, without the trailing newline. */
+/* printf into a log, without the trailing newline; nowhere if its message is NULL. */
 void report_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 #define report_error(log, ...) report_message(log, DT_ERROR, __VA_ARGS__)

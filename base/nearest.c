@@ -1,6 +1,7 @@
 /* Edit distance; see nearest.h. */
 #include "base/nearest.h"
 
+#include <stdio.h>
 #include <string.h>
 #include <strings.h>
 
@@ -37,8 +38,11 @@ const char *nearest_name(const char *word, const char *const *names, size_t coun
     if (length > LONGEST_WORD)
         return NULL;
     unsigned limit = length <= 4 ? 1 : length <= 6 ? 2 : 3, best = limit + 1;
-    const char *nearest = NULL;
+    const char *nearest = NULL, *longer = NULL;
     for (size_t i = 0; i < count; i++) {
+        if (length > 2 && !longer && names[i] && strncmp(word, names[i], length) == 0 &&
+            names[i][length])
+            longer = names[i];
         if (!names[i] || strlen(names[i]) > LONGEST_WORD || !strcmp(word, names[i]))
             continue;
         unsigned distance = strcasecmp(word, names[i]) ? edit_distance(word, names[i]) : 0;
@@ -47,5 +51,17 @@ const char *nearest_name(const char *word, const char *const *names, size_t coun
             nearest = names[i];
         }
     }
-    return nearest;
+    return nearest ? nearest : longer;
+}
+
+struct name_hint name_hint(char quote, const char *word, const char *const *names, size_t count,
+                           const char *otherwise)
+{
+    struct name_hint hint;
+    const char *near = word && names ? nearest_name(word, names, count) : NULL;
+    if (near)
+        snprintf(hint.text, sizeof hint.text, "; did you mean %c%s%c?", quote, near, quote);
+    else
+        snprintf(hint.text, sizeof hint.text, "%s", otherwise);
+    return hint;
 }

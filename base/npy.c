@@ -15,7 +15,7 @@ static _Thread_local char reason_text[MOST_REASON];
 /* ---- The header: a Python dictionary of three keys ------------------------------------------- */
 
 /* What follows 'KEY': in the dictionary, without spaces; NULL: it is not there. */
-static const char *value_of(const char *header, const char *key)
+static const char *header_value(const char *header, const char *key)
 {
     const char *at = strstr(header, key);
     at = at ? strchr(at, ':') : NULL;
@@ -154,8 +154,8 @@ static bool take_header(FILE *file, struct npy *array, const char **reason)
         return false;
     header[size] = '\0';
     array->offset += size;
-    const char *descr = value_of(header, "'descr'"), *shape = value_of(header, "'shape'"),
-               *order = value_of(header, "'fortran_order'");
+    const char *descr = header_value(header, "'descr'"), *shape = header_value(header, "'shape'"),
+               *order = header_value(header, "'fortran_order'");
     if (!descr || !shape || !order)
         return false;
     if (strncmp(order, "False", 5) != 0) {

@@ -6,10 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Bytes of the printable character that begins here; 0: there is none. Control characters are U+0000
- * to U+001F, and U+007F to U+009F; overlong forms, surrogates and numbers beyond U+10FFFF are no
- * characters. */
-static size_t character(const char *at)
+size_t text_character(const char *at)
 {
     static const uint32_t least[] = {0, 0, 0x80, 0x800, 0x10000};
     const uint8_t *bytes = (const uint8_t *)at;
@@ -34,7 +31,7 @@ static size_t character(const char *at)
 bool text_is_printable(const char *text)
 {
     while (*text) {
-        size_t length = character(text);
+        size_t length = text_character(text);
         if (!length)
             return false;
         text += length;
@@ -47,7 +44,7 @@ static char *copy_with(const char *text, const char *other)
 {
     char *copy = malloc(strlen(text) * 4 + 1), *to = copy;
     while (copy && *text) {
-        size_t length = character(text);
+        size_t length = text_character(text);
         if (length)
             memcpy(to, text, length);
         to += length ? length : (size_t)sprintf(to, other, (uint8_t)*text);

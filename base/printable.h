@@ -3,8 +3,12 @@
 #define DIPTYCH_PRINTABLE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 
-/* Line feeds and tabs are printable. */
+/* Bytes of the printable character that begins here; 0: there is none. Line feeds and tabs are printable.
+ * Control characters are U+0000 to U+001F, and U+007F to U+009F; overlong forms, surrogates and numbers
+ * beyond U+10FFFF are no characters. */
+size_t text_character(const char *at);
 bool text_is_printable(const char *text);
 /* A copy in which all other bytes are written \xNN; free(). NULL: out of memory. */
 char *text_printable(const char *text);

@@ -1,6 +1,7 @@
 /* A growing piece of text. */
 #include "base/text.h"
 
+#include <ctype.h>
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -75,6 +76,21 @@ void text_add(struct text *text, const char *format, ...)
     }
     va_end(again);
     va_end(arguments);
+}
+
+char *format_string(const char *format, ...)
+{
+    char *text = NULL;
+    va_list arguments;
+    va_start(arguments, format);
+    int length = vasprintf(&text, format, arguments);
+    va_end(arguments);
+    return length < 0 ? NULL : text;
+}
+
+bool text_is_word(char c)
+{
+    return isalnum((unsigned char)c) || c == '_';
 }
 
 void text_add_json(struct text *text, const char *string)

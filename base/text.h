@@ -12,6 +12,8 @@ struct text {
 };
 void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(struct text *text, const char *bytes, size_t length);
+/* Whether the character may stand in a name of C or GLSL. */
+bool text_is_word(char c);
 void text_add_json(struct text *text, const char *string); /* quoted and escaped */
 /* As an identifier of C or GLSL: the dots of an instance's names become underscores. */
 void text_add_word(struct text *text, const char *name);
@@ -23,6 +25,9 @@ void text_add_double(struct text *text, double value);
  * long. */
 void text_wrap(struct text *text, size_t columns);
 void text_free(struct text *text);
+
+/* printf into a new string; NULL when out of memory. */
+char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
 /* Whether any text or arena of this process ran out of memory since memory_forget. What was made
  * since then may be incomplete. */

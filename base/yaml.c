@@ -1,90 +1,16 @@
 /* YAML documents and messages that point into them; see yaml.h. */
 #include "base/yaml.h"
 
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-static void report(const struct yaml_sink *sink, struct yaml_place place, bool note,
-                   const char *format, ...) __attribute__((format(printf, 4, 5)));
+#include "base/printable.h"
 
-static void report(const struct yaml_sink *sink, struct yaml_place place, bool note,
-                   const char *format, ...)
-{
-    char *text = NULL;
-    va_list arguments;
-    va_start(arguments, format);
-    bool good = vasprintf(&text, format, arguments) >= 0;
-    va_end(arguments);
-    sink->report(sink->user, place, note, good ? text : "out of memory");
-    if (good)
-        free(text);
-}
-
-/* ---- Printing -------------------------------------------------------------------------------- */
-
-/* Start and length in bytes of a line; false when the text has no such line. */
-static bool find_line(const char *text, size_t bytes, int line, const char **start, int *length)
-{
-    if (!text || line < 1)
-        return false;
-    const char *at = text, *end = text + bytes;
-    for (int i = 1; i < line; i++) {
-        at = memchr(at, '\n', (size_t)(end - at));
-        if (!at)
-            return false;
-        at++;
-    }
-    const char *stop = memchr(at, '\n', (size_t)(end - at));
-    if (!stop)
-        stop = end;
-    if (stop > at && stop[-1] == '\r')
-        stop--;
-    *start = at;
-    *length = (int)(stop - at);
-    return true;
-}
-
-static bool continues_character(char byte)
-{
-    return (byte & 0xc0) == 0x80;
-}
-
-/* Keeps tabs, so that the caret stands below its character. */
-static void print_caret(FILE *out, const char *line, int bytes, struct yaml_place place)
-{
-    fputs("      | ", out);
-    int i = 0, at = 1;
-    for (; i < bytes && at < place.column; i++) {
-        if (continues_character(line[i]))
-            continue;
-        fputc(line[i] == '\t' ? '\t' : ' ', out);
-        at++;
-    }
-    while (i < bytes && continues_character(line[i]))
-        i++;
-    int left = 0;
-    for (; i < bytes; i++)
-        left += !continues_character(line[i]);
-    fputc('^', out);
-    for (int k = 1; k < place.length && k < left; k++)
-        fputc('~', out);
-    fputc('\n', out);
-}
-
-void yaml_print(FILE *out, const char *path, const char *text, size_t length,
-                struct yaml_place place, const char *severity, const char *message)
-{
-    const char *line;
-    int bytes;
-    /* Editors need a line and a column: a message about the whole file gets the first ones. */
-    fprintf(out, "%s:%d:%d: %s: %s\n", path, place.line < 1 ? 1 : place.line,
-            place.line < 1 ? 1 : place.column, severity, message);
-    if (!find_line(text, length, place.line, &line, &bytes))
-        return;
-    fprintf(out, "%5d | %.*s\n", place.line, bytes, line);
-    print_caret(out, line, bytes, place);
-}
+/* What a document is read from, and where its messages go. */
+struct target {
+    const struct source *source;
+    struct diag *diag;
+};
 
 /* ---- Places ---------------------------------------------------------------------------------- */
 
@@ -114,9 +40,9 @@ static struct fy_node *key_of(struct fy_node *node)
     return NULL;
 }
 
-struct yaml_place yaml_node_place(struct fy_node *node)
+struct loc yaml_loc(const struct source *source, struct fy_node *node)
 {
-    struct yaml_place place = {.length = 1};
+    struct loc place = {.source = source, .length = 1};
     struct fy_node *scalar = first_scalar(node);
     if (!scalar)
         node = scalar = key_of(node);
@@ -134,42 +60,26 @@ struct yaml_place yaml_node_place(struct fy_node *node)
 
 /* ---- Text ------------------------------------------------------------------------------------ */
 
-/* Bytes of the UTF-8 character at `at`; 0: none, or a control character. Unicode 15, table 3-7. */
-static size_t character_length(const unsigned char *at, size_t left)
+const char *yaml_wrong_byte(const char *text, size_t length)
 {
-    unsigned char first = *at, second = left > 1 ? at[1] : 0;
-    size_t length = first < 0x80   ? 1
-                    : first < 0xc2 ? 0
-                    : first < 0xe0 ? 2
-                    : first < 0xf0 ? 3
-                    : first < 0xf5 ? 4
-                                   : 0;
-    bool control =
-        (first < 0x20 && first != '\t' && first != '\n' && first != '\r') || first == 0x7f;
-    bool overlong = (first == 0xe0 && second < 0xa0) || (first == 0xf0 && second < 0x90);
-    bool beyond = (first == 0xed && second > 0x9f) || (first == 0xf4 && second > 0x8f);
-    if (control || overlong || beyond || length > left)
-        return 0;
-    for (size_t i = 1; i < length; i++)
-        if (!continues_character((char)at[i]))
-            return 0;
-    return length;
+    size_t step = 1;
+    for (const char *at = text; at < text + length; at += step) {
+        step = *at == '\r' ? 1 : text_character(at);
+        if (!step)
+            return at;
+    }
+    return NULL;
 }
 
-bool yaml_check_text(const char *text, size_t length, const struct yaml_sink *sink)
+/* Where a byte of the source stands. */
+static struct loc loc_of(const struct source *source, const char *byte)
 {
-    struct yaml_place place = {1, 1, 1};
-    size_t step = 1;
-    for (size_t i = 0; i < length; i += step, place.column++) {
-        step = character_length((const unsigned char *)text + i, length - i);
-        if (!step) {
-            report(sink, place, false, "the byte 0x%02x is no UTF-8 text", (unsigned char)text[i]);
-            return false;
-        }
-        if (text[i] == '\n')
-            place = (struct yaml_place){place.line + 1, 0, 1};
+    struct loc loc = {source, 1, 1, 1};
+    for (const char *at = source->text; at < byte; at++) {
+        loc.column = *at == '\n' ? 1 : loc.column + ((*at & 0xc0) != 0x80);
+        loc.line += *at == '\n';
     }
-    return true;
+    return loc;
 }
 
 /* ---- Duplicate keys -------------------------------------------------------------------------- */
@@ -202,7 +112,7 @@ static int compare_indices(const void *a, const void *b)
 /* Reports the later ones of equal names, sorted by name and index; moves them to the front,
  * sorted by index. Returns their count. */
 static size_t report_duplicates(struct fy_node_pair *const *pairs, struct name *names, size_t count,
-                                const struct yaml_sink *sink)
+                                const struct target *to)
 {
     size_t found = 0, first = 0;
     for (size_t i = 1; i < count; i++) {
@@ -210,19 +120,19 @@ static size_t report_duplicates(struct fy_node_pair *const *pairs, struct name *
             first = i;
             continue;
         }
-        report(sink, yaml_node_place(fy_node_pair_key(pairs[names[i].index])), false,
-               "the key `%.*s` stands twice", (int)names[i].length, names[i].text);
-        report(sink, yaml_node_place(fy_node_pair_key(pairs[names[first].index])), true,
-               "first here");
+        diag_error(to->diag, yaml_loc(to->source, fy_node_pair_key(pairs[names[i].index])),
+                   "the key `%.*s` stands twice", (int)names[i].length, names[i].text);
+        diag_note(to->diag, yaml_loc(to->source, fy_node_pair_key(pairs[names[first].index])),
+                  "first here");
         names[found++].index = names[i].index;
     }
     qsort(names, found, sizeof *names, compare_indices);
     return found;
 }
 
-static bool drop_duplicates(struct fy_node *node, const struct yaml_sink *sink);
+static bool drop_duplicates(struct fy_node *node, const struct target *to);
 
-static bool drop_in_mapping(struct fy_node *node, const struct yaml_sink *sink)
+static bool drop_in_mapping(struct fy_node *node, const struct target *to)
 {
     size_t count = (size_t)fy_node_mapping_item_count(node), named = 0, all = 0;
     struct name *names = calloc(count + 1, sizeof *names);
@@ -237,11 +147,11 @@ static bool drop_in_mapping(struct fy_node *node, const struct yaml_sink *sink)
         if (name.text)
             names[named++] = name;
         pairs[all++] = pair;
-        good = drop_duplicates(fy_node_pair_value(pair), sink);
+        good = drop_duplicates(fy_node_pair_value(pair), to);
     }
     if (good) {
         qsort(names, named, sizeof *names, compare_names);
-        size_t found = report_duplicates(pairs, names, named, sink);
+        size_t found = report_duplicates(pairs, names, named, to);
         for (size_t i = found; i-- > 0;)
             fy_node_mapping_remove(node, pairs[names[i].index]);
     }
@@ -251,34 +161,34 @@ static bool drop_in_mapping(struct fy_node *node, const struct yaml_sink *sink)
 }
 
 /* false: out of memory. The parser limits the depth. */
-static bool drop_duplicates(struct fy_node *node, const struct yaml_sink *sink)
+static bool drop_duplicates(struct fy_node *node, const struct target *to)
 {
     void *iterator = NULL;
     struct fy_node *item;
     if (!node || fy_node_get_type(node) == FYNT_SCALAR)
         return true;
     if (fy_node_get_type(node) == FYNT_MAPPING)
-        return drop_in_mapping(node, sink);
+        return drop_in_mapping(node, to);
     while ((item = fy_node_sequence_iterate(node, &iterator)))
-        if (!drop_duplicates(item, sink))
+        if (!drop_duplicates(item, to))
             return false;
     return true;
 }
 
 /* ---- Syntax ---------------------------------------------------------------------------------- */
 
-static void report_syntax(struct fy_diag *messages, const struct yaml_sink *sink)
+static void report_syntax(struct fy_diag *messages, const struct target *to)
 {
     void *iterator = NULL;
     struct fy_diag_error *error;
     bool any = false;
     while ((error = fy_diag_errors_iterate(messages, &iterator))) {
-        report(sink, (struct yaml_place){error->line, error->column, 1}, false, "YAML: %s",
-               error->msg);
+        diag_error(to->diag, (struct loc){to->source, error->line, error->column, 1}, "YAML: %s",
+                   error->msg);
         any = true;
     }
     if (!any)
-        report(sink, (struct yaml_place){.length = 1}, false, "YAML: the file has no content");
+        diag_error(to->diag, (struct loc){.source = to->source}, "YAML: the file has no content");
 }
 
 /* ---- Aliases --------------------------------------------------------------------------------- */
@@ -339,59 +249,64 @@ static bool count_aliased(struct fy_node *node, int depth, bool aliased, struct 
 }
 
 /* fy_document_resolve takes time quadratic in the keys of a mapping: only where it is needed. */
-static bool expand(struct fy_document *document, struct fy_diag *messages,
-                   const struct yaml_sink *sink)
+static bool expand(struct fy_document *document, struct fy_diag *messages, const struct target *to)
 {
     struct fy_node *root = fy_document_root(document);
     struct expansion e = {0};
     if (!count_aliased(root, 0, false, &e)) {
-        report(sink, yaml_node_place(e.alias ? e.alias : root), false,
-               "aliases add more than %d nodes, or nest more than %d deep", YAML_MOST_ALIASED,
-               MOST_DEPTH);
+        diag_error(to->diag, yaml_loc(to->source, e.alias ? e.alias : root),
+                   "aliases add more than %d nodes, or nest more than %d deep", YAML_MOST_ALIASED,
+                   MOST_DEPTH);
         return false;
     }
     if (!e.needed || !fy_document_resolve(document))
         return true;
-    report_syntax(messages, sink);
+    report_syntax(messages, to);
     return false;
 }
 
 /* ---- Parsing --------------------------------------------------------------------------------- */
 
-static struct fy_document *parse(const char *text, size_t length, struct fy_diag *messages,
-                                 const struct yaml_sink *sink)
+static struct fy_document *parse_document(const struct source *source, struct fy_diag *messages,
+                                          const struct target *to)
 {
     struct fy_parse_cfg config = {.search_path = "",
                                   .flags =
                                       FYPCF_QUIET | FYPCF_COLLECT_DIAG | FYPCF_ALLOW_DUPLICATE_KEYS,
                                   .diag = messages};
-    struct fy_document *document = fy_document_build_from_string(&config, text, length);
-    bool good = document && drop_duplicates(fy_document_root(document), sink);
+    struct fy_document *document =
+        fy_document_build_from_string(&config, source->text, source->length);
+    bool good = document && drop_duplicates(fy_document_root(document), to);
     if (!document)
-        report_syntax(messages, sink);
+        report_syntax(messages, to);
     else if (!good)
-        report(sink, (struct yaml_place){.length = 1}, false, "out of memory");
-    if (good && expand(document, messages, sink))
+        diag_error(to->diag, (struct loc){.source = to->source}, "out of memory");
+    if (good && expand(document, messages, to))
         return document;
     fy_document_destroy(document);
     return NULL;
 }
 
-struct fy_document *yaml_parse(const char *text, size_t length, const struct yaml_sink *sink)
+struct fy_document *yaml_parse(const struct source *source, struct diag *diag)
 {
+    const struct target to = {source, diag};
+    const char *wrong = yaml_wrong_byte(source->text, source->length);
     /* libfyaml 0.7.12 does not return from a directive with a byte that is no UTF-8. */
-    if (!yaml_check_text(text, length, sink))
+    if (wrong) {
+        diag_error(diag, loc_of(source, wrong), "the byte 0x%02x is no UTF-8 text",
+                   (unsigned char)*wrong);
         return NULL;
+    }
     struct fy_diag_cfg config;
     fy_diag_cfg_default(&config);
     config.fp = NULL;
     struct fy_diag *messages = fy_diag_create(&config);
     if (!messages) {
-        report(sink, (struct yaml_place){.length = 1}, false, "out of memory");
+        diag_error(diag, (struct loc){.source = source}, "out of memory");
         return NULL;
     }
     fy_diag_set_collect_errors(messages, true);
-    struct fy_document *document = parse(text, length, messages, sink);
+    struct fy_document *document = parse_document(source, messages, &to);
     fy_diag_unref(messages);
     return document;
 }

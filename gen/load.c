@@ -20,13 +20,14 @@ static bool read(struct spec *spec, const struct spec_request *request, struct d
     spec->model.templates_dir = request->templates;
     spec->model.root = request->root;
     spec->model.prove = request->prove;
+    spec->model.exact_twin = request->exact_twin;
     spec->model.text = request->text;
     spec->model.sanitize = request->sanitize;
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }
 
-static bool load(struct spec *spec, const struct spec_request *request, bool tables,
-                 struct diag *diag)
+static bool run_stages(struct spec *spec, const struct spec_request *request, bool tables,
+                       struct diag *diag)
 {
     struct model *model = &spec->model;
     if (!read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
@@ -52,7 +53,7 @@ bool spec_load(struct spec *spec, const struct spec_request *request, bool table
                struct diag *diag)
 {
     memory_forget();
-    bool good = load(spec, request, tables, diag);
+    bool good = run_stages(spec, request, tables, diag);
     if (memory_was_lost() || (!good && !diag_error_count(diag))) { /* all else is reported */
         diag_error(diag, (struct loc){0}, "out of memory");
         return false;

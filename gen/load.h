@@ -13,6 +13,7 @@ struct spec_request {
     const char *root;      /* real path: files outside are not read; NULL: no limit */
     const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
     bool prove;            /* --prove */
+    bool exact_twin;       /* every pass is exact */
     bool text;             /* also OpenGL's GLSL */
     unsigned sanitize;     /* mask of enum sanitize_kind; 0: off */
 };

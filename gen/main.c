@@ -3,14 +3,14 @@
  * failure (usage, files, memory). */
 #include <errno.h>
 #include <inttypes.h>
-#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include "base/command.h"
+#include "base/installed.h"
 #include "load.h"
 #include "print/output.h"
 #include "print/print.h"
@@ -101,7 +101,7 @@ static const struct command_line command = {
     .row_count = DT_ARRAY_COUNT(option_rows),
 };
 
-static void print_message(void *user, enum dt_level level, const char *message)
+static void print_option_message(void *user, enum dt_level level, const char *message)
 {
     (void)user;
     fprintf(stderr, "diptych-gen: %s: %s\n", level == DT_ERROR ? "error" : "warning", message);
@@ -117,7 +117,7 @@ static bool usage_error(const char *text, const char *what)
 
 static bool parse_options(int count, char **words, struct options *options)
 {
-    const struct dt_log log = {.message = print_message};
+    const struct dt_log log = {.message = print_option_message};
     if (!command_parse(&command, options, count - 1, words + 1, &log) ||
         (options->with && !options->help &&
          !command_overlay(&options->sets, options->with, &options->with_text, &log)))
@@ -140,7 +140,7 @@ static bool parse_options(int count, char **words, struct options *options)
 
 struct generation {
     const struct options *options;
-    const char *templates, *spec_path;
+    char *templates, *spec_path;
     struct spec spec;
     struct diag *diag;
     struct output *output;
@@ -282,8 +282,8 @@ static void print_summary(const struct pipeline *pipeline)
 
 /* Parses a whole number from least to most; NULL gives `otherwise`. Reports other texts and returns
  * false. */
-static bool read_number(const char *name, const char *text, uint64_t least, uint64_t most,
-                        uint64_t otherwise, uint64_t *number)
+static bool read_whole_number(const char *name, const char *text, uint64_t least, uint64_t most,
+                              uint64_t otherwise, uint64_t *number)
 {
     char *end = NULL;
     errno = 0;
@@ -309,11 +309,23 @@ static enum status print_text(struct text *text)
     return status;
 }
 
+/* Of this process alone; a lower limit of the caller stays. Address space without memory does not count. */
+static bool limit_memory(void)
+{
+    const rlim_t most = (rlim_t)SPEC_GIBIBYTES << 30;
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_DATA, &limit) != 0)
+        return false;
+    if (limit.rlim_cur > most)
+        limit.rlim_cur = most;
+    return setrlimit(RLIMIT_DATA, &limit) == 0;
+}
+
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
     uint64_t seconds;
-    if (!read_number("--limit", options->limit, 1, 3600, SPEC_SECONDS, &seconds))
+    if (!read_whole_number("--limit", options->limit, 1, 3600, SPEC_SECONDS, &seconds))
         return STATUS_FAILED;
     struct spec_request request = {.path = g->spec_path,
                                    .sets = options->sets.items,
@@ -322,8 +334,8 @@ static enum status generate(struct generation *g)
                                    .prove = options->prove,
                                    .text = options->out != NULL,
                                    .cache = options->cache};
-    if (!watchdog_start((unsigned)seconds)) {
-        fprintf(stderr, "diptych-gen: error: no timer: %s\n", strerror(errno));
+    if (!limit_memory() || !watchdog_start((unsigned)seconds)) {
+        fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;
     }
     bool good = spec_load(&g->spec, &request, options->out || options->needs, g->diag);
@@ -348,9 +360,9 @@ static enum status print_variations(struct generation *g)
     const struct options *options = g->options;
     struct text text = {0};
     uint64_t count, seed, memory;
-    if (!read_number("--variations", options->variations, 0, 1000000, 1, &count) ||
-        !read_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
-        !read_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
+    if (!read_whole_number("--variations", options->variations, 0, 1000000, 1, &count) ||
+        !read_whole_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
+        !read_whole_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
         return STATUS_FAILED;
     struct vary_request request = {.spec = g->spec_path,
                                    .templates_dir = g->templates,
@@ -359,6 +371,7 @@ static enum status print_variations(struct generation *g)
                                    .count = (uint32_t)count,
                                    .seed = seed,
                                    .bytes = memory << 20,
+                                   .arena = g->spec.model.arena,
                                    .cache = options->cache};
     if (vary(&request, &text, g->diag))
         return print_text(&text);
@@ -366,39 +379,12 @@ static enum status print_variations(struct generation *g)
     return STATUS_WRONG_SPEC;
 }
 
-/* The given folder, else `templates` in the working folder. Else the one that belongs to the
- * program: templates/ for build/diptych-gen, share/diptych/templates for an installed
- * bin/diptych-gen. */
-static const char *find_templates(struct arena *arena, const char *given)
+/* The given folder, else `templates` in the working folder, else the one that came with the program. */
+static char *find_templates(const char *given)
 {
-    char program[PATH_MAX];
-    if (given)
-        return given;
-    if (!access("templates/glsl", R_OK))
-        return "templates";
-    ssize_t length = readlink("/proc/self/exe", program, sizeof program - 1);
-    if (length <= 0)
-        return "templates";
-    program[length] = '\0';
-    for (int i = 0; i < 2; i++) {
-        char *slash = strrchr(program, '/');
-        if (slash)
-            *slash = '\0';
-    }
-    const char *path = arena_printf(arena, "%s/share/diptych/templates", program);
-    const char *glsl = arena_printf(arena, "%s/glsl", path ? path : "");
-    if (!glsl || access(glsl, R_OK) != 0)
-        path = arena_printf(arena, "%s/templates", program);
-    return path ? path : "templates";
-}
-
-/* A bare word that is no file: the spec of that name in the templates, if there is one. */
-static const char *find_spec(struct arena *arena, const char *path, const char *templates)
-{
-    const char *shipped = arena_printf(arena, "%s/%s.yaml", templates, path);
-    struct stat info;
-    bool bare = !strpbrk(path, "./") && (stat(path, &info) != 0 || S_ISDIR(info.st_mode));
-    return bare && shipped && access(shipped, R_OK) == 0 ? shipped : path;
+    const struct dt_log log = {.message = print_option_message};
+    const char *here = given ? given : access("templates/glsl", R_OK) == 0 ? "templates" : NULL;
+    return here ? strdup(here) : templates_folder(&log);
 }
 
 static void add_summary_json(const struct model *model, struct text *text)
@@ -425,9 +411,10 @@ static enum status write_json(const struct generation *g, enum status status)
     struct output *output = output_create();
     struct text text = {0};
     text_add(&text,
-             "{\n  \"verb\": \"%s\",\n  \"format\": 1,\n  \"exit_status\": %d,\n  \"errors\": ",
+             "{\n  \"verb\": \"%s\",\n  \"format\": 1,\n  \"exit_status\": %d,\n  \"errors\": [",
              g->options->check ? "check" : "generate", (int)status);
     diag_json(g->diag, &text);
+    text_add(&text, "\n  ]");
     if (status == STATUS_DONE)
         add_summary_json(&g->spec.model, &text);
     text_add(&text, "\n}\n");
@@ -442,24 +429,28 @@ static enum status write_json(const struct generation *g, enum status status)
     return status;
 }
 
-static enum status run(const struct options *options)
+static enum status run_options(const struct options *options)
 {
     struct generation g = {
         .options = options, .diag = diag_create(), .spec.model.arena = arena_create()};
     enum status status = STATUS_FAILED;
     if (g.diag && g.spec.model.arena) {
-        g.templates = find_templates(g.spec.model.arena, options->templates);
-        g.spec_path = find_spec(g.spec.model.arena, options->spec, g.templates);
+        g.templates = find_templates(options->templates);
+        g.spec_path = find_in(options->spec, g.templates);
+    }
+    if (g.templates && g.spec_path) {
         status = options->variations ? print_variations(&g) : generate(&g);
         if (options->json)
             status = write_json(&g, status);
-        diag_flush(g.diag);
+        diag_print(g.diag, command.program, stderr);
     } else {
         fputs("diptych-gen: error: out of memory\n", stderr);
     }
     output_free(g.output);
     diag_free(g.diag);
     spec_free(&g.spec);
+    free(g.templates);
+    free(g.spec_path);
     return status;
 }
 
@@ -480,7 +471,7 @@ static enum status run_words(int argc, char **argv)
         (options.schema ? emit_schema : emit_reference)(&text);
         status = print_text(&text);
     } else {
-        status = run(&options);
+        status = run_options(&options);
     }
     free(options.sets.items);
     free(options.with_text);

@@ -21,11 +21,11 @@ struct variation {
     bool twin;       /* listed twice: with `exactness: fast`, then exact */
 };
 
-/* The last stage that take() runs. */
+/* The last stage that take_sets() runs. */
 enum depth { CHECKED, PLANNED, COMPILED };
 
-static bool take(struct model *model, const struct draws *draws, enum depth depth,
-                 struct diag *diag)
+static bool take_sets(struct model *model, const struct draws *draws, enum depth depth,
+                      struct diag *diag)
 {
     const struct vary_request *request = draws->request;
     size_t count = draws->set_count + request->set_count;
@@ -71,7 +71,7 @@ struct attempt {
     struct diag *diag; /* of this model */
 };
 
-static void forget(struct attempt *attempt)
+static void attempt_forget(struct attempt *attempt)
 {
     diag_free(attempt->diag); /* it points into the model */
     arena_free(attempt->model.arena);
@@ -80,12 +80,12 @@ static void forget(struct attempt *attempt)
 static bool again(struct attempt *attempt, enum depth depth)
 {
     const struct vary_request *request = attempt->draws->request;
-    forget(attempt);
+    attempt_forget(attempt);
     attempt->diag = diag_create();
     attempt->model =
         (struct model){.arena = arena_create(), .templates_dir = request->templates_dir};
     if (attempt->diag && attempt->model.arena)
-        return take(&attempt->model, attempt->draws, depth, attempt->diag);
+        return take_sets(&attempt->model, attempt->draws, depth, attempt->diag);
     attempt->draws->out_of_memory = true;
     return false;
 }
@@ -104,7 +104,7 @@ static bool fits_memory(struct attempt *attempt)
 }
 
 /* False: invalid; attempt->diag has the reason. */
-static bool draw(struct attempt *attempt)
+static bool draw_variation(struct attempt *attempt)
 {
     struct draws *draws = attempt->draws;
     struct variation *variation = attempt->variation;
@@ -112,8 +112,8 @@ static bool draw(struct attempt *attempt)
     if (!again(attempt, CHECKED))
         return false;
     draw_params(draws, pipeline);
-    variation->fast = pipeline->fast;
-    variation->twin = draw_fast(draws) && !pipeline->fast;
+    variation->fast = pipeline->exactness == EXACTNESS_FAST;
+    variation->twin = draw_fast(draws) && !variation->fast;
     if (!again(attempt, CHECKED))
         return false;
     draw_frame(draws, pipeline, variation->frame);
@@ -154,7 +154,8 @@ static void add_variation(struct text *out, const struct draws *draws,
 static void add_refusal(struct text *out, const struct draws *draws,
                         const struct variation *variation, const struct diag *diag)
 {
-    const char *reason = diag_first_error(diag);
+    struct loc loc;
+    const char *reason = diag_first_error(diag, &loc);
     text_add(out, "%s\n    {\"draw\": %u, \"reason\": ", out->length ? "," : "", variation->number);
     text_add_json(out, reason ? reason : "");
     text_add(out, ", \"sets\": ");
@@ -169,16 +170,16 @@ struct listing {
 };
 
 /* Draws until the variation is valid. */
-static bool find(struct draws *draws, struct variation *variation, struct listing *listing,
-                 struct diag *diag)
+static bool find_valid(struct draws *draws, struct variation *variation, struct listing *listing,
+                       struct diag *diag)
 {
     for (uint32_t attempt = 0; attempt < MOST_ATTEMPTS; attempt++) {
         struct attempt state = {.draws = draws, .variation = variation};
         draws_start(draws, variation->number, attempt);
-        bool good = draw(&state);
+        bool good = draw_variation(&state);
         if (!good && !draws->out_of_memory)
             add_refusal(&listing->refusals, draws, variation, state.diag);
-        forget(&state);
+        attempt_forget(&state);
         if (good || draws->out_of_memory)
             return good;
     }
@@ -223,12 +224,12 @@ bool vary(const struct vary_request *request, struct text *out, struct diag *dia
     struct draws draws = {.request = request,
                           .cache = shader_cache_open(request->cache, diag),
                           .arena = arena_create()};
-    struct model model = {.arena = arena_create(), .templates_dir = request->templates_dir};
+    struct model model = {.arena = request->arena, .templates_dir = request->templates_dir};
     struct listing listing = {{0}, {0}};
     struct variation variation = {.number = 0};
-    bool good = draws.arena && model.arena && take(&model, &draws, COMPILED, diag);
+    bool good = draws.arena && take_sets(&model, &draws, COMPILED, diag);
     for (uint32_t listed = 0; good && listed < request->count; variation.number++) {
-        good = find(&draws, &variation, &listing, diag);
+        good = find_valid(&draws, &variation, &listing, diag);
         variation.twin = variation.twin && listed + 1 < request->count;
         if (good)
             list(&draws, &variation, &listing);
@@ -236,13 +237,12 @@ bool vary(const struct vary_request *request, struct text *out, struct diag *dia
     }
     if (good)
         print(&model, &listing, out);
-    bool failed = !draws.arena || !model.arena || draws.out_of_memory || out->failed ||
-                  listing.variations.failed || listing.refusals.failed;
+    bool failed = !draws.arena || draws.out_of_memory || out->failed || listing.variations.failed ||
+                  listing.refusals.failed;
     if (failed)
         diag_error(diag, (struct loc){0}, "out of memory");
     text_free(&listing.variations);
     text_free(&listing.refusals);
-    arena_free(model.arena);
     arena_free(draws.arena);
     shader_cache_close(draws.cache);
     return good && !failed;

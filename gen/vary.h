@@ -11,8 +11,9 @@ struct vary_request {
     size_t set_count;
     uint32_t count;
     uint64_t seed;
-    uint64_t bytes;    /* most that the resources of a variation may take together */
-    const char *cache; /* folder of compiled shaders; NULL: none */
+    uint64_t bytes;      /* most that the resources of a variation may take together */
+    const char *cache;   /* folder of compiled shaders; NULL: none */
+    struct arena *arena; /* of the files that messages point into; of the caller */
 };
 /* `count` valid variations of a spec, as JSON; the same for the same seed on every machine. False when the
  * spec itself is wrong (reported) or a variation cannot be found. */

@@ -13,7 +13,7 @@
 /* ---- Random numbers -------------------------------------------------------------------------- */
 
 /* splitmix64: Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014. */
-static uint64_t mix(uint64_t z)
+static uint64_t mix_state(uint64_t z)
 {
     z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
     z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
@@ -24,7 +24,7 @@ static uint64_t mix(uint64_t z)
 static uint64_t below(struct draws *draws, uint64_t count)
 {
     draws->state += UINT64_C(0x9e3779b97f4a7c15);
-    return (mix(draws->state) >> 32) * count >> 32;
+    return (mix_state(draws->state) >> 32) * count >> 32;
 }
 
 static bool one_in(struct draws *draws, uint32_t count)
@@ -34,7 +34,8 @@ static bool one_in(struct draws *draws, uint32_t count)
 
 void draws_start(struct draws *draws, uint32_t variation, uint32_t attempt)
 {
-    draws->state = mix(mix(draws->request->seed) ^ ((uint64_t)variation << 32 | attempt));
+    draws->state =
+        mix_state(mix_state(draws->request->seed) ^ ((uint64_t)variation << 32 | attempt));
     draws->set_count = 0;
 }
 

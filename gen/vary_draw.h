@@ -10,7 +10,7 @@ struct draws {
     struct shader_cache *cache; /* NULL: none */
     struct arena *arena;        /* of the overrides */
     uint64_t state;
-    const char **sets; /* those drawn; take() in vary.c adds those of the request */
+    const char **sets; /* those drawn; take_sets() in vary.c adds those of the request */
     size_t set_count, capacity;
     bool out_of_memory;
 };

@@ -81,8 +81,8 @@ bool gl_cache_take(struct dt_gl_runtime *rt, const struct dt_bytes *cache)
 }
 
 /* Whether the driver takes the binary; forgets its errors. */
-static bool take(struct dt_gl_runtime *rt, GLuint program, const struct entry *entry,
-                 const uint8_t *binary)
+static bool driver_takes(struct dt_gl_runtime *rt, GLuint program, const struct entry *entry,
+                         const uint8_t *binary)
 {
     GLint status = GL_FALSE;
     rt->gl.ProgramBinary(program, entry->format, binary, (GLsizei)entry->size);
@@ -105,7 +105,7 @@ bool gl_cache_link(struct dt_gl_runtime *rt, GLuint program, const struct dt_sta
         at += padded(entry.size);
         if (at <= rt->cache.size && entry.code == code &&
             entry.binary == add_hash(START, binary, entry.size))
-            return take(rt, program, &entry, binary);
+            return driver_takes(rt, program, &entry, binary);
     }
     return false;
 }
@@ -120,7 +120,7 @@ static bool gives_binaries(struct dt_gl_runtime *rt)
 /* ---- Giving ---------------------------------------------------------------------------------- */
 
 /* Adds `size` bytes to the cache and zeros to them; returns where they are. NULL: no memory. */
-static uint8_t *add(struct dt_bytes *cache, size_t size)
+static uint8_t *append_bytes(struct dt_bytes *cache, size_t size)
 {
     uint8_t *data = realloc(cache->data, cache->size + padded(size));
     if (!data)
@@ -141,7 +141,7 @@ static bool add_program(struct dt_gl_runtime *rt, struct dt_bytes *cache, uint32
     if (size <= 0)
         return true;
     size_t begin = cache->size;
-    uint8_t *place = add(cache, sizeof entry + (size_t)size);
+    uint8_t *place = append_bytes(cache, sizeof entry + (size_t)size);
     if (!place)
         return false;
     if (!GL(rt, rt->core.pipeline->passes[pass].name,
@@ -158,7 +158,7 @@ static bool add_program(struct dt_gl_runtime *rt, struct dt_bytes *cache, uint32
 bool gl_cache_give(struct dt_gl_runtime *rt, struct dt_bytes *out)
 {
     const struct head head = head_of(rt);
-    uint8_t *place = add(out, sizeof head);
+    uint8_t *place = append_bytes(out, sizeof head);
     bool good = place;
     if (good)
         memcpy(place, &head, sizeof head);

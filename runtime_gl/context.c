@@ -271,7 +271,7 @@ static void destroy(struct gl_context *ctx)
 
 /* glad asks for functions of the context's own version alone. OSMesa lacks those of robust access,
  * glGetn..., which this runtime does not call. */
-static GLADapiproc load(void *user, const char *name)
+static GLADapiproc context_load(void *user, const char *name)
 {
     struct gl_context *ctx = user;
     GLADapiproc function = ctx->kind->load(ctx, name);
@@ -286,7 +286,8 @@ static bool make(struct dt_gl_runtime *rt, const struct gl_context_kind *kind, i
     struct gl_context *ctx = &rt->context;
     ctx->kind = kind;
     bool made = kind->make(ctx, major, minor, rt->debug, why);
-    if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, load, ctx) && !ctx->missing)
+    if (made && kind->current(ctx) && gladLoadGLContextUserPtr(&rt->gl, context_load, ctx) &&
+        !ctx->missing)
         return true;
     if (made && ctx->missing)
         snprintf(why->text, sizeof why->text, "the driver does not give %s", ctx->missing);
@@ -362,7 +363,7 @@ bool gl_context_open(struct dt_gl_runtime *rt, const char *name)
             name, renderer, kind->driver);
     if (rt->debug)
         hear_messages(rt);
-    return gl_context_suits(rt, load, &rt->context) && gl_state_fix(rt);
+    return gl_context_suits(rt, context_load, &rt->context) && gl_state_fix(rt);
 }
 
 void gl_context_wait_for_screen(void)

@@ -69,6 +69,9 @@ struct dt_gl_host {
     /* What dt_gl_get_cache gave in an earlier run; borrowed for open. Zero, or of another driver: create
      * compiles all */
     struct dt_bytes cache;
+    /* Resources with history, and inputs, keep their content over resize and create, where name, size
+     * and layout are the same. Not after a failed frame, nor from one not recorded to its end. */
+    bool keep_history;
 };
 
 /* NULL after an error, for example if the context lacks a required feature. */
@@ -112,6 +115,10 @@ struct dt_gl_scene {
     /* Array of all textures: GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full
      * chain of mips. 0: no material has a texture. */
     unsigned textures;
+    /* Each triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+     * dt_number_triangles makes such arrays. The runtime does not read them: it takes the host's
+     * word, and resize fails without it where a pass reads vertex_triangle, which NAME.h tells. */
+    bool numbered;
 };
 /* Call before resize. Import and resize again when a name, a size or index_count changes. A
  * pipeline whose passes neither draw nor read the scene needs no scene. */
@@ -145,7 +152,7 @@ bool dt_gl_import_buffer(struct dt_gl_runtime *rt, uint32_t resource,
                          const struct dt_gl_range *range);
 
 /* Creates all other resources, for a frame size in pixels. Resources with history start at zero,
- * but not imported ones. */
+ * but not imported ones, nor those that keep_history has kept. */
 bool dt_gl_resize(struct dt_gl_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs

@@ -11,7 +11,7 @@ static bool leave(struct dt_gl_runtime *rt, bool good)
 
 /* ---- Open and close -------------------------------------------------------------------------- */
 
-static GLADapiproc load(void *user, const char *name)
+static GLADapiproc host_load(void *user, const char *name)
 {
     const struct dt_gl_host *host = user;
     return host->get_proc_address(name);
@@ -22,7 +22,7 @@ static bool open_in(struct dt_gl_runtime *rt, const struct dt_gl_host *host)
     if (!host->get_proc_address || !gladLoadGLContext(&rt->gl, host->get_proc_address))
         return dt_error(&rt->core, "OpenGL: no functions; make a context current, and give its "
                                    "get_proc_address");
-    return gl_context_suits(rt, load, (void *)host);
+    return gl_context_suits(rt, host_load, (void *)host);
 }
 
 struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
@@ -36,6 +36,7 @@ struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
     rt->core = bare;
     rt->core.timing = host->timing;
     rt->core.frames = host->frames;
+    rt->core.keep_history = host->keep_history;
     rt->glsl = host->glsl;
     rt->leave_state = host->leave_state;
     if (!open_in(rt, host)) {
@@ -110,7 +111,7 @@ static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *sce
 
 bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
-    if (!dt_front_import_scene(&rt->core, scene->index_count))
+    if (!dt_front_import_scene(&rt->core, scene->index_count, scene->numbered))
         return false;
     bool good = gl_state_enter(&rt->core);
     gl_scene_destroy(rt);

@@ -90,7 +90,7 @@ static bool check_binding(const struct dt_core *core, const struct dt_panel *pan
                     panel->pipeline->passes[pass].name, binding->binding, core->device_name, most);
 }
 
-static bool suits(struct dt_core *core, const struct dt_panel *panel)
+static bool panel_suits(struct dt_core *core, const struct dt_panel *panel)
 {
     for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
         for (uint32_t i = 0; i < panel->programs[pass].binding_count; i++)
@@ -375,13 +375,29 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
                                   : gl_buffer_fill(rt, &resource->buffer, byte);
 }
 
-static void destroy_resource(struct dt_core *core, uint32_t index)
+static void destroy_resource(struct dt_core *core, void *resource)
 {
     struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
-    struct gl_resource *resource = resource_of(rt, index);
-    gl_buffer_destroy(rt, &resource->buffer);
-    gl_image_destroy(rt, &resource->image);
-    *resource = (struct gl_resource){0};
+    struct gl_resource *made = resource;
+    gl_buffer_destroy(rt, &made->buffer);
+    gl_image_destroy(rt, &made->image);
+    *made = (struct gl_resource){0};
+}
+
+static bool detach_resource(struct dt_core *core, uint32_t index)
+{
+    for (uint32_t i = 0; i < core->pipeline->resource_count; i++)
+        if (core->panel->storage[i].share == (int32_t)index)
+            return false;
+    return !gl_image_of((struct dt_gl_runtime *)core, index)->borrowed;
+}
+
+static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
+{
+    struct gl_resource *made = resource;
+    made->stored = false;
+    made->buffer.name = made->image.name = core->pipeline->resources[index].name;
+    return core->panel->storage[index].share < 0;
 }
 
 const struct dt_backend gl_backend = {
@@ -393,7 +409,7 @@ const struct dt_backend gl_backend = {
     .enter = gl_state_enter,
     .leave = gl_state_leave,
     .rest = rest,
-    .suits = suits,
+    .suits = panel_suits,
     .upload_scene = gl_scene_upload,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
@@ -409,6 +425,8 @@ const struct dt_backend gl_backend = {
     .connect_program = connect_program,
     .disconnect_program = disconnect_program,
     .destroy_resource = destroy_resource,
+    .detach_resource = detach_resource,
+    .adopt_resource = adopt_resource,
     .render = gl_render,
     .write = gl_write,
     .verbs =

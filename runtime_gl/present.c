@@ -74,7 +74,7 @@ bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, ui
 
 /* ---- Drawing --------------------------------------------------------------------------------- */
 
-static bool prepare(struct dt_gl_runtime *rt)
+static bool present_prepare(struct dt_gl_runtime *rt)
 {
     struct gl_present *present = &rt->present;
     static const struct dt_stages stages = {.vertex = {.glsl = vertex_text},
@@ -144,7 +144,7 @@ static void end(struct dt_gl_runtime *rt)
     rt->gl.Enable(GL_FRAMEBUFFER_SRGB);
 }
 
-static void draw(struct dt_gl_runtime *rt, const struct dt_window_draw *draw, int height)
+static void draw_list(struct dt_gl_runtime *rt, const struct dt_window_draw *draw, int height)
 {
     const int32_t *clip = draw->clip;
     const struct gl_image *image = &rt->present.textures[draw->texture];
@@ -156,6 +156,24 @@ static void draw(struct dt_gl_runtime *rt, const struct dt_window_draw *draw, in
     rt->gl.DrawArrays(GL_TRIANGLES, (GLint)draw->first, (GLsizei)draw->count);
 }
 
+/* OpenGL's row 0 is the bottom. */
+static bool photograph(struct dt_gl_runtime *rt, struct dt_bytes *photo, int width, int height)
+{
+    size_t row = (size_t)width * 4;
+    photo->size = row * (size_t)height;
+    photo->data = malloc(photo->size);
+    if (!photo->data)
+        return dt_error(&rt->core, "window: no memory for a photograph of %zu bytes; free some",
+                        photo->size);
+    memcpy(photo->extent, (uint32_t[3]){(uint32_t)width, (uint32_t)height, 1},
+           sizeof photo->extent);
+    rt->gl.BindFramebuffer(GL_READ_FRAMEBUFFER, 0);
+    for (int y = 0; y < height; y++)
+        rt->gl.ReadPixels(0, height - 1 - y, width, 1, GL_RGBA, GL_UNSIGNED_BYTE,
+                          photo->data + row * (size_t)y);
+    return gl_check(rt, "ReadPixels", "window");
+}
+
 bool gl_present(struct dt_core *core, const struct dt_window_frame *frame)
 {
     struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
@@ -163,13 +181,14 @@ bool gl_present(struct dt_core *core, const struct dt_window_frame *frame)
     gl_context_window_size(rt, &width, &height);
     if (width < 1 || height < 1)
         return true;
-    if (!prepare(rt) || !upload_vertices(rt, frame, width, height))
+    if (!present_prepare(rt) || !upload_vertices(rt, frame, width, height))
         return false;
     begin(rt, width, height);
     for (uint32_t i = 0; i < frame->draw_count; i++)
-        draw(rt, &frame->draws[i], height);
+        draw_list(rt, &frame->draws[i], height);
     end(rt);
-    if (!gl_check(rt, "DrawArrays", "window"))
+    if (!gl_check(rt, "DrawArrays", "window") ||
+        (frame->photo && !photograph(rt, frame->photo, width, height)))
         return false;
     gl_context_swap(rt);
     return gl_finish(rt, "window");

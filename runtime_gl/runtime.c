@@ -50,6 +50,7 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->core = bare;
     rt->core.timing = options->timing;
     rt->core.poison = options->poison;
+    rt->core.keep_history = options->keep_history;
     rt->debug = options->debug;
     rt->glsl = options->glsl;
     set_backend(rt);
@@ -84,6 +85,7 @@ const struct dt_runtime runtime_gl = {
     .device_name = dt_verb_device_name,
     .driver = dt_verb_driver,
     .is_software = runtime_is_software,
+    .most_texels = dt_verb_most_texels,
     .set_scene = dt_verb_set_scene,
     .create = dt_verb_create,
     .resize = dt_verb_resize,

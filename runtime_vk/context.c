@@ -129,8 +129,8 @@ static bool no_such_device(const struct dt_vk_runtime *rt, const VkPhysicalDevic
 }
 
 /* vk_device_suits; with a window, also whether the device can present to the window. */
-static bool suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
-                  const struct dt_panel *panel, char *text, size_t size)
+static bool device_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                         const struct dt_panel *panel, char *text, size_t size)
 {
     uint32_t bits;
     if (!vk_device_suits(rt, physical, panel, text, size))
@@ -161,14 +161,14 @@ static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_opti
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (suits(rt, devices[i], options->panel, missing, sizeof missing) &&
+        if (device_suits(rt, devices[i], options->panel, missing, sizeof missing) &&
             vk_device_is_enough(rt, devices[i], options->panel, missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
     }
     vk_device_describe(rt, devices[chosen]);
-    if (!suits(rt, rt->physical, options->panel, missing, sizeof missing))
+    if (!device_suits(rt, rt->physical, options->panel, missing, sizeof missing))
         return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "device",
@@ -177,8 +177,27 @@ static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_opti
            dt_error(&rt->core, "%s", missing);
 }
 
+static bool has_extension(const struct dt_vk_runtime *rt, const char *name)
+{
+    uint32_t count = 0;
+    vkEnumerateDeviceExtensionProperties(rt->physical, NULL, &count, NULL);
+    VkExtensionProperties *list = calloc(count + 1, sizeof *list);
+    bool has = false;
+    if (list)
+        vkEnumerateDeviceExtensionProperties(rt->physical, NULL, &count, list);
+    for (uint32_t i = 0; list && i < count; i++)
+        has |= strcmp(list[i].extensionName, name) == 0;
+    free(list);
+    return has;
+}
+
 static bool open_device(struct dt_vk_runtime *rt)
 {
+    static const char statistics[] = VK_KHR_PIPELINE_EXECUTABLE_PROPERTIES_EXTENSION_NAME;
+    if (rt->captures && !has_extension(rt, statistics))
+        return dt_error(
+            &rt->core, "Vulkan device %s: its driver (%s) has no %s, so its compiler tells nothing",
+            rt->core.device_name, rt->core.driver, statistics);
     rt->queue_family = vk_device_queue_family(rt, rt->physical, &rt->timestamp_bits);
     vk_features_supported(rt, &rt->features);
     VkDeviceQueueCreateInfo queue = {
@@ -187,14 +206,19 @@ static bool open_device(struct dt_vk_runtime *rt)
         .queueCount = 1,
         .pQueuePriorities = &(float){1},
     };
-    const char *swapchain = VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    const char *extension = rt->captures ? statistics : VK_KHR_SWAPCHAIN_EXTENSION_NAME;
+    VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR captures = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR,
+        .pNext = &rt->features.core,
+        .pipelineExecutableInfo = VK_TRUE,
+    };
     VkDeviceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-        .pNext = &rt->features.core,
+        .pNext = rt->captures ? (const void *)&captures : &rt->features.core,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
-        .enabledExtensionCount = rt->present.window != NULL,
-        .ppEnabledExtensionNames = &swapchain,
+        .enabledExtensionCount = rt->present.window || rt->captures,
+        .ppEnabledExtensionNames = &extension,
     };
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device_name))
         return false;
@@ -250,7 +274,7 @@ bool vk_context_open(struct dt_vk_runtime *rt, const struct dt_runtime_options *
     link_functions(&rt->vk);
     return (!window || vk_window_open(rt)) && open_instance(rt) &&
            (!window || vk_window_surface(rt)) && choose_device(rt, options) && open_device(rt) &&
-           open_commands(rt);
+           (rt->captures || open_commands(rt));
 }
 
 void vk_context_close(struct dt_vk_runtime *rt)

@@ -131,6 +131,10 @@ struct dt_vk_host {
     /* frames in flight whose timings are kept, up to 16; 0: 1. All else may have any number of frames
      * in flight */
     uint32_t frames;
+    /* Resources with history, and inputs, keep their content over resize and create, where name, size
+     * and layout are the same. Not after a failed frame, nor from one not recorded to its end; all
+     * recorded commands have been submitted. */
+    bool keep_history;
 };
 
 /* Whether the pipeline runs on host->physical_device; if not, logs the features that the device lacks,
@@ -171,10 +175,7 @@ struct dt_vk_attribute {
     uint32_t stride;
 };
 
-/* The scene that passes draw and read. Where NAME.h says that a pass reads vertex_triangle, each
- * triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
- * dt_number_triangles makes such arrays. Other arrays give a wrong picture and no error, since the
- * runtime does not read them. The host owns the buffers; they must live until the next import or
+/* The scene that passes draw and read. The host owns the buffers; they must live until the next import or
  * close. The host may write them between frames; the next frame uses the new content. */
 struct dt_vk_scene {
     /* struct dt_vertex[]; usage VERTEX_BUFFER, UNIFORM_TEXEL_BUFFER, and of pipelines with `target:
@@ -196,6 +197,10 @@ struct dt_vk_scene {
      * of mips; usage SAMPLED; in SHADER_READ_ONLY_OPTIMAL during every frame. VK_NULL_HANDLE: no
      * material has a texture. */
     VkImageView textures;
+    /* Each triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
+     * dt_number_triangles makes such arrays. The runtime does not read them: it takes the host's
+     * word, and resize fails without it where a pass reads vertex_triangle, which NAME.h tells. */
+    bool numbered;
 };
 /* Call before resize. Import and resize again when a handle, a size or index_count changes. A
  * pipeline whose passes neither draw nor read the scene needs no scene. */
@@ -268,7 +273,7 @@ bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageU
 bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage);
 
 /* Creates all other resources, for a frame size in pixels. The next frame sets resources with
- * history to zero, but not imported ones. */
+ * history to zero, but not imported ones, nor those that keep_history has kept. */
 bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height);
 
 /* Hands in the content of an input: of a buffer (mip 0), or of one mip of an image. record needs

@@ -1,5 +1,22 @@
 /* The runtime's own command buffers: the app's frames and immediate commands. Also full barriers
- * and pass timings, which hosts use, too. Nothing here allocates while a frame is recorded. */
+ * and pass timings, which hosts use, too.
+ *
+ * How a frame is recorded: vk_frame_render copies the uniform blocks and begins the command buffer;
+ * dt_front_record (templates/c/front.c) calls `record` of the panel, generated or played; each of
+ * its calls goes through the checks of front.c to a verb of verbs.c, which records it. Then the
+ * buffer is submitted, and the call waits.
+ *
+ * - Every command buffer begins and ends with a full barrier. So the barriers of a panel are
+ *   constants of one frame (gen/plan/barrier.c), uploads and read-backs need none, and mapped memory may
+ *   be read afterwards.
+ * - One frame at a time: the app compares and measures, and a second frame in flight would blur
+ *   both. A host may have several in flight: host.c records the same verbs into its command buffer,
+ *   and waits for nothing.
+ * - With an observer the buffer ends after each pass (pause) and begins anew (resume). The full
+ *   barriers between hide missing ones: --drop-barrier shows nothing under an observer.
+ * - State that Vulkan keeps within a command buffer is in rt->bound, which begin_commands forgets.
+ *   An image's layout is kept in the image, as of the last command recorded.
+ * - Nothing here allocates while a frame is recorded. */
 #include "internal.h"
 
 #include <math.h>

@@ -131,7 +131,8 @@ struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
                                 .log = host->log,
                                 .hosted = true,
                                 .timing = host->timing,
-                                .frames = host->frames};
+                                .frames = host->frames,
+                                .keep_history = host->keep_history};
     rt->instance = host->instance;
     rt->device = host->device;
     rt->queue_family = host->queue_family;
@@ -194,7 +195,7 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
     struct vk_builtin *builtin = &rt->builtin;
     const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
     release_scene(rt);
-    if (!dt_front_import_scene(&rt->core, scene->index_count) ||
+    if (!dt_front_import_scene(&rt->core, scene->index_count, scene->numbered) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
          !vk_buffer_import(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
                            sizeof(struct dt_vertex))) ||
@@ -414,8 +415,8 @@ static void write_uniform(const struct dt_vk_runtime *rt, const struct vk_buffer
 }
 
 /* Leaves the image in the layout that it had; a new one as resize leaves images with history. */
-static void write_image(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
-                        struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
+static void write_host_image(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
+                             struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
 {
     const VkBufferImageCopy region = vk_mip_region(image, mip);
     VkImageLayout layout =
@@ -436,7 +437,7 @@ bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t re
     struct vk_resource *input = vk_resource_at(rt, resource);
     wait_for(rt, commands, BEFORE);
     if (input->image.handle)
-        write_image(rt, commands, &input->image, mip, bytes);
+        write_host_image(rt, commands, &input->image, mip, bytes);
     else
         update(rt, commands, &input->buffer, 0, bytes->data, bytes->size);
     wait_for(rt, commands, AFTER);
@@ -478,7 +479,8 @@ static void fill_now(struct dt_vk_runtime *rt)
     struct vk_image *textures = &rt->builtin.textures;
     for (uint32_t i = 0; rt->fills && i < pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
-        if (!pipeline->resources[i].history || pipeline->resources[i].input || rt->core.imported[i])
+        if (!pipeline->resources[i].history || pipeline->resources[i].input ||
+            rt->core.imported[i] || rt->core.resumed[i])
             continue;
         if (resource->image.handle)
             clear(rt, &resource->image, 0, VK_IMAGE_LAYOUT_GENERAL);

@@ -95,6 +95,7 @@ struct vk_present {
     VkSurfaceKHR surface;
     VkSwapchainKHR swapchain; /* null: created before the next frame */
     VkFormat format;
+    bool can_be_read; /* images of the swapchain can be copied from */
     uint32_t width, height, image_count;
     VkImage images[VK_MAX_WINDOW_IMAGES];
     VkImageView views[VK_MAX_WINDOW_IMAGES];
@@ -125,6 +126,7 @@ struct dt_vk_runtime {
     struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
     bool debug;
     bool labels;              /* names for debuggers; with debug, too */
+    bool captures;            /* statistics of programs (statistics.c); then no commands run */
     uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
     uint32_t drop_dependency; /* number of the barrier that waits for nothing; 0: none */
 
@@ -330,6 +332,8 @@ struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt,
 bool vk_program_share(struct dt_vk_runtime *rt, struct vk_program *program,
                       const struct vk_program *other, const struct vk_program_info *info);
 void vk_program_destroy(struct dt_vk_runtime *rt, struct vk_program *program);
+/* Of a pass of the core's panel (panel.c). */
+struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t pass);
 
 /* Content of one binding: a buffer, or an image with or without sampler. */
 struct vk_descriptor {

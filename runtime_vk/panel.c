@@ -121,7 +121,7 @@ static bool blends(const struct dt_vk_runtime *rt, const struct dt_panel *panel,
                     panel->pipeline->resources[target->resource].name);
 }
 
-static bool suits(struct dt_core *core, const struct dt_panel *panel)
+static bool panel_suits(struct dt_core *core, const struct dt_panel *panel)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     if (!vk_device_suits_panel(rt, panel))
@@ -133,7 +133,7 @@ static bool suits(struct dt_core *core, const struct dt_panel *panel)
     return true;
 }
 
-static struct vk_program_info program_info(const struct dt_core *core, uint32_t pass)
+struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t pass)
 {
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_program_info info = {
@@ -149,13 +149,13 @@ static struct vk_program_info program_info(const struct dt_core *core, uint32_t 
 
 static bool create_program(struct dt_core *core, void *program, uint32_t pass)
 {
-    struct vk_program_info info = program_info(core, pass);
+    struct vk_program_info info = vk_program_info_of(core, pass);
     return vk_program_begin(vk_runtime_of(core), program, &info);
 }
 
 static bool share_program(struct dt_core *core, void *program, const void *other, uint32_t pass)
 {
-    struct vk_program_info info = program_info(core, pass);
+    struct vk_program_info info = vk_program_info_of(core, pass);
     return vk_program_share(vk_runtime_of(core), program, other, &info);
 }
 
@@ -183,7 +183,7 @@ static void compile_pass(void *data, uint32_t pass)
     const struct vk_program *program = dt_program(compiling->core, pass);
     if (program->pipeline->handle) /* adopted or shared */
         return;
-    struct vk_program_info info = program_info(compiling->core, pass);
+    struct vk_program_info info = vk_program_info_of(compiling->core, pass);
     compiling->outcomes[pass] =
         vk_program_compile((const struct dt_vk_runtime *)compiling->core, program, &info);
 }
@@ -256,6 +256,15 @@ static bool create_buffer(struct dt_vk_runtime *rt, uint32_t index, VkDeviceSize
     return true;
 }
 
+/* Whether passes bind single layers. */
+static bool by_layer(const struct dt_vk_runtime *rt, uint32_t index)
+{
+    const struct dt_storage *storage = &rt->core.panel->storage[index];
+    return storage->by_layer ||
+           (rt->core.pipeline->resources[index].layered && !vk_has_layers(rt) &&
+            storage->usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH));
+}
+
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
@@ -274,18 +283,51 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
         .mips = resource->mips,
         .shape = resource->shape,
         .layered = resource->layered,
-        .by_layer = storage->by_layer || (resource->layered && !vk_has_layers(rt) &&
-                                          storage->usage & (DT_WRITE_COLOR | DT_WRITE_DEPTH)),
+        .by_layer = by_layer(rt, index),
         .import = choice->image.image ? &choice->image : NULL,
     };
     return vk_image_create(rt, &vk_resource_at(rt, index)->image, &info);
 }
 
-static void destroy_resource(struct dt_core *core, uint32_t index)
+static void destroy_resource(struct dt_core *core, void *resource)
+{
+    struct vk_resource *made = resource;
+    vk_buffer_destroy(vk_runtime_of(core), &made->buffer);
+    vk_image_destroy(vk_runtime_of(core), &made->image);
+}
+
+static bool owns_memory(const struct vk_resource *resource)
+{
+    return resource->image.memory.memory || resource->buffer.memory.memory;
+}
+
+static bool detach_resource(struct dt_core *core, uint32_t index)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
-    vk_buffer_destroy(rt, &vk_resource_at(rt, index)->buffer);
-    vk_image_destroy(rt, &vk_resource_at(rt, index)->image);
+    struct vk_resource *resource = vk_resource_at(rt, index);
+    uint16_t slot = core->panel->storage[index].slot;
+    for (uint32_t i = 0; i < core->pipeline->resource_count; i++)
+        if (i != index && core->panel->storage[i].slot == slot)
+            return false;
+    if (owns_memory(resource))
+        return true;
+    *(resource->image.handle ? &resource->image.memory : &resource->buffer.memory) =
+        rt->slots[slot];
+    rt->slots[slot] = (struct dt_vk_memory){0};
+    return true;
+}
+
+static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
+{
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
+    const struct dt_storage *storage = &core->panel->storage[index];
+    struct vk_resource *made = resource;
+    bool image = made->image.handle;
+    VkFlags usage = image ? made->image.usage : made->buffer.usage;
+    VkFlags wanted = rt->choices[index].usage |
+                     (image ? vk_image_usage(storage->usage) : vk_buffer_usage(storage->usage));
+    *(image ? &made->image.name : &made->buffer.name) = core->pipeline->resources[index].name;
+    return (usage & wanted) == wanted && made->image.by_layer >= by_layer(rt, index);
 }
 
 static void release_memory(struct dt_core *core)
@@ -313,8 +355,8 @@ static bool allocate_slot(struct dt_vk_runtime *rt, uint32_t slot)
     const char *name = NULL; /* the largest resource; errors name it */
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         const struct vk_resource *resource = vk_resource_at(rt, i);
-        if (rt->core.panel->storage[i].slot != slot || rt->core.imported[i])
-            continue; /* the host has bound its memory */
+        if (rt->core.panel->storage[i].slot != slot || rt->core.imported[i] || rt->core.resumed[i])
+            continue; /* its memory is bound */
         VkMemoryRequirements own = requirements(rt, resource);
         needs.memoryTypeBits &= own.memoryTypeBits;
         if (own.alignment > needs.alignment) /* powers of two */
@@ -337,6 +379,8 @@ static bool place_resources(struct dt_core *core)
     for (uint32_t i = 0; good && i < core->pipeline->resource_count; i++) {
         struct vk_resource *resource = vk_resource_at(rt, i);
         const struct dt_vk_memory *memory = &rt->slots[core->panel->storage[i].slot];
+        if (core->resumed[i])
+            continue;
         good = resource->image.handle ? vk_image_bind(rt, &resource->image, memory)
                                       : vk_buffer_bind(rt, &resource->buffer, memory);
     }
@@ -360,7 +404,7 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
-static struct vk_buffer *find_buffer(struct dt_vk_runtime *rt, uint16_t resource)
+static struct vk_buffer *find_pass_buffer(struct dt_vk_runtime *rt, uint16_t resource)
 {
     switch (resource) {
     case DT_FRAME:
@@ -383,7 +427,7 @@ static struct vk_buffer *find_buffer(struct dt_vk_runtime *rt, uint16_t resource
 static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
                                                 const struct dt_binding *binding)
 {
-    const struct vk_buffer *buffer = find_buffer(rt, binding->resource);
+    const struct vk_buffer *buffer = find_pass_buffer(rt, binding->resource);
     bool block = binding->kind == DT_BIND_UNIFORM && buffer->block;
     return (VkDescriptorBufferInfo){buffer->handle, buffer->offset,
                                     block ? buffer->block : buffer->size};
@@ -423,7 +467,7 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
         if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE) {
             descriptors[i].buffer = buffer_descriptor(rt, binding);
         } else if (binding->kind == DT_BIND_TEXELS) {
-            struct vk_buffer *buffer = find_buffer(rt, binding->resource);
+            struct vk_buffer *buffer = find_pass_buffer(rt, binding->resource);
             if (!vk_buffer_texels(rt, buffer, binding->resource))
                 return false;
             descriptors[i].texels = buffer->texels;
@@ -448,7 +492,7 @@ const struct dt_backend vk_backend = {
     .program_size = sizeof(struct vk_program),
     .sampler_size = sizeof(VkSampler),
     .rest = rest,
-    .suits = suits,
+    .suits = panel_suits,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
     .create_sampler = create_sampler,
@@ -464,6 +508,8 @@ const struct dt_backend vk_backend = {
     .connect_program = connect_program,
     .disconnect_program = disconnect_program,
     .destroy_resource = destroy_resource,
+    .detach_resource = detach_resource,
+    .adopt_resource = adopt_resource,
     .release_memory = release_memory,
     .timings = vk_frame_timings,
 };

@@ -4,6 +4,7 @@
 #include "internal.h"
 
 #include <GLFW/glfw3.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "window.h"
@@ -208,6 +209,7 @@ static bool make_swapchain(struct dt_vk_runtime *rt)
     if (!present->width || !present->height || width < 1 || height < 1)
         return true;
     present->format = format.format;
+    present->can_be_read = can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     VkSwapchainCreateInfoKHR info = {
         .sType = VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR,
         .surface = present->surface,
@@ -217,7 +219,8 @@ static bool make_swapchain(struct dt_vk_runtime *rt)
         .imageColorSpace = format.colorSpace,
         .imageExtent = {present->width, present->height},
         .imageArrayLayers = 1,
-        .imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT,
+        .imageUsage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
+                      (can.supportedUsageFlags & VK_IMAGE_USAGE_TRANSFER_SRC_BIT),
         .preTransform = can.currentTransform,
         .compositeAlpha = can.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
                               ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
@@ -417,8 +420,8 @@ static VkRect2D scissor(const struct vk_present *present, const int32_t clip[4])
         {right > left ? (uint32_t)(right - left) : 0, bottom > top ? (uint32_t)(bottom - top) : 0}};
 }
 
-static void draw(VkCommandBuffer commands, const struct vk_present *present,
-                 const struct dt_window_draw *draw)
+static void draw_list(VkCommandBuffer commands, const struct vk_present *present,
+                      const struct dt_window_draw *draw)
 {
     const struct vk_program *program = &present->programs[draw->texture];
     VkRect2D rect = scissor(present, draw->clip);
@@ -454,10 +457,73 @@ static void record(VkCommandBuffer commands, const struct vk_present *present, u
     vkCmdBeginRendering(commands, &info);
     vkCmdSetViewport(commands, 0, 1, &viewport);
     for (uint32_t i = 0; i < frame->draw_count; i++)
-        draw(commands, present, &frame->draws[i]);
+        draw_list(commands, present, &frame->draws[i]);
     vkCmdEndRendering(commands);
     image_barrier(commands, present->images[index], true);
 }
+
+/* ---- Photographs ----------------------------------------------------------------------------- */
+
+/* Copies the image, which is ready to be shown, to the staging buffer, and makes it ready again. */
+static bool copy_to_staging(struct dt_vk_runtime *rt, uint32_t index)
+{
+    struct vk_present *present = &rt->present;
+    VkImageMemoryBarrier2 barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT,
+        .oldLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR,
+        .newLayout = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = present->images[index],
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1},
+    };
+    const VkDependencyInfo depends = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                                      .imageMemoryBarrierCount = 1,
+                                      .pImageMemoryBarriers = &barrier};
+    const VkBufferImageCopy region = {
+        .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+        .imageExtent = {present->width, present->height, 1},
+    };
+    VkCommandBuffer commands;
+    if (!vk_staging(rt, (VkDeviceSize)present->width * present->height * 4, "window") ||
+        !(commands = vk_immediate_begin(rt, "window")))
+        return false;
+    vkCmdPipelineBarrier2(commands, &depends);
+    vkCmdCopyImageToBuffer(commands, barrier.image, barrier.newLayout, rt->staging.handle, 1,
+                           &region);
+    barrier.oldLayout = barrier.newLayout;
+    barrier.newLayout = VK_IMAGE_LAYOUT_PRESENT_SRC_KHR;
+    vkCmdPipelineBarrier2(commands, &depends);
+    return vk_immediate_end(rt, "window");
+}
+
+static bool photograph(struct dt_vk_runtime *rt, uint32_t index, struct dt_bytes *photo)
+{
+    struct vk_present *present = &rt->present;
+    if (!present->can_be_read)
+        return dt_error(&rt->core, "window: its images cannot be read; let OpenGL draw the window");
+    if (!copy_to_staging(rt, index))
+        return false;
+    photo->size = (size_t)present->width * present->height * 4;
+    photo->data = malloc(photo->size);
+    if (!photo->data)
+        return dt_error(&rt->core, "window: no memory for a photograph of %zu bytes; free some",
+                        photo->size);
+    memcpy(photo->extent, (uint32_t[3]){present->width, present->height, 1}, sizeof photo->extent);
+    memcpy(photo->data, rt->staging.bytes, photo->size);
+    for (size_t i = 0; present->format == VK_FORMAT_B8G8R8A8_UNORM && i < photo->size; i += 4) {
+        uint8_t blue = photo->data[i];
+        photo->data[i] = photo->data[i + 2];
+        photo->data[i + 2] = blue;
+    }
+    return true;
+}
+
+/* ---- Showing --------------------------------------------------------------------------------- */
 
 /* Waits on the CPU until the image may be drawn to. */
 static VkResult acquire(struct dt_vk_runtime *rt, uint32_t *index)
@@ -519,7 +585,8 @@ bool vk_present(struct dt_core *core, const struct dt_window_frame *frame)
     if (!commands)
         return false;
     record(commands, present, index, frame);
-    if (!vk_immediate_end_signal(rt, "window", present->drawn[index]))
+    if (!vk_immediate_end_signal(rt, "window", present->drawn[index]) ||
+        (frame->photo && !photograph(rt, index, frame->photo)))
         return false;
     result = show(rt, index);
     if (is_outdated(result))

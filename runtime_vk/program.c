@@ -202,6 +202,11 @@ static VkPipelineShaderStageCreateInfo shader_stage(VkShaderStageFlagBits stage,
     };
 }
 
+static VkPipelineCreateFlags creation_flags(const struct dt_vk_runtime *rt)
+{
+    return rt->captures ? VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR : 0;
+}
+
 static struct vk_outcome compile_compute(const struct dt_vk_runtime *rt,
                                          struct vk_pipeline *pipeline,
                                          const struct vk_program_info *info)
@@ -212,6 +217,7 @@ static struct vk_outcome compile_compute(const struct dt_vk_runtime *rt,
         return outcome;
     VkComputePipelineCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
+        .flags = creation_flags(rt),
         .stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module),
         .layout = pipeline->layout,
     };
@@ -365,6 +371,7 @@ static VkResult create_graphics(const struct dt_vk_runtime *rt, struct vk_pipeli
     VkGraphicsPipelineCreateInfo create = {
         .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
         .pNext = &rendering,
+        .flags = creation_flags(rt),
         .stageCount = info->stages->fragment.size ? 2 : 1,
         .pStages = stages,
         .pVertexInputState = &vertex_input,

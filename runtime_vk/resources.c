@@ -24,9 +24,9 @@ static int find_memory_type(const struct dt_vk_runtime *rt, uint32_t bits,
     return found;
 }
 
-static bool allocate(struct dt_vk_runtime *rt, struct dt_vk_memory *memory, const char *name,
-                     const VkMemoryRequirements *needs, VkMemoryPropertyFlags required,
-                     VkMemoryPropertyFlags wanted)
+static bool allocate_memory(struct dt_vk_runtime *rt, struct dt_vk_memory *memory, const char *name,
+                            const VkMemoryRequirements *needs, VkMemoryPropertyFlags required,
+                            VkMemoryPropertyFlags wanted)
 {
     int type = find_memory_type(rt, needs->memoryTypeBits, required, wanted);
     if (type < 0)
@@ -61,7 +61,7 @@ bool vk_memory_create(struct dt_vk_runtime *rt, struct dt_vk_memory *memory,
         *memory = given;
         return true;
     }
-    if (!allocate(rt, memory, name, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT))
+    if (!allocate_memory(rt, memory, name, needs, 0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_DEVICE_MEMORY, (uint64_t)memory->memory, name);
     return true;
@@ -136,9 +136,10 @@ bool vk_buffer_bind(struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
 static bool map(struct dt_vk_runtime *rt, struct vk_buffer *buffer,
                 const VkMemoryRequirements *needs)
 {
-    return allocate(rt, &buffer->memory, buffer->name, needs,
-                    VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                    VK_MEMORY_PROPERTY_HOST_CACHED_BIT) && /* uncached read-back is slow */
+    return allocate_memory(rt, &buffer->memory, buffer->name, needs,
+                           VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                               VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                           VK_MEMORY_PROPERTY_HOST_CACHED_BIT) && /* uncached read-back is slow */
            VK(rt,
               rt->vk.MapMemory(rt->device, buffer->memory.memory, 0, VK_WHOLE_SIZE, 0,
                                &buffer->bytes),

@@ -118,11 +118,12 @@ static VkBufferMemoryBarrier2 buffer_barrier(const struct dt_barrier *barrier,
 }
 
 /* A first use of shared memory waits for nobody in this frame, and the frame's own barrier has shown what
- * the frame before wrote. Validation layers 1.3.239 want to be told again. */
-static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, struct vk_image *image)
+ * the frame before wrote. Validation layers 1.3.239 want to be told again. poisoned: the fill of discarded memory stays. */
+static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, struct vk_image *image,
+                                           bool poisoned)
 {
     bool first = barrier->discard && barrier->from_stages && !barrier->from;
-    VkImageLayout old = barrier->discard ? VK_IMAGE_LAYOUT_UNDEFINED : image->layout;
+    VkImageLayout old = barrier->discard && !poisoned ? VK_IMAGE_LAYOUT_UNDEFINED : image->layout;
     image->layout = vk_layout(barrier->layout);
     return (VkImageMemoryBarrier2){
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
@@ -181,7 +182,8 @@ static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list
                 continue;
             }
             if (barrier.layout != DT_LAYOUT_NONE)
-                images[info.imageMemoryBarrierCount++] = image_barrier(&barrier, &resource->image);
+                images[info.imageMemoryBarrierCount++] =
+                    image_barrier(&barrier, &resource->image, rt->core.poison);
             else
                 buffers[info.bufferMemoryBarrierCount++] =
                     buffer_barrier(&barrier, &resource->buffer);

@@ -490,7 +490,7 @@ static void fountain(struct sculptor *s, double x)
     lathe(s, STONE, x, 0, 0, stem, COUNT(stem), 32);
 }
 
-static void build(struct sculptor *s)
+static void build_atrium(struct sculptor *s)
 {
     static const int bays[4] = {10, 4, 10, 4};
     const struct vec origins[4] = {
@@ -527,7 +527,7 @@ static int finish(FILE *file, const char *temporary, const char *path)
     return 0;
 }
 
-static FILE *start(const char *path, char *temporary, size_t size)
+static FILE *start_mesh(const char *path, char *temporary, size_t size)
 {
     int length = snprintf(temporary, size, "%s.tmp", path);
     FILE *file = length > 0 && (size_t)length < size ? fopen(temporary, "w") : NULL;
@@ -539,7 +539,7 @@ static FILE *start(const char *path, char *temporary, size_t size)
 static int write_materials(const char *path)
 {
     char temporary[4096];
-    FILE *file = start(path, temporary, sizeof temporary);
+    FILE *file = start_mesh(path, temporary, sizeof temporary);
     if (!file)
         return 1;
     for (int i = 0; i < MATERIALS; i++)
@@ -559,13 +559,13 @@ int main(int argc, char **argv)
     snprintf(material_path, sizeof material_path, "%.*s.mtl", (int)length - 4, argv[1]);
     if (write_materials(material_path))
         return 1;
-    FILE *file = start(argv[1], temporary, sizeof temporary);
+    FILE *file = start_mesh(argv[1], temporary, sizeof temporary);
     if (!file)
         return 1;
     const char *slash = strrchr(material_path, '/');
     fprintf(file, "mtllib %s\n", slash ? slash + 1 : material_path);
     struct sculptor sculptor = {.file = file, .material = -1};
-    build(&sculptor);
+    build_atrium(&sculptor);
     fprintf(file, "# %ld triangles\n", sculptor.triangles);
     return finish(file, temporary, argv[1]);
 }

@@ -1,6 +1,7 @@
 /* A forked child with limits, its messages and its result; see child.h. */
 #include "child.h"
 
+#include "base/diag.h"
 #include "mesh.h"
 
 #include <errno.h>
@@ -31,8 +32,8 @@ void child_limit_memory(size_t bytes)
     struct rlimit limit;
     unsigned long pages = 0;
     if (file && fscanf(file, "%lu", &pages) == 1 && getrlimit(RLIMIT_AS, &limit) == 0) {
-        rlim_t all = pages * (rlim_t)sysconf(_SC_PAGESIZE) + bytes;
-        limit.rlim_cur = bytes && all < limit.rlim_max ? all : limit.rlim_max;
+        rlim_t all = pages * (rlim_t)sysconf(_SC_PAGESIZE) + (bytes ? bytes : CHILD_BYTES);
+        limit.rlim_cur = all < limit.rlim_max ? all : limit.rlim_max;
         setrlimit(RLIMIT_AS, &limit);
     }
     if (file)
@@ -44,11 +45,44 @@ void child_limit_memory(size_t bytes)
 
 /* ---- Messages: level and text, as many as there are ------------------------------------------ */
 
-static void send_message(void *user, enum dt_level level, const char *message)
+enum { PLACED = 'z' }; /* in place of a level: line, column, length and path, then the text */
+
+struct sender {
+    struct diag_taker taker;
+    FILE *messages;
+};
+
+static void send_message(struct diag_taker *taker, enum dt_level level, const char *message)
 {
-    FILE *messages = user;
+    FILE *messages = ((struct sender *)taker)->messages;
     fprintf(messages, "%c%s%c", 'a' + (int)level, message, '\0');
     fflush(messages); /* a crash must not lose it */
+}
+
+/* An error that has a place: the work reports one at a time. */
+static void send_diag(struct diag_taker *taker, const struct diag *diag)
+{
+    FILE *messages = ((struct sender *)taker)->messages;
+    struct loc loc = {0};
+    const char *text = diag_first_error(diag, &loc);
+    fprintf(messages, "%c%d:%d:%d:%s%c%s%c", PLACED, loc.line, loc.column, loc.length,
+            loc.source ? loc.source->path : "", '\0', text ? text : "", '\0');
+    fflush(messages);
+}
+
+static void pass_placed_on(FILE *messages, char **text, size_t *capacity, const struct dt_log *log)
+{
+    struct loc loc;
+    int path = 0;
+    char *place = strdup(*text);
+    struct source source = {0};
+    if (place && sscanf(place, "%*c%d:%d:%d:%n", &loc.line, &loc.column, &loc.length, &path) == 3 &&
+        getdelim(text, capacity, '\0', messages) > 0) {
+        source.path = place + path;
+        loc.source = &source;
+        report_at(log, loc, "%s", *text);
+    }
+    free(place);
 }
 
 static void pass_messages_on(FILE *messages, const struct dt_log *log)
@@ -57,28 +91,45 @@ static void pass_messages_on(FILE *messages, const struct dt_log *log)
     size_t capacity = 0;
     rewind(messages);
     while (getdelim(&text, &capacity, '\0', messages) > 1)
-        if (*text >= 'a' && *text <= 'a' + (int)DT_ERROR)
-            log_message(log, (enum dt_level)(*text - 'a'), "%s", text + 1);
+        if (*text == PLACED)
+            pass_placed_on(messages, &text, &capacity, log);
+        else if (*text >= 'a' && *text <= 'a' + (int)DT_ERROR)
+            report_message(log, (enum dt_level)(*text - 'a'), "%s", text + 1);
     if (!feof(messages))
-        log_message(log, DT_ERROR, "the messages of a child process: %s", strerror(errno));
+        report_error(log, "the messages of a child process: %s", strerror(errno));
     free(text);
 }
 
 /* ---- The child ------------------------------------------------------------------------------- */
 
-static _Noreturn void run(child_work *work, void *user, FILE *result, FILE *messages,
-                          struct shared *shared)
+/* The caller's own limit may be lower; nobody raises it. */
+static bool limit_processor_time(void)
 {
-    const struct rlimit seconds = {CHILD_SECONDS, CHILD_SECONDS + 1}, no_core = {0};
-    const struct dt_log log = {.message = send_message, .user = messages};
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_CPU, &limit) != 0)
+        return false;
+    if (limit.rlim_max > CHILD_SECONDS + 1)
+        limit.rlim_max = CHILD_SECONDS + 1;
+    if (limit.rlim_cur > CHILD_SECONDS)
+        limit.rlim_cur = CHILD_SECONDS;
+    return setrlimit(RLIMIT_CPU, &limit) == 0;
+}
+
+static _Noreturn void run_work(child_work *work, void *user, FILE *result, FILE *messages,
+                               struct shared *shared)
+{
+    const struct rlimit no_core = {0};
+    struct sender sender = {{send_message, send_diag}, messages};
+    const struct dt_log log = {.message = diag_log_message, .user = &sender};
     shared_with_parent = shared;
-    bool good = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && setrlimit(RLIMIT_CPU, &seconds) == 0 &&
+    bool good = prctl(PR_SET_PDEATHSIG, SIGKILL) == 0 && limit_processor_time() &&
                 setrlimit(RLIMIT_CORE, &no_core) == 0;
     if (!good)
-        log_message(&log, DT_ERROR, "a child process cannot be limited: %s", strerror(errno));
+        report_error(&log, "a child process cannot be limited: %s", strerror(errno));
+    child_limit_memory(0);
     good = good && work(result, user, &log);
     if (good && (fflush(result) != 0 || ferror(result))) {
-        log_message(&log, DT_ERROR, "the result of a child process: %s", strerror(errno));
+        report_error(&log, "the result of a child process: %s", strerror(errno));
         good = false;
     }
     _exit(good ? EXIT_SUCCESS : EXIT_FAILURE);
@@ -104,15 +155,14 @@ static bool wait_for(pid_t child, int *status)
 }
 
 /* Whether the child ended well; logs what ended it if that was a signal. */
-static bool judge(int status, const struct shared *shared, const struct dt_log *log)
+static bool judge_child(int status, const struct shared *shared, const struct dt_log *log)
 {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
-        log_message(log, DT_ERROR, "%s: reading it takes more than %d s of processor time",
-                    shared->path, CHILD_SECONDS);
+        report_error(log, "%s: reading it takes more than %d s of processor time", shared->path,
+                     CHILD_SECONDS);
     else if (WIFSIGNALED(status))
-        log_message(log, DT_ERROR,
-                    "%s: the library that reads this file crashed (%s); the file is damaged",
-                    shared->path, strsignal(WTERMSIG(status)));
+        report_error(log, "%s: the library that reads this file crashed (%s); the file is damaged",
+                     shared->path, strsignal(WTERMSIG(status)));
     return WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS;
 }
 
@@ -123,13 +173,13 @@ static bool run_apart(child_work *work, void *user, FILE *result, FILE *messages
     fflush(NULL); /* else the child's copy of a buffer could be written, too */
     pid_t child = fork();
     if (child == 0)
-        run(work, user, result, messages, shared);
+        run_work(work, user, result, messages, shared);
     if (child < 0 || !wait_for(child, &status)) {
-        log_message(log, DT_ERROR, "a child process cannot be started: %s", strerror(errno));
+        report_error(log, "a child process cannot be started: %s", strerror(errno));
         return false;
     }
     pass_messages_on(messages, log);
-    return judge(status, shared, log);
+    return judge_child(status, shared, log);
 }
 
 FILE *child_run(child_work *work, void *user, const struct dt_log *log)
@@ -141,7 +191,7 @@ FILE *child_run(child_work *work, void *user, const struct dt_log *log)
     if (result && messages && shared != MAP_FAILED)
         good = run_apart(work, user, result, messages, shared, log);
     else
-        log_message(log, DT_ERROR, "memory for a child process: %s", strerror(errno));
+        report_error(log, "memory for a child process: %s", strerror(errno));
     if (shared != MAP_FAILED)
         munmap(shared, sizeof *shared);
     if (messages)

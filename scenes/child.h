@@ -11,13 +11,15 @@
 typedef bool child_work(FILE *result, void *user, const struct dt_log *log);
 
 enum { CHILD_SECONDS = 600 }; /* of processor time */
+/* Beyond what the parent has: for the largest mesh and textures, and a copy of either. */
+#define CHILD_BYTES ((size_t)12 << 30)
 
 /* Runs `work` in a forked child and passes its messages on to `log`. Returns the result as a stream
  * at its start, for fclose. NULL: an error was logged; when the child crashed, that error names the
  * file of the last child_opens. No other thread may load libraries or hold their locks. */
 FILE *child_run(child_work *work, void *user, const struct dt_log *log);
 
-/* Limits the memory that the work may take from here on; 0: no longer. Does nothing outside a child,
+/* Limits the memory that the work may take from here on; 0: CHILD_BYTES again. Does nothing outside a child,
  * and under AddressSanitizer, which takes more than there is. */
 void child_limit_memory(size_t bytes);
 

@@ -8,6 +8,7 @@
 
 #include "mesh.h"
 #include "scene.h"
+#include "base/log.h"
 
 struct dt_scene_file {
     struct scene scene;
@@ -17,7 +18,7 @@ struct dt_scene_file *dt_scene_open(const char *path, const char *meshes, const 
 {
     struct dt_scene_file *file = calloc(1, sizeof *file);
     if (!file) {
-        log_message(log, DT_ERROR, "%s: out of memory; free some", path);
+        report_error(log, "%s: out of memory; free some", path);
         return NULL;
     }
     locale_t point = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);

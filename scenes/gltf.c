@@ -318,6 +318,8 @@ static bool take_nodes(struct gltf *gltf, struct mesh *mesh, const uint32_t *ord
         if (cJSON_GetObjectItemCaseSensitive(gltf->list[GLTF_NODES].items[order[i]], "skin"))
             gltf_warn(gltf, "skins are not supported; meshes stand where their nodes are");
     }
+    if (cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(gltf->root, "animations")))
+        gltf_warn(gltf, "animations are not supported; nodes stand as the file has them");
     if (gltf->failed || !mesh_reserve(mesh, triangles, gltf->path, gltf->log))
         return false;
     for (uint32_t i = 0; i < count && !gltf->failed; i++) {

@@ -2,6 +2,7 @@
 #include "gltf.h"
 
 #include "child.h"
+#include "base/log.h"
 #include "base/input.h"
 
 #include <stdarg.h>
@@ -28,8 +29,8 @@ bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const
     vsnprintf(text, sizeof text, format, values);
     va_end(values);
     if (!gltf->failed)
-        log_message(gltf->log, DT_ERROR, "%s: %s[%u]%s%s: %s", gltf->path, names[item.kind],
-                    item.index, key ? "." : "", key ? key : "", text);
+        report_error(gltf->log, "%s: %s[%u]%s%s: %s", gltf->path, names[item.kind], item.index,
+                     key ? "." : "", key ? key : "", text);
     gltf->failed = true;
     return false;
 }
@@ -37,7 +38,7 @@ bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const
 static bool file_error(struct gltf *gltf, const char *text)
 {
     if (!gltf->failed)
-        log_message(gltf->log, DT_ERROR, "%s: %s", gltf->path, text);
+        report_error(gltf->log, "%s: %s", gltf->path, text);
     gltf->failed = true;
     return false;
 }
@@ -58,7 +59,7 @@ void gltf_warn(struct gltf *gltf, const char *format, ...)
         cJSON_GetObjectItemCaseSensitive(gltf->warned, text))
         return;
     cJSON_AddNullToObject(gltf->warned, text);
-    log_message(gltf->log, DT_WARNING, "%s: %s", gltf->path, text);
+    report_message(gltf->log, DT_WARNING, "%s: %s", gltf->path, text);
 }
 
 void *gltf_alloc(struct gltf *gltf, struct gltf_item item, size_t count, size_t size)
@@ -77,7 +78,7 @@ void *gltf_alloc(struct gltf *gltf, struct gltf_item item, size_t count, size_t 
 
 /* ---- Keys ------------------------------------------------------------------------------------ */
 
-static const cJSON *find(struct gltf_item item, const char *key)
+static const cJSON *find_member(struct gltf_item item, const char *key)
 {
     return item.json ? cJSON_GetObjectItemCaseSensitive(item.json, key) : NULL;
 }
@@ -89,7 +90,7 @@ struct gltf_item gltf_item(const struct gltf *gltf, enum gltf_kind kind, uint32_
 
 struct gltf_item gltf_part(struct gltf *gltf, struct gltf_item item, const char *key)
 {
-    struct gltf_item part = {find(item, key), item.kind, item.index};
+    struct gltf_item part = {find_member(item, key), item.kind, item.index};
     if (part.json && !cJSON_IsObject(part.json)) {
         gltf_error(gltf, item, key, "is no object");
         part.json = NULL;
@@ -103,7 +104,7 @@ struct gltf_item gltf_extension(struct gltf *gltf, struct gltf_item item, const 
 }
 
 /* A whole number from 0 to `most`. */
-static bool is_whole(const cJSON *json, double most)
+static bool is_whole_number(const cJSON *json, double most)
 {
     double value = cJSON_GetNumberValue(json);
     return cJSON_IsNumber(json) && value >= 0 && value <= most && (double)(size_t)value == value;
@@ -112,10 +113,10 @@ static bool is_whole(const cJSON *json, double most)
 static size_t whole(struct gltf *gltf, struct gltf_item item, const char *key, double most,
                     size_t fallback)
 {
-    const cJSON *json = find(item, key);
+    const cJSON *json = find_member(item, key);
     if (!json)
         return fallback;
-    if (is_whole(json, most))
+    if (is_whole_number(json, most))
         return (size_t)cJSON_GetNumberValue(json);
     if (cJSON_IsNumber(json))
         gltf_error(gltf, item, key, "%.17g is no whole number from 0 to %.17g",
@@ -137,7 +138,7 @@ size_t gltf_size(struct gltf *gltf, struct gltf_item item, const char *key)
 
 float gltf_number(struct gltf *gltf, struct gltf_item item, const char *key, float fallback)
 {
-    const cJSON *json = find(item, key);
+    const cJSON *json = find_member(item, key);
     if (json && !cJSON_IsNumber(json))
         gltf_error(gltf, item, key, "is no number");
     return cJSON_IsNumber(json) ? (float)cJSON_GetNumberValue(json) : fallback;
@@ -146,7 +147,7 @@ float gltf_number(struct gltf *gltf, struct gltf_item item, const char *key, flo
 bool gltf_numbers(struct gltf *gltf, struct gltf_item item, const char *key, int count,
                   float *numbers)
 {
-    const cJSON *json = find(item, key), *element;
+    const cJSON *json = find_member(item, key), *element;
     int i = 0;
     if (!json)
         return false;
@@ -162,7 +163,7 @@ bool gltf_numbers(struct gltf *gltf, struct gltf_item item, const char *key, int
 
 const char *gltf_text(const struct gltf_item item, const char *key, const char *fallback)
 {
-    const char *text = cJSON_GetStringValue(find(item, key));
+    const char *text = cJSON_GetStringValue(find_member(item, key));
     return text ? text : fallback;
 }
 
@@ -170,7 +171,7 @@ int32_t gltf_element(struct gltf *gltf, struct gltf_item item, const char *key,
                      const cJSON *element, enum gltf_kind kind)
 {
     uint32_t count = gltf->list[kind].count;
-    if (is_whole(element, (double)count - 1))
+    if (is_whole_number(element, (double)count - 1))
         return (int32_t)cJSON_GetNumberValue(element);
     if (cJSON_IsNumber(element))
         gltf_error(gltf, item, key, "there is no %s[%.17g]; the file has %u", names[kind],
@@ -182,7 +183,7 @@ int32_t gltf_element(struct gltf *gltf, struct gltf_item item, const char *key,
 
 int32_t gltf_index(struct gltf *gltf, struct gltf_item item, const char *key, enum gltf_kind kind)
 {
-    const cJSON *json = find(item, key);
+    const cJSON *json = find_member(item, key);
     return json ? gltf_element(gltf, item, key, json, kind) : -1;
 }
 
@@ -261,7 +262,7 @@ static bool open_chunks(struct gltf *gltf, size_t length, struct gltf_bytes *jso
     return json->data || file_error(gltf, "its first chunk is no JSON");
 }
 
-static bool parse(struct gltf *gltf, struct gltf_bytes json)
+static bool parse_json(struct gltf *gltf, struct gltf_bytes json)
 {
     const char *start = (const char *)json.data, *end = start;
     gltf->root = cJSON_ParseWithLengthOpts(start, json.size, &end, false);
@@ -275,9 +276,7 @@ static bool parse(struct gltf *gltf, struct gltf_bytes json)
         column = *c == '\n' ? 1 : column + 1;
         line += *c == '\n';
     }
-    if (gltf->log->message)
-        log_message(gltf->log, DT_ERROR, "%s:%d:%d: error: this is no JSON of a glTF file",
-                    gltf->path, line, column);
+    report_error(gltf->log, "%s:%d:%d: this is no JSON of a glTF file", gltf->path, line, column);
     gltf->failed = true;
     return false;
 }
@@ -336,7 +335,7 @@ static bool index_lists(struct gltf *gltf)
     return true;
 }
 
-static bool allocate(struct gltf *gltf)
+static bool gltf_allocate(struct gltf *gltf)
 {
     const struct gltf_list *list = gltf->list;
     gltf->buffers = calloc(list[GLTF_BUFFERS].count + 1, sizeof *gltf->buffers);
@@ -367,8 +366,8 @@ bool gltf_open(struct gltf *gltf, const char *path, const struct dt_log *log)
         if (!open_chunks(gltf, length, &json))
             return false;
     }
-    return parse(gltf, json) && check_version(gltf) && check_extensions(gltf) &&
-           index_lists(gltf) && allocate(gltf);
+    return parse_json(gltf, json) && check_version(gltf) && check_extensions(gltf) &&
+           index_lists(gltf) && gltf_allocate(gltf);
 }
 
 void gltf_close(struct gltf *gltf)

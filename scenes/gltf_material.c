@@ -130,6 +130,37 @@ static float alpha_cutoff(struct gltf *gltf, struct gltf_item material)
     return 0.5f;
 }
 
+/* What the file says, and a material does not take. */
+static void tell_more(struct gltf *gltf, struct gltf_item material, bool has_texture,
+                      const char *color_key, const float color[4])
+{
+    const char *mode = gltf_text(material, "alphaMode", "OPAQUE");
+    bool opaque = strcmp(mode, "OPAQUE") == 0;
+    for (int i = 0; i < 3; i++)
+        if (!(color[i] >= 0 && color[i] <= 1))
+            gltf_warn(gltf, "materials[%u].%s: %g is not from 0 to 1; the nearest is taken",
+                      material.index, color_key, (double)color[i]);
+    if (!opaque && color[3] < 1)
+        gltf_warn(gltf, "the alpha of `%s` is not supported; that of the texture is", color_key);
+    else if (!opaque && !has_texture && strcmp(mode, "MASK") != 0)
+        gltf_warn(gltf, "`alphaMode` %.32s is not supported; materials without texture are opaque",
+                  mode);
+    if (gltf_part(gltf, material, "emissiveTexture").json)
+        gltf_warn(gltf, "`emissiveTexture` is not supported; `emissiveFactor` holds everywhere");
+    if (gltf_part(gltf, material, "normalTexture").json)
+        gltf_warn(gltf, "`normalTexture` is not supported; vertices have their normals");
+}
+
+/* Light is not negative. */
+static void check_emission(struct gltf *gltf, struct gltf_item material, float emission[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(emission[i] >= 0)) {
+            gltf_error(gltf, material, "emissiveFactor", "%g is negative", (double)emission[i]);
+            emission[i] = 0;
+        }
+}
+
 static struct dt_material take_material(struct gltf *gltf, struct mesh *mesh,
                                         struct gltf_item material)
 {
@@ -144,10 +175,10 @@ static struct dt_material take_material(struct gltf *gltf, struct mesh *mesh,
         result.albedo[i] = clamp_unit(color[i]);
         result.emission[i] *= strength;
     }
-    if (gltf_part(gltf, material, "emissiveTexture").json)
-        gltf_warn(gltf, "`emissiveTexture` is not supported; `emissiveFactor` holds everywhere");
+    check_emission(gltf, material, result.emission);
     result.texture = find_texture(gltf, mesh, gltf_part(gltf, from, texture_key));
     result.alpha_cutoff = result.texture >= 0 ? alpha_cutoff(gltf, material) : 0;
+    tell_more(gltf, material, result.texture >= 0, color_key, color);
     return result;
 }
 

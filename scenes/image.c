@@ -4,6 +4,7 @@
 
 #include "child.h"
 #include "image_oiio.h"
+#include "base/log.h"
 #include "base/input.h"
 #include "mesh.h"
 #include "base/temporary.h"
@@ -52,8 +53,8 @@ static void *shim_open(const struct dt_log *log)
         place++;
     void *shim = dlopen(place < PLACES ? path : SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!shim)
-        log_message(log, DT_ERROR, "cannot read images: " SHIM " is not beside the executable (%s)",
-                    dlerror());
+        report_error(log, "cannot read images: " SHIM " is not beside the executable (%s)",
+                     dlerror());
     return shim;
 }
 
@@ -61,7 +62,7 @@ static void *shim_function(void *shim, const char *name, const struct dt_log *lo
 {
     void *function = dlsym(shim, name);
     if (!function)
-        log_message(log, DT_ERROR, SHIM " has no %s; build it again", name);
+        report_error(log, SHIM " has no %s; build it again", name);
     return function;
 }
 
@@ -72,7 +73,7 @@ bool image_may_open(const char *path, const struct dt_log *log)
     child_opens(path);
     if (input_check(path, MOST_IMAGE_BYTES, &reason) && picture_check(path, &reason))
         return true;
-    log_message(log, DT_ERROR, "cannot read image %s: %s", path, reason);
+    report_error(log, "cannot read image %s: %s", path, reason);
     return false;
 }
 
@@ -205,8 +206,8 @@ void image_check_space(const char *path, enum image_encoding encoding, const str
         memcpy(space, png.space, sizeof space);
     bool srgb = strcmp(space, "sRGB") == 0, linear = strcmp(space, "linear") == 0;
     if (*space && !(srgb && encoding != IMAGE_AS_LIGHT) && !(linear && encoding != IMAGE_AS_SRGB))
-        log_message(log, DT_WARNING, "%s: its colour space is %s; its numbers %s", path, space,
-                    taken[encoding]);
+        report_message(log, DT_WARNING, "%s: its colour space is %s; its numbers %s", path, space,
+                       taken[encoding]);
 }
 
 /* ---- Reading --------------------------------------------------------------------------------- */
@@ -227,7 +228,7 @@ bool image_size(const char *path, uint32_t *width, uint32_t *height, const struc
     struct image_error error = {""};
     bool ok = size && size(path, width, height, &error);
     if (size && !ok)
-        log_message(log, DT_ERROR, "cannot read image %s: %s", path, error.text);
+        report_error(log, "cannot read image %s: %s", path, error.text);
     dlclose(shim);
     return ok;
 }
@@ -242,7 +243,7 @@ static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_
     struct image_error error = {""};
     bool ok = read && read(path, is_float, width, height, texels, &error);
     if (read && !ok)
-        log_message(log, DT_ERROR, "cannot read image %s: %s", path, error.text);
+        report_error(log, "cannot read image %s: %s", path, error.text);
     dlclose(shim);
     return ok;
 }
@@ -285,7 +286,7 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
     for (size_t i = 0; i < count && *texels; i++)
         (*texels)[i] = (float)codes[i] / 255;
     if (!*texels)
-        log_message(log, DT_ERROR, "cannot read image %s: out of memory", path);
+        report_error(log, "cannot read image %s: out of memory", path);
     free(codes);
     return *texels;
 }
@@ -326,8 +327,8 @@ bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32
                  uint32_t channels, const void *texels, const struct dt_log *log)
 {
     if (width == 0 || height == 0 || channels == 0 || channels > 4) {
-        log_message(log, DT_ERROR, "cannot write %s: no picture of %ux%u texels with %u channels",
-                    path, width, height, channels);
+        report_error(log, "cannot write %s: no picture of %ux%u texels with %u channels", path,
+                     width, height, channels);
         return false;
     }
     char *temporary = temporary_path(path);
@@ -342,7 +343,7 @@ bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32
             unlink(temporary);
     }
     if (!ok)
-        log_message(log, DT_ERROR, "cannot write %s: %s", path, error.text);
+        report_error(log, "cannot write %s: %s", path, error.text);
     free(temporary);
     return ok;
 }
@@ -364,7 +365,7 @@ bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const fl
     struct image_error error = {""};
     bool ok = yee && yee(width, height, a, b, luminance, field_of_view, failing, &error);
     if (yee && !ok)
-        log_message(log, DT_ERROR, "cannot compare two pictures: %s", error.text);
+        report_error(log, "cannot compare two pictures: %s", error.text);
     dlclose(shim);
     return ok;
 }

@@ -3,6 +3,7 @@
 #include "mesh.h"
 
 #include "diptych_scene.h"
+#include "base/log.h"
 #include "base/input.h"
 #include "gltf.h"
 
@@ -14,26 +15,9 @@
 /* Corners are five times as large as what a GPU gets of them: 6 GiB. */
 enum { MOST_TRIANGLES = 1 << 25 };
 
-void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
+static bool mesh_out_of_memory(const char *path, const struct dt_log *log)
 {
-    char *text = NULL, short_text[1024]; /* where memory is out */
-    va_list arguments, again;
-    va_start(arguments, format);
-    va_copy(again, arguments);
-    int length = vasprintf(&text, format, arguments);
-    if (length < 0)
-        vsnprintf(short_text, sizeof short_text, format, again);
-    va_end(again);
-    va_end(arguments);
-    if (log->message)
-        log->message(log->user, level, length < 0 ? short_text : text);
-    if (length >= 0)
-        free(text);
-}
-
-static bool out_of_memory(const char *path, const struct dt_log *log)
-{
-    log_message(log, DT_ERROR, "%s: out of memory; the mesh is too large for this machine", path);
+    report_error(log, "%s: out of memory; the mesh is too large for this machine", path);
     return false;
 }
 
@@ -182,12 +166,12 @@ static bool add_object(struct mesh *mesh, const struct mesh_part *part, const do
 bool mesh_reserve(struct mesh *mesh, uint64_t triangles, const char *path, const struct dt_log *log)
 {
     if (triangles > MOST_TRIANGLES) {
-        log_message(log, DT_ERROR, "%s: %llu triangles are too many; %d is the limit", path,
-                    (unsigned long long)triangles, MOST_TRIANGLES);
+        report_error(log, "%s: %llu triangles are too many; %d is the limit", path,
+                     (unsigned long long)triangles, MOST_TRIANGLES);
         return false;
     }
     mesh->vertices = calloc(3 * triangles + 1, sizeof *mesh->vertices);
-    return mesh->vertices || out_of_memory(path, log);
+    return mesh->vertices || mesh_out_of_memory(path, log);
 }
 
 bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matrix[4][4],
@@ -196,7 +180,7 @@ bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matr
     struct placing placing = {.part = part, .matrix = matrix, .scale = scale};
     bool mirrored = normal_matrix(matrix, placing.normals) < 0;
     if (!add_object(mesh, part, matrix, (double)scale))
-        return out_of_memory(path, log);
+        return mesh_out_of_memory(path, log);
     for (uint32_t t = 0; t < part->triangle_count; t++) {
         struct dt_vertex corner[3];
         float flat[3];
@@ -205,9 +189,8 @@ bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matr
             corner[k].material = part->material;
             corner[k].triangle = mesh->object_count - 1;
             if (!place_corner(&placing, index, &corner[k])) {
-                log_message(log, DT_ERROR,
-                            "%s: vertex %u of mesh %u has a number that is not finite", path, index,
-                            part->mesh);
+                report_error(log, "%s: vertex %u of mesh %u has a number that is not finite", path,
+                             index, part->mesh);
                 return false;
             }
         }
@@ -292,11 +275,11 @@ static bool import(struct mesh *mesh, const char *path, float scale, const struc
     bool good = gltf_is(path) ? gltf_import(mesh, path, scale, log)
                               : mesh_import_assimp(mesh, path, scale, log);
     if (good && mesh->vertex_count == 0) {
-        log_message(log, DT_ERROR, "%s: no triangle in this mesh (%u degenerate)", path,
-                    mesh->degenerate_triangles);
+        report_error(log, "%s: no triangle in this mesh (%u degenerate)", path,
+                     mesh->degenerate_triangles);
         return false;
     }
-    return good && (weld(mesh) || out_of_memory(path, log));
+    return good && (weld(mesh) || mesh_out_of_memory(path, log));
 }
 
 /* Adds to errors what the file seems to be. */
@@ -309,7 +292,7 @@ static void name_kind(void *user, enum dt_level level, const char *message)
 {
     const struct naming *naming = user;
     const char *seen = level == DT_ERROR ? input_seen(naming->path) : NULL;
-    log_message(naming->log, level, seen ? "%s; the file is %s" : "%s", message, seen);
+    report_message(naming->log, level, seen ? "%s; the file is %s" : "%s", message, seen);
 }
 
 bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
@@ -319,15 +302,15 @@ bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct 
     const struct dt_log named = {name_kind, &naming};
     const char *reason;
     if (!input_check(path, MESH_MOST_BYTES, &reason)) {
-        log_message(log, DT_ERROR, "%s: %s", path, reason);
+        report_error(log, "%s: %s", path, reason);
         return false;
     }
     bool good = import(mesh, path, scale, &named);
     if (!good)
         mesh_free(mesh);
     else if (mesh->degenerate_triangles)
-        log_message(log, DT_INFO, "%s: dropped %u degenerate triangles of %u", path,
-                    mesh->degenerate_triangles, mesh->source_triangles);
+        report_message(log, DT_INFO, "%s: dropped %u degenerate triangles of %u", path,
+                       mesh->degenerate_triangles, mesh->source_triangles);
     return good;
 }
 
@@ -392,7 +375,7 @@ bool mesh_number(struct mesh *mesh, const struct dt_log *log)
     if (vertices)
         mesh->vertices = vertices;
     else
-        log_message(log, DT_ERROR, "out of memory while numbering the mesh's triangles");
+        report_error(log, "out of memory while numbering the mesh's triangles");
     for (uint32_t i = mesh->vertex_count; vertices && i < all; i++)
         vertices[i] = vertices[copied[i - mesh->vertex_count]];
     for (uint32_t i = 0; vertices && i < all; i++)

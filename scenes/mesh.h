@@ -87,6 +87,10 @@ void mesh_check_light(struct mesh_view *view);
 bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
 /* Whether the faces of an OBJ file name vertices, texture coordinates and normals that it has. */
 bool obj_check(const char *path, const struct dt_log *log);
+/* Adds the names of the materials of a library to *names, NULL at first; free(). Warns of what scenes do
+ * not take. */
+void obj_read_library(const char *path, char **names, const struct dt_log *log);
+bool obj_has_name(const char *names, const char *name);
 /* Fills the mesh's views. False when out of memory. */
 bool mesh_views(struct mesh *mesh, const struct aiScene *source, float scale);
 
@@ -109,10 +113,6 @@ bool mesh_number(struct mesh *mesh, const struct dt_log *log);
  * `alpha_cutoff` of mesh->materials. The texels belong to *scene. */
 bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
                    const struct dt_log *log);
-
-/* Logs one message, formatted like printf. */
-void log_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
-    __attribute__((format(printf, 3, 4)));
 
 /* In double: the float inverse of cglm loses digits that position reconstruction needs. A singular
  * matrix yields infinities or NaN. */

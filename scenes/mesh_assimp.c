@@ -2,6 +2,7 @@
 #include "mesh.h"
 
 #include "child.h"
+#include "base/log.h"
 #include "base/input.h"
 
 #include <assimp/cfileio.h>
@@ -30,10 +31,10 @@ struct import {
     const struct dt_log *log;
 };
 
-static bool out_of_memory(const struct import *import)
+static bool import_out_of_memory(const struct import *import)
 {
-    log_message(import->log, DT_ERROR, "%s: out of memory; the mesh is too large for this machine",
-                import->path);
+    report_error(import->log, "%s: out of memory; the mesh is too large for this machine",
+                 import->path);
     return false;
 }
 
@@ -80,8 +81,8 @@ static int32_t texture_index(struct import *import, const char *color, const cha
     texture.opacity = opacity ? mesh_path_beside(import->path, opacity) : NULL;
     int32_t index = mesh_add_texture(import->mesh, texture);
     if (index < 0)
-        log_message(import->log, DT_WARNING, "%s: texture %s cannot be used; plain colour instead",
-                    import->path, color);
+        report_message(import->log, DT_WARNING,
+                       "%s: texture %s cannot be used; plain colour instead", import->path, color);
     return index;
 }
 
@@ -116,7 +117,7 @@ static bool import_materials(struct import *import)
     uint32_t count = import->source->mNumMaterials;
     mesh->materials = calloc(count ? count : 1, sizeof *mesh->materials);
     if (!mesh->materials)
-        return out_of_memory(import);
+        return import_out_of_memory(import);
     for (uint32_t i = 0; i < count; i++)
         mesh->materials[i] = import_material(import, import->source->mMaterials[i]);
     mesh->material_count = count;
@@ -136,16 +137,15 @@ static uint32_t *take_indices(const struct import *import, const struct aiMesh *
     uint32_t *indices = malloc(((size_t)from->mNumFaces * 3 + 1) * sizeof *indices);
     *triangles = 0;
     if (!indices)
-        out_of_memory(import);
+        import_out_of_memory(import);
     for (uint32_t f = 0; indices && f < from->mNumFaces; f++) {
         const struct aiFace *face = &from->mFaces[f];
         for (uint32_t k = 0; k < 3 && face->mNumIndices == 3; k++) {
             indices[3 * (size_t)*triangles + k] = face->mIndices[k];
             if (face->mIndices[k] < from->mNumVertices)
                 continue;
-            log_message(import->log, DT_ERROR,
-                        "%s: a face has the index %u, and there are %u vertices", import->path,
-                        face->mIndices[k], from->mNumVertices);
+            report_error(import->log, "%s: a face has the index %u, and there are %u vertices",
+                         import->path, face->mIndices[k], from->mNumVertices);
             free(indices);
             return NULL;
         }
@@ -223,7 +223,7 @@ static bool import_triangles(struct import *import)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-static size_t read_file(struct aiFile *file, char *buffer, size_t size, size_t count)
+static size_t read_mesh_file(struct aiFile *file, char *buffer, size_t size, size_t count)
 {
     return fread(buffer, size, count, (FILE *)file->UserData);
 }
@@ -262,6 +262,7 @@ static void flush_file(struct aiFile *file)
 struct opening {
     const struct dt_log *log;
     char *no_materials; /* a material library that is not there; NULL: none, or another was found */
+    char *names;        /* of materials; see obj_read_library */
     bool failed;        /* an error was logged */
 };
 
@@ -304,7 +305,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     }
     struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
     if (file)
-        *file = (struct aiFile){.ReadProc = read_file,
+        *file = (struct aiFile){.ReadProc = read_mesh_file,
                                 .WriteProc = write_file,
                                 .TellProc = tell_file,
                                 .FileSizeProc = file_size,
@@ -314,11 +315,13 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     else if (stream)
         fclose(stream);
     else if (!opening->failed)
-        log_message(opening->log, DT_ERROR, "%s: %s", path, reason);
+        report_error(opening->log, "%s: %s", path, reason);
     opening->failed = opening->failed || !file;
+    if (file && is_material_library(path))
+        obj_read_library(path, &opening->names, opening->log);
     if (file && !opening->failed && opening->no_materials && is_material_library(path)) {
-        log_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
-                    opening->no_materials, path);
+        report_message(opening->log, DT_WARNING, "%s: not found; %s is read instead",
+                       opening->no_materials, path);
         free(opening->no_materials);
         opening->no_materials = NULL;
     }
@@ -335,24 +338,38 @@ static void close_file(struct aiFileIO *io, struct aiFile *file)
 /* ---- The whole ------------------------------------------------------------------------------- */
 
 /* Logs why the import cannot be used, unless that was logged. */
-static bool is_whole(const struct aiScene *source, struct opening *opening, const char *path,
-                     const struct dt_log *log)
+static bool import_is_usable(const struct aiScene *source, struct opening *opening,
+                             const char *path, const struct dt_log *log)
 {
     bool good = source && source->mRootNode;
     if (!source && !opening->failed && strstr(aiGetErrorString(), "bad_alloc"))
-        log_message(log, DT_ERROR,
-                    "%s: reading it takes more memory than there is, or more than "
-                    "a file of its size should",
-                    path);
+        report_error(log,
+                     "%s: reading it takes more memory than there is, or more than "
+                     "a file of its size should",
+                     path);
     else if (!good && !opening->failed)
-        log_message(log, DT_ERROR, "%s: %s", path,
-                    source ? "an empty mesh file" : aiGetErrorString());
+        report_error(log, "%s: %s", path, source ? "an empty mesh file" : aiGetErrorString());
     else if (opening->no_materials && !opening->failed)
-        log_message(log, DT_ERROR, "%s: not found; %s takes its materials from it",
-                    opening->no_materials, path);
+        report_error(log, "%s: not found; %s takes its materials from it", opening->no_materials,
+                     path);
     good = good && !opening->failed && !opening->no_materials;
     free(opening->no_materials);
     return good;
+}
+
+/* Of `usemtl`, whose material assimp makes up. */
+static void tell_unknown_materials(const struct aiScene *source, const struct opening *opening,
+                                   const char *path)
+{
+    struct aiString name;
+    for (uint32_t i = 0; i < source->mNumMaterials; i++)
+        if (aiGetMaterialString(source->mMaterials[i], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+            name.length && strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) != 0 &&
+            !obj_has_name(opening->names, name.data))
+            report_message(
+                opening->log, DT_WARNING,
+                "%s: no material library has `%s`, which `usemtl` names; plain grey instead", path,
+                name.data);
 }
 
 bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
@@ -366,11 +383,14 @@ bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const 
     child_limit_memory(LIBRARY_BYTES + 64 * (size_t)status.st_size);
     const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
     child_limit_memory(0);
-    bool good = is_whole(source, &opening, path, log);
+    bool good = import_is_usable(source, &opening, path, log);
+    if (good && has_ending(path, ".obj"))
+        tell_unknown_materials(source, &opening, path);
+    free(opening.names);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
     good = good && import_materials(&import) && import_triangles(&import) &&
-           (mesh_views(mesh, source, scale) || out_of_memory(&import));
+           (mesh_views(mesh, source, scale) || import_out_of_memory(&import));
     if (source)
         aiReleaseImport(source);
     return good;

@@ -19,6 +19,7 @@
 
 #include "camera_light.h"
 #include "mesh.h"
+#include "base/log.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -152,8 +153,8 @@ struct reading {
     bool out_of_memory;
 };
 
-static void add_key(struct reading *reading, struct track *track, double frame,
-                    const struct key *key)
+static void add_keyframe(struct reading *reading, struct track *track, double frame,
+                         const struct key *key)
 {
     struct track_key *grown = realloc(track->keys, (track->count + 1) * sizeof *grown);
     if (!grown) {
@@ -176,7 +177,7 @@ static void read_group(struct reader *reader, struct reading *reading, struct gr
     reader_mapping(reader, self->node, self->name_node, self->name, keys, (size_t)group->count);
     for (int i = 0; i < group->count; i++) {
         if (keys[i].given)
-            add_key(reading, &group->tracks[i], frame, &keys[i]);
+            add_keyframe(reading, &group->tracks[i], frame, &keys[i]);
         group->moves |= keys[i].given;
     }
 }
@@ -315,7 +316,7 @@ struct motion *motion_load(const char *path, const struct scene *scene, const st
     if (motion)
         motion->path = strdup(path);
     if (!motion || !motion->path) {
-        log_message(log, DT_ERROR, "%s: out of memory", path);
+        report_error(log, "%s: out of memory", path);
         motion_free(motion);
         return NULL;
     }

@@ -10,7 +10,7 @@
 #define MOST_BYTES ((size_t)1 << 30)
 enum { MOST_WORD = 256 }; /* bytes of a name or line in a header */
 
-static bool take(FILE *file, uint8_t *bytes, size_t count)
+static bool read_bytes(FILE *file, uint8_t *bytes, size_t count)
 {
     return fread(bytes, 1, count, file) == count;
 }
@@ -38,7 +38,7 @@ static uint32_t little(const uint8_t *at)
 static bool png(FILE *file, uint32_t size[2])
 {
     uint8_t head[16];
-    if (!skip(file, 8) || !take(file, head, sizeof head) || memcmp(head + 4, "IHDR", 4) != 0)
+    if (!skip(file, 8) || !read_bytes(file, head, sizeof head) || memcmp(head + 4, "IHDR", 4) != 0)
         return false;
     size[0] = big(head + 8, 4);
     size[1] = big(head + 12, 4);
@@ -51,11 +51,11 @@ static void png_space(FILE *file, char space[PICTURE_SPACE])
     uint8_t head[8], codes[4];
     if (!skip(file, 8))
         return;
-    while (take(file, head, sizeof head) && memcmp(head + 4, "IDAT", 4) != 0) {
+    while (read_bytes(file, head, sizeof head) && memcmp(head + 4, "IDAT", 4) != 0) {
         if (memcmp(head + 4, "cICP", 4) != 0 || big(head, 4) != sizeof codes) {
             if (!skip(file, (uint64_t)big(head, 4) + 4))
                 return;
-        } else if (take(file, codes, sizeof codes)) {
+        } else if (read_bytes(file, codes, sizeof codes)) {
             snprintf(space, PICTURE_SPACE,
                      codes[0] == 1 && codes[1] == 13  ? "sRGB"
                      : codes[0] == 1 && codes[1] == 8 ? "linear"
@@ -77,13 +77,13 @@ static bool is_frame(uint8_t marker)
 static bool next_segment(FILE *file, uint8_t *marker, uint32_t *length)
 {
     uint8_t head[2] = {0};
-    if (!take(file, head, 2) || head[0] != 0xff)
+    if (!read_bytes(file, head, 2) || head[0] != 0xff)
         return false;
     while (head[1] == 0xff) /* fill bytes */
-        if (!take(file, head + 1, 1))
+        if (!read_bytes(file, head + 1, 1))
             return false;
     *marker = head[1];
-    if (!take(file, head, 2) || big(head, 2) < 2)
+    if (!read_bytes(file, head, 2) || big(head, 2) < 2)
         return false;
     *length = big(head, 2) - 2;
     return true;
@@ -98,11 +98,39 @@ static bool jpeg(FILE *file, uint32_t size[2])
     while (next_segment(file, &marker, &length)) {
         if (!is_frame(marker) && skip(file, length))
             continue;
-        if (!is_frame(marker) || !take(file, head, sizeof head))
+        if (!is_frame(marker) || !read_bytes(file, head, sizeof head))
             return false;
         size[0] = big(head + 3, 2);
         size[1] = big(head + 1, 2);
         return true;
+    }
+    return false;
+}
+
+/* Goes behind coded data, to the next marker that is no restart. */
+static bool skip_data(FILE *file)
+{
+    for (int byte = getc(file), next; byte != EOF; byte = next) {
+        next = getc(file);
+        if (byte == 0xff && next > 0 && next != 0xff && (next < 0xd0 || next > 0xd7))
+            return fseek(file, -2, SEEK_CUR) == 0;
+    }
+    return false;
+}
+
+/* Whether the marker of the end comes; libraries fill up what is missing. */
+static bool jpeg_ends(FILE *file)
+{
+    uint8_t marker, head[2];
+    uint32_t length;
+    if (!skip(file, 2))
+        return false;
+    while (read_bytes(file, head, 2) && fseek(file, -2, SEEK_CUR) == 0) {
+        if (head[0] == 0xff && head[1] == 0xd9)
+            return true;
+        if (!next_segment(file, &marker, &length) || !skip(file, length) ||
+            (marker == 0xda && !skip_data(file)))
+            return false;
     }
     return false;
 }
@@ -116,7 +144,8 @@ static void jpeg_space(FILE *file, char space[PICTURE_SPACE])
     uint32_t length;
     if (!skip(file, 2))
         return;
-    while (next_segment(file, &marker, &length) && !is_frame(marker) && take(file, content, length))
+    while (next_segment(file, &marker, &length) && !is_frame(marker) &&
+           read_bytes(file, content, length))
         if (marker == 0xe2 && length > HEAD && memcmp(content, mark, sizeof mark) == 0) {
             picture_profile(content + HEAD, length - HEAD, space);
             return;
@@ -185,10 +214,10 @@ static bool attribute(FILE *file, const char *wanted, uint8_t *value, uint32_t s
     uint8_t box[4];
     if (!skip(file, 8))
         return false;
-    while (take_word(file, name) && *name && take_word(file, type) && take(file, box, 4)) {
+    while (take_word(file, name) && *name && take_word(file, type) && read_bytes(file, box, 4)) {
         uint32_t length = little(box);
         if (strcmp(name, wanted) == 0 && length == size)
-            return take(file, value, size);
+            return read_bytes(file, value, size);
         if (!skip(file, length))
             return false;
     }
@@ -228,7 +257,7 @@ static void exr_space(FILE *file, char space[PICTURE_SPACE])
 /* ---- Radiance HDR: lines, an empty one, the size, rows ----------------------------------------- */
 
 /* Reads a line without its end. */
-static bool take_line(FILE *file, char line[MOST_WORD])
+static bool take_header_line(FILE *file, char line[MOST_WORD])
 {
     if (!fgets(line, MOST_WORD, file))
         return false;
@@ -239,9 +268,9 @@ static bool take_line(FILE *file, char line[MOST_WORD])
 static bool hdr(FILE *file, uint32_t size[2])
 {
     char line[MOST_WORD];
-    while (take_line(file, line) && *line)
+    while (take_header_line(file, line) && *line)
         continue;
-    return take_line(file, line) && sscanf(line, "-Y %u +X %u", &size[1], &size[0]) == 2;
+    return take_header_line(file, line) && sscanf(line, "-Y %u +X %u", &size[1], &size[0]) == 2;
 }
 
 /* Linear, unless a line says that the numbers were changed or have other primaries. */
@@ -250,7 +279,7 @@ static void hdr_space(FILE *file, char space[PICTURE_SPACE])
     static const char *const keys[] = {"EXPOSURE=", "COLORCORR=", "PRIMARIES=", "GAMMA="};
     char line[MOST_WORD];
     snprintf(space, PICTURE_SPACE, "linear");
-    while (take_line(file, line) && *line)
+    while (take_header_line(file, line) && *line)
         for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
             const char *value = line + strlen(keys[i]);
             double number;
@@ -283,7 +312,7 @@ static bool has_old_runs(FILE *file, const uint32_t size[2])
     uint8_t pixel[4];
     for (uint32_t y = 0; y < size[1]; y++)
         for (uint32_t x = 0; x < size[0]; x++) {
-            if (!take(file, pixel, sizeof pixel))
+            if (!read_bytes(file, pixel, sizeof pixel))
                 return false;
             bool runs = x == 0 && size[0] >= 8 && size[0] < 32768 && pixel[0] == 2 &&
                         pixel[1] == 2 && pixel[2] < 128;
@@ -302,12 +331,12 @@ static const char *hdr_trouble(FILE *file)
     static _Thread_local char text[MOST_WORD + 64];
     char line[MOST_WORD];
     uint32_t size[2];
-    while (take_line(file, line) && *line)
+    while (take_header_line(file, line) && *line)
         if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line, "FORMAT=32-bit_rle_rgbe") != 0) {
             snprintf(text, sizeof text, "its `%s` is not supported; 32-bit_rle_rgbe is", line);
             return text;
         }
-    if (!take_line(file, line))
+    if (!take_header_line(file, line))
         return NULL; /* damaged: its readers say so */
     if (sscanf(line, "-Y %u +X %u", &size[1], &size[0]) != 2) {
         snprintf(text, sizeof text,
@@ -381,6 +410,8 @@ bool picture_check(const char *path, const char **reason)
     FILE *file = open_kind(path, &kind, &other);
     if (file && kind->read == hdr)
         trouble = hdr_trouble(file);
+    else if (file && kind->read == jpeg && !jpeg_ends(file))
+        trouble = "it ends in the middle, or is damaged";
     if (file)
         fclose(file);
     if (trouble)

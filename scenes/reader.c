@@ -14,14 +14,6 @@ enum { MOST_BYTES = 64 << 20 };
 
 /* ---- Diagnostics ----------------------------------------------------------------------------- */
 
-static void report(void *user, struct yaml_place place, bool note, const char *text)
-{
-    struct reader *reader = user;
-    yaml_print(reader->diagnostics, reader->path, reader->text, reader->length, place,
-               note ? "note" : "error", text);
-    reader->errors += !note;
-}
-
 void reader_report(struct reader *reader, struct fy_node *node, const char *format, ...)
 {
     char *text = NULL;
@@ -31,35 +23,22 @@ void reader_report(struct reader *reader, struct fy_node *node, const char *form
     va_start(arguments, format);
     int length = vasprintf(&text, format, arguments);
     va_end(arguments);
-    struct yaml_place place = yaml_node_place(node);
-    if (length < 0) {
-        report(reader, place, false, "out of memory");
-        return;
-    }
-    char *whole = NULL;
-    bool good = asprintf(&whole, "%s%s", reader->context, text) >= 0;
-    report(reader, place, false, good ? whole : text);
-    if (good)
-        free(whole);
-    free(text);
+    diag_error(reader->diag, yaml_loc(&reader->source, node), "%s%s", reader->context,
+               length < 0 ? "out of memory" : text);
+    reader->errors++;
+    if (length >= 0)
+        free(text);
 }
 
-static void report_unknown(struct reader *reader, struct fy_node *node, const char *name,
-                           const struct key *keys, size_t count)
+static void report_unknown_key(struct reader *reader, struct fy_node *node, const char *name,
+                               const struct key *keys, size_t count)
 {
     const char *names[32];
-    const char *nearest = NULL;
-    for (size_t i = 0; i < count && i < DT_ARRAY_COUNT(names); i++) {
-        names[i] = keys[i].name;
-        if (*name && strncmp(name, names[i], strlen(name)) == 0)
-            nearest = names[i];
-    }
-    if (!nearest)
-        nearest = nearest_name(name, names, count < 32 ? count : 32);
-    if (nearest)
-        reader_report(reader, node, "unknown key `%s`; did you mean `%s`?", name, nearest);
-    else
-        reader_report(reader, node, "unknown key `%s`", name);
+    size_t named = 0;
+    for (; named < count && named < DT_ARRAY_COUNT(names); named++)
+        names[named] = keys[named].name;
+    reader_report(reader, node, "unknown key `%s`%s", name,
+                  name_hint('`', name, names, named, "").text);
 }
 
 /* ---- Mappings -------------------------------------------------------------------------------- */
@@ -139,7 +118,8 @@ void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_no
             if (strcmp(name, keys[i].name) == 0)
                 key = &keys[i];
         if (!key) {
-            report_unknown(reader, name_node ? name_node : mapping, name ? name : "?", keys, count);
+            report_unknown_key(reader, name_node ? name_node : mapping, name ? name : "?", keys,
+                               count);
             continue;
         }
         key->name_node = name_node;
@@ -159,8 +139,7 @@ void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_no
 
 static void read_document(struct reader *reader, const struct file_kind *kind, void *user)
 {
-    const struct yaml_sink sink = {report, reader};
-    struct fy_document *document = yaml_parse(reader->text, reader->length, &sink);
+    struct fy_document *document = yaml_parse(&reader->source, reader->diag);
     struct fy_node *root = document ? fy_document_root(document) : NULL;
     if (root && fy_node_is_mapping(root))
         kind->read(reader, root, user);
@@ -174,26 +153,19 @@ static void read_document(struct reader *reader, const struct file_kind *kind, v
 bool reader_file(const char *path, const struct file_kind *kind, void *user,
                  const struct dt_log *log)
 {
-    char *text = NULL;
-    size_t size = 0;
-    const char *reason;
-    struct reader reader = {.path = path};
-    reader.text = input_read(path, MOST_BYTES, &reader.length, &reason);
-    if (!reader.text) {
-        log_message(log, DT_ERROR, "cannot open %s file %s: %s", kind->name, path, reason);
-        return false;
-    }
-    reader.diagnostics = open_memstream(&text, &size);
-    if (reader.diagnostics) {
+    const char *reason = "out of memory";
+    struct reader reader = {.source.path = path, .diag = diag_create()};
+    char *text = reader.diag ? input_read(path, MOST_BYTES, &reader.source.length, &reason) : NULL;
+    bool good = text;
+    reader.source.text = text;
+    if (good) {
         read_document(&reader, kind, user);
-        fclose(reader.diagnostics);
+        diag_report(reader.diag, log);
+        good = diag_error_count(reader.diag) == 0;
+    } else {
+        report_error(log, "cannot open %s file %s: %s", kind->name, path, reason);
     }
-    while (size > 0 && text[size - 1] == '\n')
-        text[--size] = '\0';
-    bool good = text && reader.errors == 0;
-    if (!good)
-        log_message(log, DT_ERROR, "%s", text ? text : "out of memory");
+    diag_free(reader.diag);
     free(text);
-    free(reader.text);
     return good;
 }

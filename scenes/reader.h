@@ -2,11 +2,9 @@
 #ifndef DIPTYCH_SCENES_READER_H
 #define DIPTYCH_SCENES_READER_H
 
-#include "diptych.h"
+#include "base/diag.h"
 
 #include <libfyaml.h>
-
-#include <stdio.h>
 
 enum key_type { KEY_TEXT, KEY_NUMBERS, KEY_MAPPING, KEY_MAPPING_OR_TEXT, KEY_SEQUENCE };
 
@@ -29,11 +27,9 @@ struct key {
 #define FAR 1e9 /* no coordinate, no light lies beyond */
 
 struct reader {
-    const char *path;
-    char *text; /* of the file */
-    size_t length;
-    FILE *diagnostics;
-    int errors;
+    struct source source;
+    struct diag *diag;
+    int errors;       /* reported by reader_report */
     char context[32]; /* before every message; empty: nothing */
 };
 

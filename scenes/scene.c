@@ -21,6 +21,7 @@
 #include "base/input.h"
 #include "mesh.h"
 #include "motion.h"
+#include "base/log.h"
 #include "base/yaml.h"
 
 #include <math.h>
@@ -63,9 +64,9 @@ static void read_light(struct reader *reader, const struct key *self, struct sce
 
 /* A camera or light that the mesh file brings. */
 struct wish {
-    bool open;               /* the scene file has none of its own */
-    char *name;              /* NULL: the first; owned */
-    struct yaml_place place; /* of the name, else of the mesh */
+    bool open;        /* the scene file has none of its own */
+    char *name;       /* NULL: the first; owned */
+    struct loc place; /* of the name, else of the mesh; no source */
 };
 
 /* Settings of the file besides its own camera and light. */
@@ -119,7 +120,7 @@ static void read_wish(struct reader *reader, const struct key *key, const struct
     wish->open = !key->node || fy_node_is_scalar(key->node);
     if (!wish->open)
         return;
-    wish->place = yaml_node_place(key->node ? key->node : mesh->node);
+    wish->place = yaml_loc(NULL, key->node ? key->node : mesh->node);
     if (key->node && !(wish->name = strdup(fy_node_get_scalar0(key->node))))
         reader_report(reader, key->node, "out of memory");
 }
@@ -195,23 +196,23 @@ static const struct mesh_view *pick(const struct settings *settings, const struc
             found = view;
     }
     if (found && !found->trouble) {
-        log_message(log, DT_INFO, "%s: %s `%s` of the mesh file", path, what, found->name);
+        report_message(log, DT_INFO, "%s: %s `%s` of the mesh file", path, what, found->name);
         return found;
     }
     char *names = list_views(mesh, is_light);
-    char place[32];
-    snprintf(place, sizeof place, "%d:%d", wish->place.line, wish->place.column);
+    const struct source source = {.path = path};
+    struct loc place = wish->place;
+    place.source = &source;
     if (found)
-        log_message(log, DT_ERROR, "%s:%s: error: the %s `%s` of %s cannot be used: %s", path,
-                    place, what, found->name, settings->mesh_path, found->trouble);
+        report_at(log, place, "the %s `%s` of %s cannot be used: %s", what, found->name,
+                  settings->mesh_path, found->trouble);
     else if (wish->name)
-        log_message(log, DT_ERROR, "%s:%s: error: no %s `%s` in %s; it has %s", path, place, what,
-                    wish->name, settings->mesh_path, names ? names : "?");
+        report_at(log, place, "no %s `%s` in %s; it has %s", what, wish->name, settings->mesh_path,
+                  names ? names : "?");
     else
-        log_message(log, DT_ERROR,
-                    "%s:%s: error: the scene lacks the key `%s`, and no %s of %s can be used; it "
-                    "has %s",
-                    path, place, what, what, settings->mesh_path, names ? names : "?");
+        report_at(log, place,
+                  "the scene lacks the key `%s`, and no %s of %s can be used; it has %s", what,
+                  what, settings->mesh_path, names ? names : "?");
     free(names);
     return NULL;
 }
@@ -238,10 +239,10 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
     struct mesh mesh;
     child_opens(settings->mesh_path);
     if (!input_room(MOST_OPEN_FILES)) {
-        log_message(log, DT_ERROR,
-                    "%s: reading it takes up to %d open files, and this process may not open so "
-                    "many; see `ulimit -n`",
-                    settings->mesh_path, MOST_OPEN_FILES);
+        report_error(log,
+                     "%s: reading it takes up to %d open files, and this process may not open so "
+                     "many; see `ulimit -n`",
+                     settings->mesh_path, MOST_OPEN_FILES);
         return false;
     }
     if (!mesh_import(&mesh, settings->mesh_path, settings->scale, log))
@@ -331,7 +332,7 @@ static bool read_mesh(struct scene *scene, FILE *result, const struct dt_log *lo
         good = memory && fread(memory, 1, arrays[i].bytes, result) == arrays[i].bytes;
     }
     if (!good)
-        log_message(log, DT_ERROR, "%s: out of memory", scene->path);
+        report_error(log, "%s: out of memory", scene->path);
     return good;
 }
 
@@ -351,7 +352,7 @@ static bool copy_path(struct scene *scene, const char *path, const struct dt_log
 {
     scene->path = strdup(path);
     if (!scene->path)
-        log_message(log, DT_ERROR, "%s: out of memory", path);
+        report_error(log, "%s: out of memory", path);
     return scene->path;
 }
 
@@ -401,7 +402,7 @@ bool scene_none(struct scene *scene, const struct dt_log *log)
     };
     if (vertices && indices && materials && objects && texels)
         return true;
-    log_message(log, DT_ERROR, "out of memory");
+    report_error(log, "out of memory");
     scene_free(scene);
     return false;
 }

@@ -1,9 +1,11 @@
 /* The textures of a mesh as one array: one size, full mip chain, averaged in linear light. */
 #include "image.h"
+#include "image_oiio.h"
 #include "mesh.h"
 #include "picture_size.h"
 #include "scene.h"
 #include "srgb.h"
+#include "base/log.h"
 
 #include <errno.h>
 #include <math.h>
@@ -16,8 +18,11 @@
 
 enum { DEFAULT_LIMIT = 1024, ENCODE_STEPS = 65536 };
 /* Of all layers together, with mips; and of the pictures that become layers. */
-#define MOST_BYTES  ((size_t)2 << 30)
-#define MOST_PIXELS ((uint64_t)1 << 32)
+#define MOST_BYTES ((size_t)2 << 30)
+/* Pixels that are decoded, and texels of layers, for any files, and more for each of their bytes: a
+ * picture of one colour has a thousand pixels a byte, one of a scene fewer than ten. */
+#define MOST_PIXELS ((uint64_t)1 << 27)
+enum { PIXELS_PER_BYTE = 16 };
 
 /* sRGB codes to linear light and back (IEC 61966-2-1). `encode` is so fine that every code survives
  * the round trip. */
@@ -34,8 +39,7 @@ static struct srgb *srgb_tables(void)
     srgb_decode_table(tables->decode);
     for (int i = 0; i < ENCODE_STEPS; i++) {
         double light = i / (double)(ENCODE_STEPS - 1);
-        double code = light <= 0.0031308 ? 12.92 * light : 1.055 * pow(light, 1 / 2.4) - 0.055;
-        tables->encode[i] = (uint8_t)lround(255 * code);
+        tables->encode[i] = (uint8_t)lround(255 * srgb_code(light));
     }
     return tables;
 }
@@ -59,7 +63,8 @@ static void average(const struct srgb *srgb, const uint8_t *const texel[4], uint
     out[3] = (uint8_t)(alpha / 4 + 0.5f);
 }
 
-static void shrink(const struct srgb *srgb, const uint8_t *source, uint32_t size, uint8_t *target)
+static void shrink_texture(const struct srgb *srgb, const uint8_t *source, uint32_t size,
+                           uint8_t *target)
 {
     uint32_t half = size / 2;
     for (uint32_t y = 0; y < half; y++)
@@ -90,9 +95,9 @@ static void as_warning(void *user, enum dt_level level, const char *message)
 {
     const struct dt_log *log = user;
     if (level == DT_ERROR)
-        log_message(log, DT_WARNING, "%s; plain colour instead", message);
+        report_message(log, DT_WARNING, "%s; plain colour instead", message);
     else
-        log_message(log, level, "%s", message);
+        report_message(log, level, "%s", message);
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -117,7 +122,7 @@ static bool open_texture(const struct mesh_texture *texture, struct opened *open
          opened->file >= 0 && got >= 0 && done<texture->size; done += got> 0 ? (size_t)got : 0)
         got = write(opened->file, texture->bytes + done, texture->size - done);
     if (opened->file < 0 || done < texture->size) {
-        log_message(log, DT_ERROR, "%s: %s", texture->color, strerror(errno));
+        report_error(log, "%s: %s", texture->color, strerror(errno));
         if (opened->file >= 0)
             close(opened->file);
         return false;
@@ -213,6 +218,8 @@ static uint64_t header_size(const char *path, uint32_t *side)
     const char *reason;
     if (!picture_size(path, &width, &height, &reason) && !image_size(path, &width, &height, &quiet))
         return 0;
+    if ((uint64_t)width * height > IMAGE_MOST_PIXELS)
+        return 0; /* it is not decoded */
     *side = width > *side ? width : *side;
     *side = height > *side ? height : *side;
     return (uint64_t)width * height;
@@ -227,36 +234,65 @@ static void choose_size(struct layers *layers, uint32_t size)
         layers->chain += (size_t)4 * s * s;
 }
 
-/* Chooses the size of the layers; 0: by the largest picture, or what the limit leaves. Refuses, before
- * any picture is decoded, what takes too much. */
-static bool plan_layers(struct layers *layers, uint32_t wanted)
+/* Pixels of all pictures and bytes of their files. */
+struct work {
+    uint64_t pixels, bytes;
+    uint32_t largest; /* side of a picture */
+};
+
+static bool add_up(const struct layers *layers, struct work *work)
 {
-    uint64_t pixels = 0;
-    uint32_t largest = 1, size = 1;
+    *work = (struct work){.largest = 1};
     for (uint32_t i = 0; i < layers->count; i++) {
-        const struct mesh_texture *texture = &layers->mesh->textures[layers->textures[i]];
+        uint32_t number = layers->textures[i];
+        const struct mesh_texture *texture = &layers->mesh->textures[number];
         struct opened opened;
         if (!open_texture(texture, &opened, layers->log))
             return false;
-        pixels += header_size(opened.name, &largest);
+        work->pixels += header_size(opened.name, &work->largest);
         close_texture(&opened);
-        pixels += texture->opacity ? header_size(texture->opacity, &(uint32_t){0}) : 0;
+        work->pixels += texture->opacity ? header_size(texture->opacity, &(uint32_t){0}) : 0;
+        work->bytes += texture->bytes ? texture->size : (uint64_t)layers->files[2 * number].st_size;
+        work->bytes += (uint64_t)layers->files[2 * number + 1].st_size;
     }
-    while (size < DEFAULT_LIMIT && size < largest)
+    return true;
+}
+
+/* Whether the pictures and layers of this size take no longer than their files deserve. */
+static bool is_affordable(const struct layers *layers, const struct work *work)
+{
+    uint64_t texels = (uint64_t)layers->count * layers->size * layers->size;
+    return work->pixels + texels <= MOST_PIXELS + PIXELS_PER_BYTE * work->bytes;
+}
+
+/* Chooses the size of the layers; 0: by the largest picture, or what the limits leave. Refuses, before
+ * any picture is decoded, what takes too much. */
+static bool plan_layers(struct layers *layers, uint32_t wanted)
+{
+    struct work work;
+    uint32_t size = 1;
+    if (!add_up(layers, &work))
+        return false;
+    while (size < DEFAULT_LIMIT && size < work.largest)
         size *= 2;
     choose_size(layers, wanted ? wanted : size);
-    while (!wanted && layers->size > 1 && layers->count > MOST_BYTES / layers->chain)
+    while (!wanted && layers->size > 1 &&
+           (layers->count > MOST_BYTES / layers->chain || !is_affordable(layers, &work)))
         choose_size(layers, layers->size / 2);
-    if (pixels > MOST_PIXELS)
-        log_message(layers->log, DT_ERROR,
-                    "the scene's textures have %llu pixels; %llu is the limit",
-                    (unsigned long long)pixels, (unsigned long long)MOST_PIXELS);
-    else if (layers->count > MOST_BYTES / layers->chain)
-        log_message(layers->log, DT_ERROR,
-                    "%u textures of %ux%u take %zu MiB; %zu is the limit; lower `texture_size` in "
-                    "the scene file",
-                    layers->count, layers->size, layers->size,
-                    (layers->count * layers->chain) >> 20, MOST_BYTES >> 20);
+    bool fits = layers->count <= MOST_BYTES / layers->chain;
+    if (fits && !is_affordable(layers, &work))
+        report_error(layers->log,
+                     "the scene's textures have %llu pixels, for %u layers of %ux%u, in files of "
+                     "%llu bytes; use smaller ones%s",
+                     (unsigned long long)work.pixels, layers->count, layers->size, layers->size,
+                     (unsigned long long)work.bytes,
+                     wanted ? ", or lower `texture_size` in the scene file" : "");
+    else if (!fits)
+        report_error(layers->log,
+                     "%u textures of %ux%u take %zu MiB; %zu is the limit; lower `texture_size` in "
+                     "the scene file",
+                     layers->count, layers->size, layers->size,
+                     (layers->count * layers->chain) >> 20, MOST_BYTES >> 20);
     else
         return true;
     return false;
@@ -322,7 +358,7 @@ static void build_mips(const struct srgb *srgb, uint8_t *texels, uint32_t size, 
         size_t bytes = (size_t)4 * size * size;
         uint8_t *target = source + layers * bytes;
         for (uint32_t layer = 0; layer < layers; layer++)
-            shrink(srgb, source + layer * bytes, size, target + layer * (bytes / 4));
+            shrink_texture(srgb, source + layer * bytes, size, target + layer * (bytes / 4));
         source = target;
     }
 }
@@ -334,11 +370,11 @@ static void set_white(uint8_t *texels, struct dt_scene *scene)
     scene->texture_width = scene->texture_height = scene->texture_layers = scene->texture_mips = 1;
 }
 
-static bool out_of_memory(const struct layers *layers)
+static bool layers_out_of_memory(const struct layers *layers)
 {
-    log_message(layers->log, DT_ERROR,
-                "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
-                layers->count, layers->size, layers->size);
+    report_error(layers->log,
+                 "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
+                 layers->count, layers->size, layers->size);
     return false;
 }
 
@@ -350,7 +386,7 @@ static bool fill(struct layers *layers, struct dt_scene *scene)
     if (!texels || !srgb) {
         free(texels);
         free(srgb);
-        return out_of_memory(layers);
+        return layers_out_of_memory(layers);
     }
     load_layers(layers, texels);
     complete_materials(layers->mesh, layers->layer_of, layers->has_holes);
@@ -369,7 +405,7 @@ bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
                    const struct dt_log *log)
 {
     struct layers layers = {.mesh = mesh, .log = log};
-    bool good = allocate_layers(&layers) || out_of_memory(&layers);
+    bool good = allocate_layers(&layers) || layers_out_of_memory(&layers);
     if (good) {
         assign_layers(&layers);
         good = plan_layers(&layers, size) && fill(&layers, scene);

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static bool fail(struct image_error *error, const char *reason)
+static bool stb_fail(struct image_error *error, const char *reason)
 {
     snprintf(error->text, sizeof error->text, "%s", reason ? reason : "unknown reason");
     return false;
@@ -17,7 +17,7 @@ bool image_oiio_size(const char *path, uint32_t *width, uint32_t *height, struct
 {
     int x, y, channels;
     if (!stbi_info(path, &x, &y, &channels))
-        return fail(error, stbi_failure_reason());
+        return stb_fail(error, stbi_failure_reason());
     *width = (uint32_t)x;
     *height = (uint32_t)y;
     return true;
@@ -42,14 +42,14 @@ bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t 
 {
     int size[2], channels;
     if (!stbi_info(path, &size[0], &size[1], &channels))
-        return fail(error, stbi_failure_reason());
+        return stb_fail(error, stbi_failure_reason());
     if ((int64_t)size[0] * size[1] > IMAGE_MOST_PIXELS)
-        return fail(error, "too many pixels");
+        return stb_fail(error, "too many pixels");
     stbi_ldr_to_hdr_gamma(1.0f); /* codes as they are, divided by 255 */
     void *read = is_float ? (void *)stbi_loadf(path, &size[0], &size[1], &channels, 4)
                           : (void *)stbi_load(path, &size[0], &size[1], &channels, 4);
     if (!read)
-        return fail(error, stbi_failure_reason());
+        return stb_fail(error, stbi_failure_reason());
     if (*width && *height) {
         const int to[2] = {(int)*width, (int)*height};
         void *resized = resize(read, size, to, is_float);
@@ -60,7 +60,7 @@ bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t 
         *height = (uint32_t)size[1];
     }
     *texels = read;
-    return read || fail(error, "out of memory");
+    return read || stb_fail(error, "out of memory");
 }
 
 bool image_oiio_yee(uint32_t width, uint32_t height, const float *a, const float *b,
@@ -69,5 +69,5 @@ bool image_oiio_yee(uint32_t width, uint32_t height, const float *a, const float
 {
     (void)width, (void)height, (void)a, (void)b, (void)luminance, (void)field_of_view,
         (void)failing;
-    return fail(error, "the bundle has no Yee metric");
+    return stb_fail(error, "the bundle has no Yee metric");
 }

@@ -61,6 +61,10 @@ for spec in "$specs"/*.yaml; do
         esac
         "$diptych" bench "$@" --frames 10 --backend "$sides" --json "$out/$name-$scene.bench.json" \
             >"$out/$name-$scene.bench.txt" 2>>"$out/$name-$scene.log"
+        for device in $(echo "$sides" | tr , '\n' | sed -n 's/^vk@//p'); do # drivers of CPUs tell nothing
+            "$diptych" cost "$@" --device "$device" --bench "$out/$name-$scene.bench.json" --json "$out/$name-$scene.cost-$device.json" \
+                >"$out/$name-$scene.cost-$device.txt" 2>>"$out/$name-$scene.log" || rm -f "$out/$name-$scene.cost-$device."*
+        done
         say "$name, $scene: ms a frame, median, p5, p95 of $sides: $(sed -n 's/^frame  *//p' "$out/$name-$scene.bench.txt")"
     done
 done

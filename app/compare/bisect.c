@@ -1,4 +1,17 @@
-/* Reduces a difference to one pass; see bisect.h. */
+/* Reduces a difference to one pass; see bisect.h.
+ *
+ * blame.c has named the guilty pass and the first row that breaks its contract, but keeps no bytes:
+ * those of all passes together may be more than memory holds. So the frame runs a third time, and
+ * the viewer keeps what belongs to this pass alone: all its inputs, and the outputs of both sides.
+ * region.c then finds the box of failing elements and, by halving it, the smallest region that
+ * fails; evidence.c writes the folder, whole or not at all.
+ *
+ * Inputs are those of the first side, which the second side got, too. So the folder holds one set
+ * of inputs, and what both sides made of it: `replay` needs no other pass, and runs on any backend.
+ *
+ * Padding is zeroed before anything is kept (keep_row): drivers leave it as they like, and equal
+ * content shall give equal files. If the row agrees in this run, the side is not repeatable, and no
+ * folder is written: evidence that does not show the difference is worse than none. */
 #include "compare/bisect.h"
 
 #include <stdlib.h>
@@ -15,8 +28,8 @@ struct gathering {
 };
 
 /* Zeroes the padding, so that equal content gives equal files. */
-static bool keep(const struct gathering *gathering, const struct row *row, struct dt_bytes *kept,
-                 const struct dt_bytes *bytes)
+static bool keep_row(const struct gathering *gathering, const struct row *row,
+                     struct dt_bytes *kept, const struct dt_bytes *bytes)
 {
     const struct dt_resource *resource = &gathering->rows->pipeline->resources[row->resource];
     *kept = *bytes;
@@ -34,7 +47,8 @@ static bool keep_input(void *user, const struct row *row, const struct dt_bytes 
     const struct gathering *gathering = user;
     const struct row_list *inputs = &gathering->rows->inputs;
     uint32_t place = (uint32_t)(row - inputs->list) - inputs->first[gathering->pass];
-    return row->pass != gathering->pass || keep(gathering, row, &gathering->inputs[place], bytes);
+    return row->pass != gathering->pass ||
+           keep_row(gathering, row, &gathering->inputs[place], bytes);
 }
 
 static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies[2])
@@ -44,8 +58,8 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
     uint32_t place = index - outputs->first[gathering->pass];
     const struct row *row = &outputs->list[index];
     return row->pass != gathering->pass ||
-           (keep(gathering, row, &gathering->outputs[0][place], &copies[0]) &&
-            keep(gathering, row, &gathering->outputs[1][place], &copies[1]));
+           (keep_row(gathering, row, &gathering->outputs[0][place], &copies[0]) &&
+            keep_row(gathering, row, &gathering->outputs[1][place], &copies[1]));
 }
 
 /* Finds the region and writes the folder; returns the region as text. */

@@ -1,4 +1,25 @@
-/* Runs a frame again, each pass of the second side on the first side's inputs; see blame.h. */
+/* Runs a frame again, each pass of the second side on the first side's inputs; see blame.h.
+ *
+ * In the first run differences spread: a pass that differs spoils all that read it, and a table of
+ * differences shows where they are, not where they begin. Here both sides run in lockstep, pass by
+ * pass. Before each pass the second side gets the first side's inputs, bit by bit (hand_over), so
+ * an output that then differs is this pass's own error (`own`). The guilty pass is the first in the
+ * order of execution whose own error breaks its contract. There is no search: one more frame
+ * answers for all passes.
+ *
+ * - The second side runs this frame alone: history is among the inputs that it gets.
+ * - The first side may be a dump (--against); then it is read instead of run.
+ * - The first side's outputs are hashed and compared with those of the first run. Where they
+ *   differ, the side does not repeat, and nothing can be said about the other: BLAME_NOT_REPEATABLE
+ *   comes before all other outcomes. Likewise where the first run broke a contract, and now neither
+ *   an own error nor a different input is left.
+ * - No own error beyond a contract, but inputs that differ: small errors of several passes add up
+ *   (BLAME_INHERITED), or came with the history of an earlier frame (BLAME_EARLIER).
+ * - Where `raster` allows edges to differ, what lies behind them is judged by own errors alone
+ *   (BLAME_WITHIN).
+ *
+ * bisect.c runs the same replay once more, with another viewer, to keep the bytes of the guilty
+ * pass. */
 #include "compare/blame.h"
 
 #include <stdlib.h>
@@ -9,13 +30,13 @@
 
 /* ---- The second run -------------------------------------------------------------------------- */
 
-static bool advance(struct source sources[2], struct worker_place place)
+static bool advance(struct row_source sources[2], struct worker_place place)
 {
     return source_resume(&sources[0]) && source_resume(&sources[1]) &&
            source_reach(&sources[0], place) && source_reach(&sources[1], place);
 }
 
-static bool hand_over(struct source sources[2], const struct row *row,
+static bool hand_over(struct row_source sources[2], const struct row *row,
                       const struct replay_viewer *viewer)
 {
     struct dt_bytes bytes;
@@ -24,13 +45,14 @@ static bool hand_over(struct source sources[2], const struct row *row,
            worker_write(&sources[1].worker, row->resource, row->mip, &bytes);
 }
 
-static bool take_both(struct source sources[2], const struct row *row, struct dt_bytes copies[2])
+static bool take_both(struct row_source sources[2], const struct row *row,
+                      struct dt_bytes copies[2])
 {
     return source_ask(&sources[0], row) && source_ask(&sources[1], row) &&
            source_take(&sources[0], row, &copies[0]) && source_take(&sources[1], row, &copies[1]);
 }
 
-static bool show_output(const struct rows *rows, struct source sources[2], uint32_t index,
+static bool show_output(const struct rows *rows, struct row_source sources[2], uint32_t index,
                         const struct replay_viewer *viewer)
 {
     struct dt_bytes copies[2];
@@ -38,7 +60,7 @@ static bool show_output(const struct rows *rows, struct source sources[2], uint3
            (!viewer->output || viewer->output(viewer->user, index, copies));
 }
 
-static bool show_edges(const struct rows *rows, struct source sources[2], uint32_t pass,
+static bool show_edges(const struct rows *rows, struct row_source sources[2], uint32_t pass,
                        const struct replay_viewer *viewer)
 {
     const struct dt_pipeline *pipeline = rows->pipeline;
@@ -56,7 +78,7 @@ static bool show_edges(const struct rows *rows, struct source sources[2], uint32
             (take_both(sources, &depth, copies) && viewer->edges_depth(viewer->user, copies)));
 }
 
-static bool replay_pass(const struct replay *replay, struct source sources[2], uint32_t pass,
+static bool replay_pass(const struct replay *replay, struct row_source sources[2], uint32_t pass,
                         const struct replay_viewer *viewer)
 {
     const struct rows *rows = replay->rows;
@@ -79,7 +101,7 @@ static bool replay_pass(const struct replay *replay, struct source sources[2], u
 }
 
 /* The second side runs no earlier frames: their results are among the inputs that it gets. */
-static bool start(const struct replay *replay, struct source sources[2])
+static bool start_replay(const struct replay *replay, struct row_source sources[2])
 {
     for (int i = 0; i < 2; i++) {
         struct worker_info info = replay->workers[i];
@@ -98,8 +120,8 @@ static bool start(const struct replay *replay, struct source sources[2])
 
 bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
 {
-    struct source sources[2] = {0};
-    bool good = start(replay, sources);
+    struct row_source sources[2] = {0};
+    bool good = start_replay(replay, sources);
     for (uint32_t pass = 0; pass < replay->rows->pipeline->pass_count && good; pass++)
         good = replay_pass(replay, sources, pass, viewer);
     good = good && advance(sources, (struct worker_place){WORKER_FRAME_DONE, replay->frame, 0}) &&
@@ -204,15 +226,25 @@ static void find_inherited(struct blame *blame, const struct rows *rows,
     }
 }
 
-/* Whether differences at edges are allowed anywhere: then passes behind them are judged on equal
- * inputs alone. */
-static bool has_raster(const struct replay *replay)
+static bool has_contract(const struct replay *replay, enum dt_contract_kind kind)
 {
     const struct dt_pipeline *pipeline = replay->rows->pipeline;
-    bool found = replay->strangers;
+    bool found = false;
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        found |= pipeline->resources[i].contract.kind == DT_CONTRACT_RASTER;
+        found |= pipeline->resources[i].contract.kind == kind;
     return found;
+}
+
+/* Whether differences at edges are allowed anywhere. */
+static bool has_raster(const struct replay *replay)
+{
+    return replay->strangers || has_contract(replay, DT_CONTRACT_RASTER);
+}
+
+/* Whether passes behind others that may differ are judged on equal inputs alone. */
+static bool lets_inherit(const struct replay *replay)
+{
+    return has_raster(replay) || has_contract(replay, DT_CONTRACT_OF_EXACT);
 }
 
 static void judge_all(const struct judge *judge)
@@ -237,9 +269,9 @@ static void judge_all(const struct judge *judge)
     const struct difference *own = &blame->own[blame->row];
     bool repeats = judge->first->early || own->differing || own->other_depths ||
                    blame->inputs_differ[outputs->list[blame->row].pass];
-    blame->outcome = judge->first->early  ? BLAME_EARLIER
-                     : has_raster(replay) ? BLAME_WITHIN
-                                          : BLAME_INHERITED;
+    blame->outcome = judge->first->early    ? BLAME_EARLIER
+                     : lets_inherit(replay) ? BLAME_WITHIN
+                                            : BLAME_INHERITED;
     if (!repeats) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[1].session.side;

@@ -9,11 +9,8 @@
 #include "base/files.h"
 #include "spec/inputs.h"
 #include "compare/bisect.h"
+#include "compare/unwritten.h"
 #include "theirs/compare_dumps.h"
-
-/* Fills resources without history before the first frame: memory that no pass has written then
- * differs in every pair. */
-enum { POISON_FIRST = 0x5a, POISON_OTHERS = 0xa5 };
 
 /* A dump holds only the last frame. */
 static uint32_t first_frame(const struct compare *compare)
@@ -45,10 +42,16 @@ static bool ask_why(struct pair *pair, const struct dt_resource *resource,
            difference_verdict(&pair->found) != VERDICT_DIFFERS || why_find(&pair->why, &question);
 }
 
+bool compare_agrees(const struct pair *pair)
+{
+    return !pair->broken && (pair->on_equal_inputs || !measured_breaks(&pair->measured));
+}
+
 bool compare_knows_why(const struct pair *pair)
 {
-    return pair->why.count && !pair->broken_early && pair->blame.outcome == BLAME_GUILTY &&
-           pair->blame.row == pair->broken_row && pair->blame.frame == pair->broken_frame;
+    return pair->why.count && !pair->unwritten && !pair->broken_early &&
+           pair->blame.outcome == BLAME_GUILTY && pair->blame.row == pair->broken_row &&
+           pair->blame.frame == pair->broken_frame;
 }
 
 /* Compares all sides' copies of one row at this stop; each pair's result goes to pair->found. */
@@ -92,7 +95,7 @@ static bool add_margins(struct compare *compare, uint32_t index, const struct ro
     const struct dt_pipeline *info = compare->pipeline.info;
     const struct dt_resource *resource = &info->resources[row->resource];
     const struct row margin = {.pass = row->pass, .resource = resource->contract.margin_resource};
-    struct source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
+    struct row_source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
     struct dt_bytes copies[2];
     if (!difference_needs_margins(&compare->pairs[index].found, resource))
         return true;
@@ -131,7 +134,8 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
 {
     const struct row *row = &compare->rows.outputs.list[index];
     uint64_t hash = 0;
-    if (!compare_copies(compare, row, frame, &hash))
+    if (!compare_copies(compare, row, frame, &hash) ||
+        (compare->options.repeats && !compare_measure(compare, index)))
         return false;
     if (compare->options.golden && !golden_add(compare, index, frame, hash))
         return false;
@@ -185,10 +189,10 @@ static bool compare_history(struct compare *compare, uint32_t frame)
 
 static bool advance(struct compare *compare, struct worker_place place)
 {
-    for (uint32_t i = 0; i < compare->sides.count; i++)
+    for (uint32_t i = 0; i < compare->source_count; i++)
         if (!source_resume(&compare->sources[i]))
             return false;
-    for (uint32_t i = 0; i < compare->sides.count; i++)
+    for (uint32_t i = 0; i < compare->source_count; i++)
         if (!source_reach(&compare->sources[i], place))
             return false;
     return true;
@@ -237,16 +241,21 @@ static struct worker_info describe_worker(struct compare *compare, uint32_t inde
 
 static bool start_all(struct compare *compare)
 {
+    uint32_t sides = compare->sides.count;
     console_status(compare->console, "opening the devices and creating the programs");
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
-        const struct worker_info info = describe_worker(compare, i);
-        if (!source_start(&compare->sources[i], &info, dump_of(compare, i)))
+    for (uint32_t i = 0; i < compare->source_count; i++) {
+        uint32_t side = i < sides ? i : (i - sides) / (compare->options.repeats - 1);
+        struct worker_info info = describe_worker(compare, side);
+        if (i >= sides) /* memory that no pass has written differs within a side as well */
+            info.session.poison = side ? POISON_FIRST : POISON_OTHERS;
+        if (!source_start(&compare->sources[i], &info, dump_of(compare, side)))
             return false;
     }
-    for (uint32_t i = 0; i < compare->sides.count; i++) {
+    for (uint32_t i = 0; i < compare->source_count; i++) {
         if (!source_reach(&compare->sources[i], (struct worker_place){.stop = WORKER_READY}))
             return false;
-        compare->devices[i] = strdup(source_device(&compare->sources[i]));
+        if (i < sides)
+            compare->devices[i] = strdup(source_device(&compare->sources[i]));
     }
     return true;
 }
@@ -256,7 +265,7 @@ static bool read_undefined(struct compare *compare)
 {
     const struct row row = {.resource = plan_reports(compare->pipeline.plan)};
     for (uint32_t i = 0; i < compare->sides.count && compare->options.setup.sanitize; i++) {
-        struct source *source = &compare->sources[i];
+        struct row_source *source = &compare->sources[i];
         struct dt_bytes bytes;
         if (source->dump)
             continue;
@@ -265,6 +274,8 @@ static bool read_undefined(struct compare *compare)
                            &compare->console->log))
             return false;
     }
+    if (compare->options.setup.sanitize)
+        undefined_warn_idle(&compare->pipeline, compare->console);
     return true;
 }
 
@@ -276,7 +287,7 @@ static bool run_all(struct compare *compare)
         good = run_frame(compare, frame);
     good = good && read_undefined(compare) &&
            advance(compare, (struct worker_place){.stop = WORKER_FINISHED, .frame = frames});
-    for (uint32_t i = 0; i < compare->sides.count; i++)
+    for (uint32_t i = 0; i < compare->source_count; i++)
         source_close(&compare->sources[i]);
     return good;
 }
@@ -330,6 +341,66 @@ static bool find_blame(struct compare *compare)
     return true;
 }
 
+static bool find_elsewhere(struct compare *compare)
+{
+    uint32_t runs = compare->options.repeat;
+    bool good = elsewhere_add_limits(&compare->elsewhere, compare->pipeline.vk->panel,
+                                     &compare->console->log);
+    for (uint32_t i = 0; i < compare->sides.count && runs && good; i++) {
+        const struct worker_info worker = describe_worker(compare, i);
+        if (!dump_of(compare, i))
+            good = elsewhere_repeat(&compare->elsewhere, &worker, &compare->rows, runs);
+    }
+    return good;
+}
+
+/* Each side in the last frame, if a pass is not exact. A dump runs nothing. */
+static bool judge_twins(struct compare *compare)
+{
+    const struct setup *setup = &compare->options.setup;
+    if (!twin_is_needed(&compare->pipeline))
+        return true;
+    compare->twins = calloc(compare->sides.count, sizeof *compare->twins);
+    if (!compare->twins) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
+    bool good = twin_load(&compare->exact, &compare->pipeline, compare->console, setup);
+    for (uint32_t i = 0; i < compare->sides.count && good; i++) {
+        const struct worker_info worker = describe_worker(compare, i);
+        good = dump_of(compare, i) || twin_judge(&compare->twins[i], &worker, &compare->exact,
+                                                 &compare->rows, setup->frames - 1);
+    }
+    return good;
+}
+
+/* Whether the first row that broke depends on memory that nothing has written, unless a fault was injected. */
+static bool find_unwritten(struct compare *compare)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        const struct worker_info worker = describe_worker(compare, i + 1);
+        if (!pair->broken || pair->broken_early || compare->options.fault)
+            continue;
+        console_status(compare->console, "running %s with other fills of memory",
+                       pair->sides[1]->label);
+        if (!unwritten_find(&worker, broken_row(compare, pair), pair->broken_frame,
+                            &pair->unwritten))
+            return false;
+    }
+    return true;
+}
+
+const struct side *compare_far_side(const struct compare *compare, const struct twin **twin)
+{
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++) {
+        *twin = &compare->twins[i];
+        if ((*twin)->broken)
+            return &compare->sides.list[i];
+    }
+    return NULL;
+}
+
 /* --bisect: of the first pair with a guilty pass. */
 static bool keep_evidence(struct compare *compare)
 {
@@ -373,11 +444,12 @@ static bool allocate_pair(struct compare *compare, uint32_t index)
            pair->fingerprints;
 }
 
-static bool allocate(struct compare *compare)
+static bool allocate_pairs(struct compare *compare)
 {
     uint32_t sides = compare->sides.count;
     compare->pair_count = sides - 1;
-    compare->sources = calloc(sides, sizeof *compare->sources);
+    compare->source_count = sides * (compare->options.repeats ? compare->options.repeats : 1);
+    compare->sources = calloc(compare->source_count, sizeof *compare->sources);
     compare->devices = calloc(sides, sizeof *compare->devices);
     compare->pairs = calloc(compare->pair_count, sizeof *compare->pairs);
     compare->golden.hashes = calloc(compare->rows.outputs.count, sizeof *compare->golden.hashes);
@@ -389,26 +461,21 @@ static bool allocate(struct compare *compare)
     return good;
 }
 
-static void free_result(struct result *result)
-{
-    free(result->picture);
-    for (int i = 0; i < SHOWN_PICTURES; i++)
-        free(result->shown[i]);
-}
-
-static void release(struct compare *compare)
+static void compare_release(struct compare *compare)
 {
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         blame_free(&pair->blame);
         why_free(&pair->why);
         for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
-            free_result(&pair->results[k]);
+            sheet_free_shown(&pair->results[k].shown);
         free(pair->results);
         free(pair->history);
         free(pair->outputs_differ);
         free(pair->history_differs);
         free(pair->fingerprints);
+        free(pair->measured.rows);
+        free(pair->unwritten);
     }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
         free(compare->devices[i]);
@@ -419,13 +486,19 @@ static void release(struct compare *compare)
     dump_reader_close(&compare->dump);
     golden_free(&compare->golden);
     rows_free(&compare->rows);
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++)
+        twin_free(&compare->twins[i]);
+    free(compare->twins);
+    pipeline_unload(&compare->exact);
     undefined_free(&compare->undefined);
+    contracts_free(&compare->contracts);
+    elsewhere_free(&compare->elsewhere);
     scene_free(&compare->scene);
     pipeline_unload(&compare->pipeline);
     sides_free(&compare->sides);
 }
 
-static bool find_fault(struct compare *compare)
+static bool find_compare_fault(struct compare *compare)
 {
     const char **labels = calloc(compare->sides.count, sizeof *labels);
     if (!labels) {
@@ -486,7 +559,7 @@ static bool check_dump(struct compare *compare)
                               compare->pipeline.info, compare->pipeline.live, log);
 }
 
-static bool load(struct compare *compare)
+static bool compare_load(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
@@ -495,11 +568,13 @@ static bool load(struct compare *compare)
         return false;
     if (options->bisect && !evidence_can_write(console, options->bisect))
         return false;
-    if (!pipeline_load(&compare->pipeline, console, &options->setup) || !golden_suits(compare) ||
-        !rows_make(&compare->rows, compare->pipeline.info, &console->log))
+    if (!pipeline_load(&compare->pipeline, console, &options->setup) ||
+        (options->contracts && !pipeline_contracts(&compare->pipeline, options->contracts,
+                                                   &compare->contracts, &console->log)) ||
+        !golden_suits(compare) || !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
-        (options->fault && !find_fault(compare)))
+        (options->fault && !find_compare_fault(compare)))
         return false;
     if (!inputs_load(&compare->pipeline, console, &compare->options.setup) ||
         !session_load_scene(&compare->scene, console, compare->pipeline.info, &options->setup))
@@ -508,28 +583,49 @@ static bool load(struct compare *compare)
     return !options->setup.against || check_dump(compare);
 }
 
-static bool run(struct compare *compare)
+static bool check_options(const struct options *options, const struct dt_log *log)
+{
+    const char *wrong = NULL;
+    if (options->update && !options->golden)
+        wrong = "--update: needs --golden DIR, the folder that it writes";
+    else if (options->write_contracts && !options->repeats)
+        wrong = "--write-contracts: needs --measure N";
+    else if (options->repeats && options->setup.against)
+        wrong = "--measure: --against is a single run; compare dumps of several runs: compare A B";
+    else if (options->run_second)
+        wrong = "--run: is for two dumps: compare A B --run PROGRAM";
+    if (wrong)
+        report_error(log, "%s", wrong);
+    return !wrong;
+}
+
+static bool run_comparison(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
-    if (options->update && !options->golden) {
-        report_error(&console->log, "--update: needs --golden DIR, the folder that it writes");
+    if (!check_options(options, &console->log) ||
+        !sides_read(&compare->sides, &options->setup, &console->log))
+        return false;
+    if (options->repeats && compare->sides.count * options->repeats > CONSOLE_CHILDREN) {
+        report_error(&console->log, "--measure: %u sides run %u times are more than %d processes",
+                     compare->sides.count, options->repeats, CONSOLE_CHILDREN);
         return false;
     }
-    if (!sides_read(&compare->sides, &options->setup, &console->log))
-        return false;
     if ((options->pictures && !file_make_folders(options->pictures, &console->log)) ||
         (options->html && !file_make_folders(options->html, &console->log)) ||
-        (options->junit && !file_can_write(options->junit, &console->log)))
+        (options->junit && !file_can_write(options->junit, &console->log)) ||
+        (options->write_contracts && !file_can_write(options->write_contracts, &console->log)))
         return false;
-    if (!load(compare) || !allocate(compare))
+    if (!compare_load(compare) || !allocate_pairs(compare))
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
-    return compare->complete && find_blame(compare) && keep_evidence(compare) &&
+    return compare->complete && find_unwritten(compare) && find_blame(compare) &&
+           judge_twins(compare) && keep_evidence(compare) && find_elsewhere(compare) &&
            atomic_load(&console->errors) == 0 && (!options->golden || golden_end(compare)) &&
            (!options->html || compare_write_html(compare)) &&
-           (!options->junit || compare_write_junit(compare));
+           (!options->junit || compare_write_junit(compare)) &&
+           (!options->write_contracts || compare_write_contracts(compare));
 }
 
 static void print_undefined(const struct compare *compare)
@@ -546,22 +642,24 @@ static void print_undefined(const struct compare *compare)
 int verb_compare(struct console *console, const struct options *options)
 {
     struct compare compare = {.console = console, .options = *options};
-    if (options->dumps[0] || options->contracts)
+    if (options->dumps.count)
         return compare_dumps(console, options);
     bool differ = false;
-    bool good = run(&compare);
+    bool good = run_comparison(&compare);
     /* print partial results after an error, too */
     if (compare.complete && options->json)
         console->result = compare_json(&compare);
     console_status(console, "%s", "");
     if (compare.complete) {
-        compare_print(&compare);
+        good &= compare_print(&compare);
         golden_print(&compare);
         print_undefined(&compare);
-        differ = golden_differs(&compare) || compare.undefined.count;
+        const struct twin *twin;
+        differ = golden_differs(&compare) || compare.undefined.count ||
+                 compare.elsewhere.repeats_differ || compare_far_side(&compare, &twin);
     }
-    for (uint32_t i = 0; i < compare.pair_count; i++)
-        differ |= compare.pairs && compare.pairs[i].broken;
-    release(&compare);
+    for (uint32_t i = 0; compare.pairs && i < compare.pair_count; i++)
+        differ |= !compare_agrees(&compare.pairs[i]);
+    compare_release(&compare);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

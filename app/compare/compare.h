@@ -7,28 +7,24 @@
 #include "console/options.h"
 #include "spec/pipeline.h"
 #include "compare/blame.h"
+#include "compare/elsewhere.h"
 #include "result/difference.h"
 #include "result/identity.h"
+#include "result/measured.h"
 #include "result/region.h"
 #include "result/rows.h"
-#include "result/strip.h"
+#include "result/sheet.h"
 #include "run/source.h"
 #include "run/undefined.h"
 #include "theirs/why.h"
-
-enum { SHOWN_PICTURES = 3 };
+#include "compare/twin.h"
 
 /* One row of one pair over all frames. */
 struct result {
     struct difference difference; /* of the frame with the largest difference */
     uint32_t frame;               /* that frame */
     uint32_t frames_differing;    /* frames in which bits differ */
-    char *picture;                /* file of that frame's strip, NULL: none; owned */
-    struct strip strip;           /* what it shows */
-    /* --html: files of first copy, second copy and difference in that frame; of equal copies the first;
-     * owned */
-    char *shown[SHOWN_PICTURES];
-    uint64_t bins[DIFFERENCE_BINS];
+    struct shown shown;           /* of that frame */
 };
 
 /* The folder of --golden: hashes of what the first side leaves in all frames, and its pictures. */
@@ -52,6 +48,9 @@ struct pair {
     bool *outputs_differ, *history_differs;
     uint64_t *fingerprints;
     struct blame blame;
+    char *unwritten; /* what unwritten_find tells of that row; NULL: nothing; owned */
+    struct measured
+        measured; /* --measure: one row per row of rows.outputs, over all frames; rows are owned */
     struct why why; /* of that row and frame, with all inputs as they were */
     /* BLAME_WITHIN: results are the passes' own errors, in blame.frame */
     bool on_equal_inputs;
@@ -68,9 +67,15 @@ struct compare {
     struct fault fault;
     uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
-    struct source *sources;     /* one per side */
+    /* one per side; with --measure, behind them, further runs of the first side, of the second ... */
+    struct row_source *sources;
+    uint32_t source_count;
+    struct contracts contracts; /* --contracts */
+    struct pipeline exact;      /* if a pass is judged against its exact twin, */
+    struct twin *twins;         /* one per side; NULL: none is */
     struct undefined undefined; /* --sanitize */
-    char **devices;             /* names of the devices */
+    struct elsewhere elsewhere;
+    char **devices; /* names of the devices */
     struct pair *pairs;
     uint32_t pair_count;         /* sides.count - 1 */
     uint64_t compared;           /* compared elements of all rows, pairs and frames */
@@ -83,6 +88,12 @@ struct compare {
 /* --pictures and --html: writes what they show of this row of rows.outputs in the pair's last result, and
  * notes it in the kept one. Logs its error. */
 bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
+
+/* --measure: adds what all runs of all sides have left in a row of rows.outputs. Logs its error. */
+bool compare_measure(struct compare *compare, uint32_t output);
+bool compare_write_contracts(const struct compare *compare);
+/* The first side with a pass that is too far from its exact twin; NULL: none. */
+const struct side *compare_far_side(const struct compare *compare, const struct twin **twin);
 
 /* First row of a pair that broke its contract. */
 const struct row *broken_row(const struct compare *compare, const struct pair *pair);
@@ -99,13 +110,25 @@ bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
 
+/* In all runs of --measure. */
+bool compare_agrees(const struct pair *pair);
 /* Whether `why` is of the guilty pass. */
 bool compare_knows_why(const struct pair *pair);
 
-void compare_print(const struct compare *compare); /* on stdout */
+/* Which resources with history, before the first frame, a sheet has above the outputs. */
+enum sheet_history { HISTORY_NONE, HISTORY_DIFFERING, HISTORY_ALL };
+/* False when out of memory, logged; compare_free_sheet either way. */
+bool compare_sheet(const struct compare *compare, const struct pair *pair,
+                   enum sheet_history history, struct sheet *sheet);
+void compare_free_sheet(struct sheet *sheet); /* takes a zeroed one */
+
+bool compare_print(const struct compare *compare); /* on stdout; false: out of memory, logged */
 
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
 struct cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair);
+
+/* Findings of --sanitize, with the sides' labels. */
+struct cJSON *compare_undefined_json(const struct compare *compare);
 
 /* --html and --junit; log their errors. */
 bool compare_write_html(const struct compare *compare);

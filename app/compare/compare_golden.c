@@ -15,7 +15,7 @@
 enum { HASH_TEXT = 17 };
 static const char mark[] = "golden"; /* the key of its manifest that tells its format */
 
-static bool out_of_memory(const struct compare *compare)
+static bool golden_out_of_memory(const struct compare *compare)
 {
     report_error(&compare->console->log, "out of memory");
     return false;
@@ -37,7 +37,7 @@ static const struct dt_resource *resource_of(const struct compare *compare, cons
 
 /* ---- Open ------------------------------------------------------------------------------------ */
 
-static bool is_whole(const cJSON *manifest)
+static bool manifest_is_whole(const cJSON *manifest)
 {
     const cJSON *results = cJSON_GetObjectItem(manifest, "results"), *item;
     bool whole = cJSON_HasObjectItem(manifest, mark) && cJSON_IsArray(results);
@@ -47,7 +47,7 @@ static bool is_whole(const cJSON *manifest)
     return whole;
 }
 
-static bool read_manifest(struct compare *compare)
+static bool read_golden_manifest(struct compare *compare)
 {
     const char *folder = compare->options.golden;
     const struct dt_log *log = &compare->console->log;
@@ -56,7 +56,7 @@ static bool read_manifest(struct compare *compare)
         return false;
     }
     compare->golden.kept = foreign_json(folder, "manifest.json", log);
-    bool good = is_whole(compare->golden.kept);
+    bool good = manifest_is_whole(compare->golden.kept);
     if (compare->golden.kept && !good)
         report_error(log, "%s/manifest.json: was not written by --golden", folder);
     return good;
@@ -80,8 +80,9 @@ bool golden_open(struct compare *compare)
     if (options->update)
         return folder_begin(&compare->golden.folder, compare->console, "--golden", options->golden,
                             mark);
-    if (!read_manifest(compare) || !identity_take_frame(compare->golden.kept, options->golden,
-                                                        &options->setup, &compare->console->log))
+    if (!read_golden_manifest(compare) ||
+        !identity_take_frame(compare->golden.kept, options->golden, &options->setup,
+                             &compare->console->log))
         return false;
     cJSON *sets = sets_of(options);
     const cJSON *kept = cJSON_GetObjectItem(compare->golden.kept, "set");
@@ -104,7 +105,7 @@ static char *picture_name(const struct compare *compare, const struct row *row)
                          compare->pipeline.info->passes[row->pass].name, row->name);
 }
 
-static bool add_picture(struct compare *compare, const struct row *row)
+static bool add_golden_picture(struct compare *compare, const struct row *row)
 {
     const struct dt_log *log = &compare->console->log;
     struct picture picture = {0};
@@ -113,7 +114,7 @@ static bool add_picture(struct compare *compare, const struct row *row)
         return false;
     char *name = picture_name(compare, row);
     char *path = name ? format_string("%s/%s", compare->golden.folder.temporary, name) : NULL;
-    bool good = (path || out_of_memory(compare)) &&
+    bool good = (path || golden_out_of_memory(compare)) &&
                 picture_codes(&picture, resource_of(compare, row), &bytes, log) &&
                 image_write_png(path, picture.width, picture.height, 3, picture.codes, log);
     picture_free(&picture);
@@ -132,7 +133,7 @@ bool golden_add(struct compare *compare, uint32_t output, uint32_t frame, uint64
     const struct row *row = &compare->rows.outputs.list[output];
     hash_bytes(&compare->golden.hashes[output], &hash, sizeof hash);
     bool shown = compare->options.update && frame + 1 == compare->options.setup.frames;
-    return !shown || !has_picture(compare, row) || add_picture(compare, row);
+    return !shown || !has_picture(compare, row) || add_golden_picture(compare, row);
 }
 
 /* ---- Compare --------------------------------------------------------------------------------- */
@@ -238,7 +239,7 @@ bool golden_end(struct compare *compare)
     bool differ = false;
     compare->golden.differing = cJSON_CreateArray();
     if (!compare->golden.differing)
-        return out_of_memory(compare);
+        return golden_out_of_memory(compare);
     for (uint32_t i = 0; i < compare->pair_count; i++)
         differ |= compare->pairs[i].broken;
     if (!compare->options.update)

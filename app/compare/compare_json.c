@@ -3,14 +3,14 @@
 
 #include "compare/compare.h"
 
-static cJSON *picture_json(const struct dt_resource *resource, const struct result *result)
+static cJSON *picture_json(const struct dt_resource *resource, const struct shown *shown)
 {
     cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "file", result->picture);
+    cJSON_AddStringToObject(root, "file", shown->strip);
     if (resource->layered)
-        cJSON_AddNumberToObject(root, "layer", result->strip.layer);
-    if (result->strip.amplification > 0)
-        cJSON_AddNumberToObject(root, "amplification", result->strip.amplification);
+        cJSON_AddNumberToObject(root, "layer", shown->what.layer);
+    if (shown->what.amplification > 0)
+        cJSON_AddNumberToObject(root, "amplification", shown->what.amplification);
     return root;
 }
 
@@ -27,8 +27,8 @@ static cJSON *result_json(const struct compare *compare, const struct pair *pair
     if (!pass)
         return root;
     cJSON_AddNumberToObject(root, "frames_differing", result->frames_differing);
-    if (result->picture)
-        cJSON_AddItemToObject(root, "picture", picture_json(resource, result));
+    if (result->shown.strip)
+        cJSON_AddItemToObject(root, "picture", picture_json(resource, &result->shown));
     if (pair->blame.outcome == BLAME_NOT_RUN || pair->on_equal_inputs)
         return root;
     bool differ = pair->blame.inputs_differ[row->pass];
@@ -52,7 +52,7 @@ static cJSON *add_event(cJSON *root, const char *name, const struct compare *com
     return event;
 }
 
-static void add_pair(cJSON *root, const struct compare *compare, const struct pair *pair)
+static void add_pair_json(cJSON *root, const struct compare *compare, const struct pair *pair)
 {
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
     for (int i = 0; i < 2; i++)
@@ -88,11 +88,16 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
     const struct row *guilty = blame->outcome == BLAME_GUILTY ? &outputs[blame->row] : NULL;
     const struct row *strayed =
         blame->outcome == BLAME_NOT_REPEATABLE ? &outputs[blame->row] : NULL;
-    cJSON_AddBoolToObject(root, "agree", !pair->broken);
+    cJSON_AddBoolToObject(root, "agree", compare_agrees(pair));
+    if (pair->measured.rows)
+        cJSON_AddItemToObject(root, "measured", measured_json(&pair->measured));
     if (pair->on_equal_inputs)
         cJSON_AddBoolToObject(root, "on_equal_inputs", true);
-    add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
-    cJSON *event = add_event(root, "guilty", compare, guilty, true, blame->frame);
+    cJSON *event =
+        add_event(root, "first_break", compare, broken, !pair->broken_early, pair->broken_frame);
+    if (pair->unwritten)
+        cJSON_AddStringToObject(event, "unwritten", pair->unwritten);
+    event = add_event(root, "guilty", compare, guilty, true, blame->frame);
     const char *shader = guilty ? compare->pipeline.info->passes[guilty->pass].shader : NULL;
     if (shader)
         cJSON_AddStringToObject(event, "shader", shader);
@@ -108,9 +113,41 @@ static void add_outcome(cJSON *root, const struct compare *compare, const struct
 cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair)
 {
     cJSON *item = cJSON_CreateObject();
-    add_pair(item, compare, pair);
+    add_pair_json(item, compare, pair);
     add_outcome(item, compare, pair);
     return item;
+}
+
+cJSON *compare_undefined_json(const struct compare *compare)
+{
+    const char *labels[32];
+    uint32_t count = compare->sides.count < 32 ? compare->sides.count : 32;
+    for (uint32_t i = 0; i < count; i++)
+        labels[i] = compare->sides.list[i].label;
+    return undefined_json(&compare->undefined, labels, count);
+}
+
+static void add_twins(cJSON *root, const struct compare *compare)
+{
+    const struct twin *far;
+    cJSON *list = compare->twins ? cJSON_AddArrayToObject(root, "of_exact") : NULL;
+    for (uint32_t side = 0; list && side < compare->sides.count; side++) {
+        const char *const labels[2] = {compare->sides.list[side].label, "exact"};
+        const struct difference *found = compare->twins[side].found;
+        for (uint32_t i = 0; found && i < compare->rows.outputs.count; i++) {
+            const struct row *row = &compare->rows.outputs.list[i];
+            if (!found[i].elements)
+                continue;
+            cJSON *item = cJSON_CreateObject();
+            cJSON_AddStringToObject(item, "side", labels[0]);
+            row_json(item, compare->pipeline.info, row, true);
+            difference_json(item, &found[i], &compare->pipeline.info->resources[row->resource],
+                            labels);
+            cJSON_AddItemToArray(list, item);
+        }
+    }
+    if (compare_far_side(compare, &far))
+        cJSON_ReplaceItemInObject(root, "agree", cJSON_CreateFalse());
 }
 
 /* A single pair stands in the root. Of several, each stands in "pairs", and the root has the
@@ -128,7 +165,7 @@ cJSON *compare_json(const struct compare *compare)
     for (uint32_t i = 0; i < compare->sides.count; i++)
         cJSON_AddStringToObject(devices, compare->sides.list[i].label, compare->devices[i]);
     if (compare->pair_count == 1)
-        add_pair(root, compare, told);
+        add_pair_json(root, compare, told);
     cJSON *pairs = compare->pair_count > 1 ? cJSON_AddArrayToObject(root, "pairs") : NULL;
     for (uint32_t i = 0; pairs && i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];
@@ -136,9 +173,12 @@ cJSON *compare_json(const struct compare *compare)
         told = pair->broken && !told->broken ? pair : told;
     }
     add_outcome(root, compare, told);
+    add_twins(root, compare);
     if (compare->options.golden)
         cJSON_AddItemToObject(root, "golden", cJSON_Duplicate(compare->golden.differing, true));
+    if (compare->elsewhere.list)
+        cJSON_AddItemToObject(root, "elsewhere", cJSON_Duplicate(compare->elsewhere.list, true));
     if (compare->options.setup.sanitize)
-        cJSON_AddItemToObject(root, "undefined", undefined_json(&compare->undefined));
+        cJSON_AddItemToObject(root, "undefined", compare_undefined_json(compare));
     return root;
 }

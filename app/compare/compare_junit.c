@@ -1,124 +1,105 @@
 /* JUnit's XML of `compare`; see compare.h. */
 #include <cjson/cJSON.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/files.h"
-#include "base/printable.h"
 #include "compare/compare.h"
 
-/* Control characters have no place in XML. */
-static void put_escaped(FILE *out, const char *of)
+/* Begins a sheet with room for `count` cases; without any, one that says `fine`. */
+static bool begin_list(const struct compare *compare, const char *title, int count,
+                       const char *kind, const char *fine, struct sheet *sheet)
 {
-    char *copy = text_printable(of);
-    for (const char *text = copy ? copy : ""; *text; text++)
-        if (strchr("&<>\"", *text))
-            fprintf(out, "&#%d;", *text);
-        else
-            fputc((unsigned char)*text < ' ' ? ' ' : *text, out);
-    free(copy);
-}
-
-static void put_attribute(FILE *out, const char *name, const char *text)
-{
-    fprintf(out, " %s=\"", name);
-    put_escaped(out, text);
-    fputc('"', out);
-}
-
-static void put_case(FILE *out, const struct compare *compare, const struct pair *pair,
-                     const struct row *row, const struct result *result, const char *pass)
-{
-    const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
-    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
-    const struct difference *difference = &result->difference;
-    fputs("<testcase", out);
-    put_attribute(out, "classname", pass);
-    put_attribute(out, "name", row->name);
-    if (difference_verdict(difference) != VERDICT_DIFFERS) {
-        fputs("/>\n", out);
-        return;
+    *sheet = (struct sheet){.title = format_string("%s: %s", compare->pipeline.info->name, title),
+                            .rows = calloc((size_t)count + 1, sizeof *sheet->rows)};
+    if (!sheet->title || !sheet->rows) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
     }
-    char *worst = difference_describe_worst(difference, resource, labels);
-    fprintf(out, "><failure message=\"%llu of %llu differ; ",
-            (unsigned long long)difference->differing, (unsigned long long)difference->elements);
-    put_escaped(out, worst ? worst : "");
-    fputs("\"/></testcase>\n", out);
-    free(worst);
-}
-
-static uint32_t count_failures(const struct result *results, uint32_t count)
-{
-    uint32_t failures = 0;
-    for (uint32_t i = 0; i < count; i++)
-        failures += difference_verdict(&results[i].difference) == VERDICT_DIFFERS;
-    return failures;
-}
-
-static void put_suite(FILE *out, const struct compare *compare, uint32_t index)
-{
-    const struct pair *pair = &compare->pairs[index];
-    const struct row_list *outputs = &compare->rows.outputs, *history = &compare->rows.history;
-    char *name = format_string("%s: %s against %s", compare->pipeline.info->name,
-                               pair->sides[1]->label, pair->sides[0]->label);
-    fputs("<testsuite", out);
-    put_attribute(out, "name", name ? name : "");
-    fprintf(out, " tests=\"%u\" failures=\"%u\">\n<properties>\n", history->count + outputs->count,
-            count_failures(pair->history, history->count) +
-                count_failures(pair->results, outputs->count));
-    const uint32_t sides[2] = {0, index + 1};
-    for (int i = 0; i < 2; i++) {
-        fputs("<property", out);
-        put_attribute(out, "name", pair->sides[i]->label);
-        put_attribute(out, "value", compare->devices[sides[i]]);
-        fputs("/>\n", out);
-    }
-    fputs("</properties>\n", out);
-    for (uint32_t i = 0; i < history->count; i++)
-        put_case(out, compare, pair, &history->list[i], &pair->history[i], "before");
-    for (uint32_t i = 0; i < outputs->count; i++)
-        put_case(out, compare, pair, &outputs->list[i], &pair->results[i],
-                 compare->pipeline.info->passes[outputs->list[i].pass].name);
-    fputs("</testsuite>\n", out);
-    free(name);
-}
-
-/* A case per resource that differs, else one. */
-static void put_golden(FILE *out, const struct compare *compare)
-{
-    int count = cJSON_GetArraySize(compare->golden.differing);
-    const cJSON *item;
-    fprintf(out, "<testsuite name=\"%s: golden\" tests=\"%d\" failures=\"%d\">\n",
-            compare->pipeline.info->name, count ? count : 1, count);
     if (!count)
-        fputs("<testcase classname=\"golden\" name=\"all resources are as kept\"/>\n", out);
-    cJSON_ArrayForEach(item, compare->golden.differing)
+        sheet->rows[sheet->count++] =
+            (struct sheet_row){.pass = kind, .name = fine, .verdict = verdict_name(VERDICT_EQUAL)};
+    return true;
+}
+
+static void add_failure(struct sheet *sheet, const char *pass, const char *name, const char *text)
+{
+    sheet->rows[sheet->count++] = (struct sheet_row){
+        .pass = pass, .name = name, .verdict = verdict_name(VERDICT_DIFFERS), .text = text};
+}
+
+static const char *string_of(const cJSON *item, const char *key)
+{
+    return cJSON_GetStringValue(cJSON_GetObjectItem(item, key));
+}
+
+/* A case per resource that differs. */
+static bool golden_sheet(const struct compare *compare, struct sheet *sheet)
+{
+    const cJSON *item;
+    if (!begin_list(compare, "golden", cJSON_GetArraySize(compare->golden.differing), "golden",
+                    "all resources are as kept", sheet))
+        return false;
+    cJSON_ArrayForEach(item, compare->golden.differing) add_failure(
+        sheet, string_of(item, "pass"), string_of(item, "resource"), string_of(item, "is"));
+    return true;
+}
+
+/* --repeat: a case per pass and side with several results. */
+static bool repeats_sheet(const struct compare *compare, struct sheet *sheet)
+{
+    const cJSON *item;
+    int count = 0;
+    cJSON_ArrayForEach(item, compare->elsewhere.list) count +=
+        cJSON_HasObjectItem(item, "distinct");
+    if (!begin_list(compare, "repeated runs", count, "repeat", "all runs are equal", sheet))
+        return false;
+    cJSON_ArrayForEach(item, compare->elsewhere.list) if (cJSON_HasObjectItem(item, "distinct"))
+        add_failure(sheet, "repeat", string_of(item, "pass"), string_of(item, "message"));
+    return true;
+}
+
+/* --sanitize: a case per finding. The list gets the names of the cases. */
+static bool undefined_sheet(const struct compare *compare, cJSON *list, struct sheet *sheet)
+{
+    cJSON *item;
+    if (!begin_list(compare, "undefined behaviour", cJSON_GetArraySize(list), "sanitize",
+                    "nothing undefined", sheet))
+        return false;
+    cJSON_ArrayForEach(item, list)
     {
-        fputs("<testcase", out);
-        put_attribute(out, "classname", cJSON_GetStringValue(cJSON_GetObjectItem(item, "pass")));
-        put_attribute(out, "name", cJSON_GetStringValue(cJSON_GetObjectItem(item, "resource")));
-        fputs("><failure", out);
-        put_attribute(out, "message", cJSON_GetStringValue(cJSON_GetObjectItem(item, "is")));
-        fputs("/></testcase>\n", out);
+        char *place = format_string("%s:%d:%d", string_of(item, "file"),
+                                    cJSON_GetObjectItem(item, "line")->valueint,
+                                    cJSON_GetObjectItem(item, "column")->valueint);
+        cJSON_AddStringToObject(item, "place", place ? place : "");
+        free(place);
+        add_failure(sheet, string_of(item, "pass"), string_of(item, "place"),
+                    string_of(item, "message"));
     }
-    fputs("</testsuite>\n", out);
+    return true;
 }
 
 bool compare_write_junit(const struct compare *compare)
 {
-    struct file_draft draft;
-    if (!file_draft_begin(&draft, &compare->console->log)) {
-        file_draft_discard(&draft);
-        return false;
-    }
-    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", draft.out);
-    for (uint32_t i = 0; i < compare->pair_count; i++)
-        put_suite(draft.out, compare, i);
-    if (compare->options.golden && !compare->options.update)
-        put_golden(draft.out, compare);
-    fputs("</testsuites>\n", draft.out);
-    console_hold(compare->console);
-    bool good = file_draft_end(&draft, compare->options.junit, &compare->console->log);
-    console_release(compare->console);
+    enum { LISTS = 3 }; /* at most, behind the pairs */
+    const struct options *options = &compare->options;
+    uint32_t count = 0;
+    struct sheet *sheets = calloc(compare->pair_count + LISTS, sizeof *sheets);
+    cJSON *undefined = options->setup.sanitize ? compare_undefined_json(compare) : NULL;
+    bool good = sheets;
+    if (!sheets)
+        report_error(&compare->console->log, "out of memory");
+    for (uint32_t i = 0; i < compare->pair_count && good; i++)
+        good = compare_sheet(compare, &compare->pairs[i], HISTORY_ALL, &sheets[count++]);
+    if (good && options->golden && !options->update)
+        good = golden_sheet(compare, &sheets[count++]);
+    if (good && options->repeat)
+        good = repeats_sheet(compare, &sheets[count++]);
+    if (good && undefined)
+        good = undefined_sheet(compare, undefined, &sheets[count++]);
+    good = good && sheet_junit(sheets, count, options->junit, compare->console);
+    for (uint32_t i = 0; sheets && i < count; i++)
+        compare_free_sheet(&sheets[i]);
+    free(sheets);
+    cJSON_Delete(undefined);
     return good;
 }

@@ -1,17 +1,17 @@
 /* The table that `compare` prints; see compare.h. */
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "base/files.h"
 #include "compare/compare.h"
 
-struct widths {
-    int pass, resource;
-};
+static bool shows_blame(const struct pair *pair)
+{
+    return pair->blame.outcome != BLAME_NOT_RUN && !pair->on_equal_inputs;
+}
 
-/* Two columns: whether the pass's inputs differed, and its own error. */
-static void print_blame(const struct pair *pair, uint32_t index, uint32_t pass)
+/* Whether the pass's inputs differed, and its own error. */
+static void write_own(char text[40], const struct pair *pair, uint32_t index, uint32_t pass)
 {
     const struct difference *own = &pair->blame.own[index];
     char error[32] = "none";
@@ -21,52 +21,60 @@ static void print_blame(const struct pair *pair, uint32_t index, uint32_t pass)
         snprintf(error, sizeof error, "%llu differ", (unsigned long long)own->differing);
     else if (own->not_finite)
         snprintf(error, sizeof error, "not finite");
-    printf("%-6s  %-12s  ", pair->blame.inputs_differ[pass] ? "differ" : "equal", error);
+    snprintf(text, 40, "%-6s  %-12s", pair->blame.inputs_differ[pass] ? "differ" : "equal", error);
 }
 
-/* The strip's file, its layer and its amplification. */
-static void print_picture(const struct dt_resource *resource, const struct result *result)
-{
-    if (!result->picture)
-        return;
-    printf("  picture %s: ", result->picture);
-    if (resource->layered)
-        printf("layer %u, ", result->strip.layer);
-    if (result->strip.amplification > 0)
-        printf("difference x %.10g\n", result->strip.amplification);
-    else
-        printf("differences are white\n");
-}
-
-static bool shows_blame(const struct pair *pair)
-{
-    return pair->blame.outcome != BLAME_NOT_RUN && !pair->on_equal_inputs;
-}
-
-/* One row: a resource after a pass, or before the first one. */
-static void print_result(const struct compare *compare, const struct pair *pair,
-                         const struct row *row, const struct result *result,
-                         const struct widths *widths)
+static struct sheet_row row_of(const struct compare *compare, const struct row *row,
+                               const struct result *result, const char *pass)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
-    const struct dt_resource *resource = &info->resources[row->resource];
-    const struct difference *difference = &result->difference;
-    const char *const labels[2] = {pair->sides[0]->label, pair->sides[1]->label};
-    bool before = result >= pair->history && result < pair->history + compare->rows.history.count;
-    char *worst = difference_describe_worst(difference, resource, labels);
-    char *flips = difference_list_flips(difference, resource, labels);
-    printf("%-*s  %-*s  %10llu  %10llu  %-7s  ", widths->pass,
-           before ? "before" : info->passes[row->pass].name, widths->resource, row->name,
-           (unsigned long long)difference->elements, (unsigned long long)difference->differing,
-           verdict_name(difference_verdict(difference)));
-    if (shows_blame(pair) && before)
-        printf("%-6s  %-12s  ", "", "");
-    else if (shows_blame(pair))
-        print_blame(pair, (uint32_t)(result - pair->results), row->pass);
-    printf("%s\n%s", worst ? worst : "", flips ? flips : "");
-    print_picture(resource, result);
-    free(worst);
-    free(flips);
+    return (struct sheet_row){.pass = pass,
+                              .name = row->name,
+                              .resource = &info->resources[row->resource],
+                              .difference = &result->difference,
+                              .shown = &result->shown};
+}
+
+bool compare_sheet(const struct compare *compare, const struct pair *pair,
+                   enum sheet_history history, struct sheet *sheet)
+{
+    const struct rows *rows = &compare->rows;
+    const struct dt_pipeline *info = compare->pipeline.info;
+    uint32_t other = (uint32_t)(pair->sides[1] - compare->sides.list);
+    *sheet = (struct sheet){
+        .title = format_string("%s: %s against %s", info->name, pair->sides[1]->label,
+                               pair->sides[0]->label),
+        .labels = {pair->sides[0]->label, pair->sides[1]->label},
+        .devices = {compare->devices[0], compare->devices[other]},
+        .columns = shows_blame(pair) ? "inputs  own error   " : NULL,
+        .rows = calloc(rows->history.count + rows->outputs.count, sizeof *sheet->rows)};
+    if (!sheet->title || !sheet->rows) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < rows->history.count && history; i++)
+        if (history == HISTORY_ALL ||
+            difference_verdict(&pair->history[i].difference) != VERDICT_EQUAL)
+            sheet->rows[sheet->count++] =
+                row_of(compare, &rows->history.list[i], &pair->history[i], "before");
+    for (uint32_t i = 0; i < rows->outputs.count; i++) {
+        const struct row *row = &rows->outputs.list[i];
+        const struct dt_pass *pass = &info->passes[row->pass];
+        struct sheet_row *shown = &sheet->rows[sheet->count++];
+        *shown = row_of(compare, row, &pair->results[i], pass->name);
+        shown->text = pair->unwritten && row == broken_row(compare, pair) ? pair->unwritten : NULL;
+        shown->body = pass->shader;
+        if (shows_blame(pair))
+            write_own(shown->own, pair, i, row->pass);
+    }
+    return true;
+}
+
+void compare_free_sheet(struct sheet *sheet)
+{
+    free((char *)sheet->title);
+    free(sheet->rows);
+    *sheet = (struct sheet){0};
 }
 
 /* The texels that `raster` forgives. */
@@ -134,10 +142,16 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
 static void print_outcome(const struct compare *compare, const struct pair *pair)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
-    if (pair->on_equal_inputs)
+    const struct twin *twin;
+    if (pair->on_equal_inputs && !compare->twins)
         print_edges(compare, pair);
+    if (!pair->broken && !compare_agrees(pair)) {
+        printf("the first runs agree, but not all do\n");
+        return;
+    }
     if (!pair->broken) {
-        print_agreement(info);
+        if (!compare_far_side(compare, &twin))
+            print_agreement(info);
         return;
     }
     const struct row *row = broken_row(compare, pair);
@@ -146,6 +160,8 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     else
         printf("pass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
                row->name, pair->broken_frame);
+    if (pair->unwritten)
+        printf("%s\n", pair->unwritten);
     print_verdict(compare, pair);
 }
 
@@ -162,39 +178,77 @@ static void print_clues(const struct compare *compare, const struct pair *pair)
            compare->pipeline.info->passes[row->pass].shader, compare->pipeline.spec);
 }
 
-static struct widths measure(const struct compare *compare)
+/* What is larger than when contracts were measured. */
+static void print_grown(const struct compare *compare, const struct pair *pair)
 {
-    struct widths widths = {6, 8};
-    for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
+    for (uint32_t i = 0; i < pair->measured.count; i++)
+        measured_grown(&pair->measured, &pair->measured.rows[i]);
+    for (uint32_t i = 0; i < compare->rows.outputs.count && !pair->measured.rows; i++) {
         const struct row *row = &compare->rows.outputs.list[i];
-        int pass = (int)strlen(compare->pipeline.info->passes[row->pass].name);
-        int resource = (int)strlen(row->name);
-        widths.pass = pass > widths.pass ? pass : widths.pass;
-        widths.resource = resource > widths.resource ? resource : widths.resource;
+        const char *name = compare->pipeline.info->resources[row->resource].name;
+        measured_compare(contracts_find(&compare->contracts, "", name), MEASURED_BACKENDS, "", name,
+                         difference_error(&pair->results[i].difference));
     }
-    return widths;
 }
 
-static void print_pair(const struct compare *compare, const struct pair *pair)
+static bool print_pair(const struct compare *compare, const struct pair *pair)
 {
-    const struct widths widths = measure(compare);
+    struct sheet sheet;
     if (compare->pair_count > 1)
         printf("\n%s against %s\n", pair->sides[1]->label, pair->sides[0]->label);
-    bool replayed = shows_blame(pair);
     if (pair->on_equal_inputs)
         printf("\neach pass of frame %u on the inputs of %s\n", pair->blame.frame,
                pair->sides[0]->label);
-    printf("\n%-*s  %-*s  %10s  %10s  %-7s  %slargest error\n", widths.pass, "pass",
-           widths.resource, "resource", "elements", "differing", "verdict",
-           replayed ? "inputs  own error     " : "");
-    for (uint32_t i = 0; i < compare->rows.history.count; i++)
-        if (difference_verdict(&pair->history[i].difference) != VERDICT_EQUAL)
-            print_result(compare, pair, &compare->rows.history.list[i], &pair->history[i], &widths);
-    for (uint32_t i = 0; i < compare->rows.outputs.count; i++)
-        print_result(compare, pair, &compare->rows.outputs.list[i], &pair->results[i], &widths);
+    printf("\n");
+    bool good = compare_sheet(compare, pair, HISTORY_DIFFERING, &sheet);
+    if (good)
+        sheet_print(&sheet);
+    compare_free_sheet(&sheet);
+    if (pair->measured.rows)
+        measured_print(&pair->measured);
+    print_grown(compare, pair);
+    return good;
 }
 
-void compare_print(const struct compare *compare)
+/* How far a side is from exact arithmetic, pass by pass. */
+static bool print_twin(const struct compare *compare, uint32_t side)
+{
+    const struct rows *rows = &compare->rows;
+    struct sheet sheet = {.labels = {compare->sides.list[side].label, "exact"},
+                          .rows = calloc(rows->outputs.count, sizeof *sheet.rows)};
+    if (!sheet.rows) {
+        report_error(&compare->console->log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < rows->outputs.count; i++) {
+        const struct row *row = &rows->outputs.list[i];
+        const struct difference *found = &compare->twins[side].found[i];
+        if (found->elements)
+            sheet.rows[sheet.count++] =
+                (struct sheet_row){.pass = compare->pipeline.info->passes[row->pass].name,
+                                   .name = row->name,
+                                   .resource = &compare->pipeline.info->resources[row->resource],
+                                   .difference = found};
+    }
+    printf("\n%s against exact twins of its passes, on equal inputs\n", sheet.labels[0]);
+    sheet_print(&sheet);
+    free(sheet.rows);
+    return true;
+}
+
+static void print_far(const struct compare *compare)
+{
+    const struct twin *twin;
+    const struct side *side = compare_far_side(compare, &twin);
+    if (!side)
+        return;
+    const struct row *row = &compare->rows.outputs.list[twin->row];
+    const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
+    printf("too far from exact: pass %s (shader %s): resource %s on %s\n", pass->name, pass->shader,
+           row->name, side->label);
+}
+
+bool compare_print(const struct compare *compare)
 {
     bool several = compare->pair_count > 1;
     const struct pair *told = &compare->pairs[0]; /* the first that differs */
@@ -202,7 +256,8 @@ void compare_print(const struct compare *compare)
         printf("%s: %s\n", compare->sides.list[i].label, compare->devices[i]);
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];
-        print_pair(compare, pair);
+        if (!print_pair(compare, pair))
+            return false;
         printf("\n");
         if (several)
             print_outcome(compare, pair);
@@ -212,6 +267,15 @@ void compare_print(const struct compare *compare)
         printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);
     else if (several)
         printf("\n%u pairs agree\n", compare->pair_count);
+    bool good = true;
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++)
+        if (compare->twins[i].found)
+            good &= print_twin(compare, i);
+    if (compare->twins)
+        printf("\n");
+    elsewhere_print(&compare->elsewhere);
     print_clues(compare, told);
-    print_outcome(compare, told);
+    print_outcome(compare, told); /* the last line is the verdict */
+    print_far(compare);
+    return good;
 }

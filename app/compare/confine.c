@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -14,13 +15,16 @@ extern char **environ;
 
 enum { MOST_WORDS = 400 };
 
+/* Of a replay: memory, and processor time of all its threads together. */
+enum { REPLAY_GIBIBYTES = 16, REPLAY_SECONDS = 1800 };
+
 struct command {
     char *words[MOST_WORDS]; /* owned */
     unsigned count;
     bool failed;
 };
 
-static void add(struct command *command, const char *word)
+static void add_argument(struct command *command, const char *word)
 {
     char *copy = command->count + 1 < MOST_WORDS ? strdup(word) : NULL;
     command->failed |= !copy;
@@ -32,16 +36,16 @@ static void add_pair(struct command *command, const char *option, const char *va
 {
     if (!value)
         return;
-    add(command, option);
-    add(command, value);
+    add_argument(command, option);
+    add_argument(command, value);
 }
 
 /* A file or folder to read, where it is; those that are not there are left out. */
 static void add_path(struct command *command, const char *path)
 {
-    add(command, "--ro-bind-try");
-    add(command, path);
-    add(command, path);
+    add_argument(command, "--ro-bind-try");
+    add_argument(command, path);
+    add_argument(command, path);
 }
 
 static void free_command(struct command *command)
@@ -91,9 +95,9 @@ static void add_drivers(struct command *command)
     add_pair(command, "--dev", "/dev");
     add_pair(command, "--tmpfs", "/tmp");
     for (size_t i = 0; i < DT_ARRAY_COUNT(devices); i++) {
-        add(command, "--dev-bind-try");
-        add(command, devices[i]);
-        add(command, devices[i]);
+        add_argument(command, "--dev-bind-try");
+        add_argument(command, devices[i]);
+        add_argument(command, devices[i]);
     }
     add_listed(command, "VK_DRIVER_FILES");
     add_listed(command, "VK_ICD_FILENAMES");
@@ -103,8 +107,8 @@ static void add_environment(struct command *command)
 {
     static const char *const kept[] = {"MESA_", "LIBGL_",   "GALLIUM_", "LP_",  "VK_",
                                        "LVP_",  "DIPTYCH_", "LC_",      "LANG", "ASAN_"};
-    add(command, "--clearenv");
-    add(command, "--setenv");
+    add_argument(command, "--clearenv");
+    add_argument(command, "--setenv");
     add_pair(command, "HOME", "/tmp");
     for (char **variable = environ; *variable; variable++) {
         const char *equals = strchr(*variable, '=');
@@ -113,7 +117,7 @@ static void add_environment(struct command *command)
             keep |= strncmp(*variable, kept[i], strlen(kept[i])) == 0;
         char *name = keep && equals ? strndup(*variable, (size_t)(equals - *variable)) : NULL;
         if (name) {
-            add(command, "--setenv");
+            add_argument(command, "--setenv");
             add_pair(command, name, equals + 1);
         }
         free(name);
@@ -143,9 +147,9 @@ static void add_own(struct command *command, const char *folder, const struct dt
 
 static void add_sandbox(struct command *command, const char *folder, const struct dt_log *log)
 {
-    add(command, "bwrap");
-    add(command, "--unshare-all");
-    add(command, "--die-with-parent");
+    add_argument(command, "bwrap");
+    add_argument(command, "--unshare-all");
+    add_argument(command, "--die-with-parent");
     add_drivers(command);
     add_environment(command);
     add_own(command, folder, log);
@@ -155,21 +159,28 @@ static void add_replay(struct command *command, const struct options *options, i
 {
     char *self = realpath("/proc/self/exe", NULL);
     char *json = result >= 0 ? format_string("--json=/proc/self/fd/%d", result) : NULL;
-    command->failed |= !self || (result >= 0 && !json);
-    add(command, self ? self : "");
-    add(command, "replay");
-    add(command, options->folder);
-    add(command, "--trust");
+    char *sanitize =
+        options->setup.sanitize ? format_string("--sanitize=%s", options->setup.sanitize) : NULL;
+    command->failed |= !self || (result >= 0 && !json) || (options->setup.sanitize && !sanitize);
+    add_argument(command, self ? self : "");
+    add_argument(command, "replay");
+    add_argument(command, options->folder);
+    add_argument(command, "--trust");
     add_pair(command, "--backend", options->setup.backend);
     add_pair(command, "--device", options->setup.device);
     add_pair(command, "--context", options->setup.context);
     add_pair(command, "--fault", options->fault);
     if (options->setup.glsl)
-        add(command, "--glsl");
+        add_argument(command, "--glsl");
     if (options->setup.debug)
-        add(command, "--debug");
+        add_argument(command, "--debug");
+    if (options->setup.sanitize && !*options->setup.sanitize)
+        add_argument(command, "--sanitize");
+    else if (sanitize)
+        add_argument(command, sanitize);
     if (json)
-        add(command, json);
+        add_argument(command, json);
+    free(sanitize);
     free(json);
     free(self);
 }
@@ -181,10 +192,28 @@ static bool works(struct console *console)
     const char *const words[] = {"bwrap",  "--unshare-all", "--ro-bind", "/",    "/",
                                  "--proc", "/proc",         "--dev",     "/dev", "/bin/true"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
-        add(&command, words[i]);
+        add_argument(&command, words[i]);
     bool good = !command.failed && tool_quiet(command.words, console);
     free_command(&command);
     return good;
+}
+
+/* Children have the limits that this process has when they start. */
+static int run_limited(char *const *words, struct console *console)
+{
+    static const int kinds[] = {RLIMIT_DATA, RLIMIT_CPU};
+    const rlim_t most[] = {(rlim_t)REPLAY_GIBIBYTES << 30, REPLAY_SECONDS};
+    struct rlimit own[2];
+    for (int i = 0; i < 2; i++) {
+        getrlimit(kinds[i], &own[i]);
+        struct rlimit lower = own[i];
+        lower.rlim_cur = own[i].rlim_cur < most[i] ? own[i].rlim_cur : most[i];
+        setrlimit(kinds[i], &lower);
+    }
+    int status = tool_status(words, console);
+    for (int i = 0; i < 2; i++)
+        setrlimit(kinds[i], &own[i]);
+    return status;
 }
 
 static bool run_confined(struct console *console, const struct options *options, int *status)
@@ -197,7 +226,7 @@ static bool run_confined(struct console *console, const struct options *options,
     if (command.failed || (options->json && result < 0))
         report_error(&console->log, "out of memory");
     else
-        *status = tool_status(command.words, console);
+        *status = run_limited(command.words, console);
     free_command(&command);
     char *text = result >= 0 ? file_contents(result) : NULL;
     if (options->json && (!text || !file_write(options->json, text, strlen(text), &console->log)))

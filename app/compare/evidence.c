@@ -41,7 +41,7 @@ static const struct dt_pass *guilty_pass(const struct evidence *evidence)
     return &evidence->pipeline->info->passes[guilty_row(evidence)->pass];
 }
 
-static bool out_of_memory(const struct writing *writing)
+static bool writing_out_of_memory(const struct writing *writing)
 {
     report_error(writing->log, "out of memory");
     return false;
@@ -84,7 +84,7 @@ static bool widen_root(void *user, const char *file)
     struct writing *writing = user;
     char *path = plain_path(file);
     if (!path)
-        return out_of_memory(writing);
+        return writing_out_of_memory(writing);
     while (!within(path, writing->evidence->pipeline->templates) &&
            !within(path, writing->spec_root) && writing->spec_root[0])
         *strrchr(writing->spec_root, '/') = 0;
@@ -117,7 +117,7 @@ static bool copy_file(void *user, const char *file)
 {
     const struct writing *writing = user;
     char *name = copied_name(writing, file);
-    bool good = name ? copy_as(writing, file, name) : out_of_memory(writing);
+    bool good = name ? copy_as(writing, file, name) : writing_out_of_memory(writing);
     free(name);
     return good;
 }
@@ -140,7 +140,7 @@ static bool copy_spec(struct writing *writing)
     writing->spec_root = strdup(pipeline->spec);
     bool good = writing->spec_root;
     if (!good)
-        out_of_memory(writing);
+        writing_out_of_memory(writing);
     if (good)
         *strrchr(writing->spec_root, '/') = 0;
     good = good && each_source(writing, widen_root, writing) &&
@@ -163,7 +163,7 @@ static bool copy_generated(const struct writing *writing)
         good = name && plan_glsl(pipeline->plan, backends[i / 3],
                                  (uint32_t)(pass - pipeline->info->passes), i % 3, &glsl)
                    ? !glsl || folder_write(&writing->folder, name, glsl, strlen(glsl))
-                   : out_of_memory(writing);
+                   : writing_out_of_memory(writing);
         free(name);
     }
     return good;
@@ -186,7 +186,7 @@ static bool write_row(const struct writing *writing, const char *folder, const s
     char *name = raw_name(folder, resource, row->mip);
     bool good = name && cJSON_AddStringToObject(entry, key, name);
     good = good ? folder_write(&writing->folder, name, bytes->data, bytes->size)
-                : out_of_memory(writing);
+                : writing_out_of_memory(writing);
     free(name);
     return good;
 }
@@ -269,10 +269,10 @@ static bool write_scene(const struct writing *writing)
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-static bool write_text(const struct writing *writing, const char *name, char *text)
+static bool write_evidence_text(const struct writing *writing, const char *name, char *text)
 {
-    bool good =
-        text ? folder_write(&writing->folder, name, text, strlen(text)) : out_of_memory(writing);
+    bool good = text ? folder_write(&writing->folder, name, text, strlen(text))
+                     : writing_out_of_memory(writing);
     free(text);
     return good;
 }
@@ -361,7 +361,7 @@ static bool write_readme(const struct writing *writing)
     free(words);
     free(region);
     free(body);
-    return write_text(writing, "README.txt", text);
+    return write_evidence_text(writing, "README.txt", text);
 }
 
 /* Adds the lines that replay one side; none for a dump. Frees the text. */
@@ -393,7 +393,7 @@ static bool write_script(const struct writing *writing)
         guilty_pass(evidence)->name, evidence->sides[0]->label, evidence->sides[1]->label);
     for (int side = 0; side < 2; side++)
         text = add_side(evidence, text, evidence->sides[side]);
-    bool good = write_text(writing, "reproduce.sh", text);
+    bool good = write_evidence_text(writing, "reproduce.sh", text);
     char *path = format_string("%s/reproduce.sh", writing->folder.temporary);
     good = good && path && chmod(path, 0777) == 0;
     free(path);
@@ -447,7 +447,7 @@ static bool add_sets(const struct writing *writing)
             continue;
         char *set = copied_file(writing, resource);
         if (!set)
-            return out_of_memory(writing);
+            return writing_out_of_memory(writing);
         cJSON_AddItemToArray(sets, cJSON_CreateString(set));
         free(set);
     }

@@ -16,7 +16,7 @@ static const struct dt_log *log_of(const struct evidence_case *evidence)
     return &evidence->console->log;
 }
 
-static bool out_of_memory(const struct evidence_case *evidence)
+static bool case_out_of_memory(const struct evidence_case *evidence)
 {
     report_error(log_of(evidence), "out of memory");
     return false;
@@ -41,7 +41,7 @@ static const char *read_string(const struct evidence_case *evidence, const cJSON
     return text;
 }
 
-static bool read_number(const struct evidence_case *evidence, const cJSON *object, const char *key,
+static bool read_member(const struct evidence_case *evidence, const cJSON *object, const char *key,
                         uint32_t *number)
 {
     const cJSON *item = cJSON_GetObjectItem(object, key);
@@ -52,7 +52,7 @@ static bool read_number(const struct evidence_case *evidence, const cJSON *objec
     return true;
 }
 
-static bool read_manifest(struct evidence_case *evidence)
+static bool read_case_manifest(struct evidence_case *evidence)
 {
     uint32_t version;
     evidence->manifest = foreign_json(evidence->folder, "manifest.json", log_of(evidence));
@@ -62,7 +62,7 @@ static bool read_manifest(struct evidence_case *evidence)
                      evidence->folder);
         good = false;
     }
-    good = good && read_number(evidence, evidence->manifest, EVIDENCE_MARK, &version);
+    good = good && read_member(evidence, evidence->manifest, EVIDENCE_MARK, &version);
     if (good && version != EVIDENCE_VERSION) {
         report_error(log_of(evidence),
                      "%s/manifest.json: has version %u, and this diptych reads version %d",
@@ -81,7 +81,7 @@ static char *path_within(const struct evidence_case *evidence, const char *name)
     char *real = path ? realpath(path, NULL) : NULL;
     size_t length = strlen(evidence->root);
     if (!path) {
-        out_of_memory(evidence);
+        case_out_of_memory(evidence);
     } else if (!real) {
         report_error(log_of(evidence), "%s: cannot be read: %s", path, strerror(errno));
     } else if (strncmp(real, evidence->root, length) != 0 || real[length] != '/') {
@@ -100,8 +100,8 @@ static bool read_setup(struct evidence_case *evidence)
     struct setup *setup = &evidence->setup;
     const char *spec = read_string(evidence, evidence->manifest, "spec");
     const char *templates = spec ? read_string(evidence, evidence->manifest, "templates") : NULL;
-    if (!templates || !read_number(evidence, evidence->manifest, "width", &setup->size[0]) ||
-        !read_number(evidence, evidence->manifest, "height", &setup->size[1]))
+    if (!templates || !read_member(evidence, evidence->manifest, "width", &setup->size[0]) ||
+        !read_member(evidence, evidence->manifest, "height", &setup->size[1]))
         return false;
     int count = cJSON_GetArraySize(sets);
     setup->sets = calloc((size_t)count + 1, sizeof *setup->sets);
@@ -196,7 +196,7 @@ static bool read_rows(struct evidence_case *evidence)
     evidence->outputs[0] = calloc(output_count + 1, sizeof *evidence->outputs[0]);
     evidence->outputs[1] = calloc(output_count + 1, sizeof *evidence->outputs[1]);
     if (!evidence->inputs || !evidence->outputs[0] || !evidence->outputs[1])
-        return out_of_memory(evidence);
+        return case_out_of_memory(evidence);
     for (uint32_t i = 0; i < input_count; i++) {
         const struct row *row = &inputs->list[inputs->first[pass] + i];
         const cJSON *entry = find_entry(evidence, "inputs", row);
@@ -256,14 +256,14 @@ static bool read_scene(struct evidence_case *evidence)
     struct dt_scene *scene = &evidence->scene.data;
     if (!evidence->pipeline.info->passes[evidence->pass].uses_scene)
         return scene_none(&evidence->scene, log_of(evidence));
-    if (!read_number(evidence, entry, "vertices", &scene->vertex_count) ||
-        !read_number(evidence, entry, "indices", &scene->index_count) ||
-        !read_number(evidence, entry, "materials", &scene->material_count) ||
-        !read_number(evidence, entry, "objects", &scene->object_count) ||
-        !read_number(evidence, entry, "texture_width", &scene->texture_width) ||
-        !read_number(evidence, entry, "texture_height", &scene->texture_height) ||
-        !read_number(evidence, entry, "texture_layers", &scene->texture_layers) ||
-        !read_number(evidence, entry, "texture_mips", &scene->texture_mips) ||
+    if (!read_member(evidence, entry, "vertices", &scene->vertex_count) ||
+        !read_member(evidence, entry, "indices", &scene->index_count) ||
+        !read_member(evidence, entry, "materials", &scene->material_count) ||
+        !read_member(evidence, entry, "objects", &scene->object_count) ||
+        !read_member(evidence, entry, "texture_width", &scene->texture_width) ||
+        !read_member(evidence, entry, "texture_height", &scene->texture_height) ||
+        !read_member(evidence, entry, "texture_layers", &scene->texture_layers) ||
+        !read_member(evidence, entry, "texture_mips", &scene->texture_mips) ||
         !check_texture(evidence))
         return false;
     scene->vertices =
@@ -299,7 +299,7 @@ bool evidence_read(struct evidence_case *evidence, struct console *console, cons
                      strerror(errno));
         return false;
     }
-    if (!read_manifest(evidence) || !read_setup(evidence))
+    if (!read_case_manifest(evidence) || !read_setup(evidence))
         return false;
     struct pipeline *pipeline = &evidence->pipeline;
     return pipeline_load(pipeline, console, &evidence->setup) && find_pass(evidence) &&

@@ -14,7 +14,6 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "console/place.h"
 #include "base/printable.h"
 
 enum { TICK_NS = 200000000, PROGRESS_AFTER_S = 2 };
@@ -26,60 +25,57 @@ static void clear_line(struct console *console)
     console->shown = false;
 }
 
-static void keep(struct console *console, enum dt_level level, const char *text)
+/* Prints diagnostics, which are for --json, too. */
+static void take_diag(struct diag_taker *taker, const struct diag *diag)
 {
-    struct console_message *grown =
-        realloc(console->kept, (console->kept_count + 1) * sizeof *grown);
-    if (!grown)
-        return;
-    console->kept = grown;
-    grown[console->kept_count] = (struct console_message){level, strdup(text)};
-    console->kept_count += grown[console->kept_count].text != NULL;
-}
-
-static void take_message(struct console *console, enum dt_level level, const char *message)
-{
-    static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
-    struct place place;
-    if (level == DT_ERROR)
-        atomic_fetch_add(&console->errors, 1);
-    if (console->attached) {
-        if (console->host.message)
-            console->host.message(console->host.user, level, message);
-        return;
-    }
-    if (level <= DT_INFO && console->quiet)
-        return;
-    bool placed = place_read(message, &place);
+    struct console *console = (struct console *)taker;
     int capture = console_capturing(console);
-    if (capture >= 0) {
-        dprintf(capture, "%s%s\n", placed ? "" : labels[level], message);
-        return;
+    unsigned errors = diag_error_count(diag);
+    char *text = diag_text(diag, "diptych");
+    atomic_fetch_add(&console->errors, errors);
+    if (console->attached) {
+        report_message(&console->host, errors ? DT_ERROR : DT_WARNING, "%s",
+                       text ? text : "out of memory");
+    } else if (capture >= 0) {
+        dprintf(capture, "%s\n", text ? text : "out of memory");
+    } else {
+        pthread_mutex_lock(&console->lock);
+        clear_line(console);
+        fprintf(stderr, "%s\n", text ? text : "out of memory");
+        if (console->keeps)
+            diag_json(diag, &console->kept);
+        pthread_mutex_unlock(&console->lock);
     }
-    pthread_mutex_lock(&console->lock);
-    clear_line(console);
-    if (placed)
-        fprintf(stderr, "%s\n", message);
-    else
-        fprintf(stderr, "diptych: %s%s\n", labels[level], message);
-    if (console->keeps && level >= DT_WARNING)
-        keep(console, level, message);
-    pthread_mutex_unlock(&console->lock);
-}
-
-static void print_message(void *user, enum dt_level level, const char *message)
-{
-    char *text = text_is_printable(message) ? NULL : text_printable(message);
-    take_message(user, level, text ? text : message);
     free(text);
 }
 
-void console_keep(struct console *console, enum dt_level level, const char *text)
+static void print_log_message(struct diag_taker *taker, enum dt_level level, const char *message)
 {
-    pthread_mutex_lock(&console->lock);
-    if (console->keeps)
-        keep(console, level, text);
-    pthread_mutex_unlock(&console->lock);
+    static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
+    struct console *console = (struct console *)taker;
+    int capture = console_capturing(console);
+    atomic_fetch_add(&console->errors, level == DT_ERROR);
+    if (console->attached) {
+        report_message(&console->host, level, "%s", message);
+    } else if (level <= DT_INFO && console->quiet) {
+        return;
+    } else if (capture >= 0) {
+        dprintf(capture, "%s%s\n", labels[level], message);
+    } else {
+        pthread_mutex_lock(&console->lock);
+        clear_line(console);
+        fprintf(stderr, "diptych: %s%s\n", labels[level], message);
+        if (console->keeps && level >= DT_WARNING)
+            diag_json_text(level == DT_ERROR, message, &console->kept);
+        pthread_mutex_unlock(&console->lock);
+    }
+}
+
+static void take_message(struct diag_taker *taker, enum dt_level level, const char *message)
+{
+    char *text = text_is_printable(message) ? NULL : text_printable(message);
+    print_log_message(taker, level, text ? text : message);
+    free(text);
 }
 
 /* The capture of this thread; NULL: none. Call with the lock held. */
@@ -214,9 +210,10 @@ static void *watch(void *user)
     return NULL;
 }
 
-static void prepare(struct console *console)
+static void console_prepare(struct console *console)
 {
-    console->log = (struct dt_log){.message = print_message, .user = console};
+    console->taker = (struct diag_taker){take_message, take_diag};
+    console->log = (struct dt_log){.message = diag_log_message, .user = &console->taker};
     pthread_mutex_init(&console->lock, NULL);
     pthread_mutex_init(&console->writing, NULL);
     clock_gettime(CLOCK_MONOTONIC, &console->start);
@@ -225,14 +222,14 @@ static void prepare(struct console *console)
 void console_attach(struct console *console, const struct dt_log *host)
 {
     *console = (struct console){.attached = true, .host = *host};
-    prepare(console);
+    console_prepare(console);
 }
 
 bool console_open(struct console *console)
 {
     *console = (struct console){.terminal = isatty(STDERR_FILENO),
                                 .quiet = getenv("DIPTYCH_QUIET") != NULL};
-    prepare(console);
+    console_prepare(console);
     sigset_t set = watched_signals();
     int error = pthread_sigmask(SIG_BLOCK, &set, NULL);
     if (!error)
@@ -257,9 +254,7 @@ void console_close(struct console *console)
     clear_line(console);
     for (int i = 0; i < CONSOLE_TEMPORARIES; i++)
         free(console->temporaries[i]);
-    for (unsigned i = 0; i < console->kept_count; i++)
-        free(console->kept[i].text);
-    free(console->kept);
+    text_free(&console->kept);
     pthread_mutex_unlock(&console->lock);
     pthread_mutex_destroy(&console->lock);
     pthread_mutex_destroy(&console->writing);

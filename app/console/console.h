@@ -8,15 +8,16 @@
 #include <sys/types.h>
 #include <time.h>
 
-#include "base/log.h"
+#include "base/diag.h"
 
 /* Exit statuses that scripts rely on. Verbs that compare give EXIT_DIFFER, and EXIT_USAGE also when
  * they could not run. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 8, CONSOLE_CAPTURES = 2 };
+enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 64, CONSOLE_CAPTURES = 2 };
 
 struct console {
+    struct diag_taker taker; /* of the log; the first member */
     struct dt_log log;
     bool attached; /* of a library: `host` takes all messages; its message may be NULL */
     struct dt_log host;
@@ -39,12 +40,8 @@ struct console {
     } captures[CONSOLE_CAPTURES];
     /* each leads a process group, which a signal ends, too; 0: none */
     pid_t children[CONSOLE_CHILDREN];
-    bool keeps; /* warnings and errors, for --json */
-    struct console_message {
-        enum dt_level level;
-        char *text;
-    } * kept;
-    unsigned kept_count;
+    bool keeps;           /* warnings and errors, for --json */
+    struct text kept;     /* elements of a JSON array; see diag_json */
     struct cJSON *result; /* JSON object that the verb returns for --json; main frees it */
 };
 
@@ -65,9 +62,6 @@ char *console_captured(struct console *console);
  * owner. */
 void console_capture_too(struct console *console, pthread_t owner);
 int console_capturing(struct console *console); /* this thread's capture file, or -1 */
-
-/* Keeps a message for --json that another program has printed. */
-void console_keep(struct console *console, enum dt_level level, const char *text);
 
 /* Sets the progress line, shown with the elapsed time once the verb takes longer than two
  * seconds. */

@@ -31,14 +31,15 @@ static void *wrong(const struct filler *filler, const char *at, const char *what
     int line = 1;
     for (const char *c = filler->text; c < at; c++)
         line += *c == '\n';
-    report_error(filler->log, "%s:%d:1: error: %s `%s`", filler->path, line, what, name);
+    const struct source source = {filler->path, filler->text, strlen(filler->text), {0}, NULL};
+    report_at(filler->log, (struct loc){&source, line, 1, 1}, "%s `%s`", what, name);
     return NULL;
 }
 
 /* ---- Tags ------------------------------------------------------------------------------------ */
 
 /* Widens a section's tag to its line when nothing else stands there. */
-static void take_line(const struct filler *filler, struct tag *tag)
+static void widen_to_line(const struct filler *filler, struct tag *tag)
 {
     const char *begin = tag->begin, *end = tag->end + strspn(tag->end, " ");
     while (begin > filler->text && begin[-1] == ' ')
@@ -66,7 +67,7 @@ static bool next_tag(const struct filler *filler, const char *at, struct tag *ta
     }
     memcpy(tag->name, name, (size_t)(end - name));
     if (tag->kind)
-        take_line(filler, tag);
+        widen_to_line(filler, tag);
     return true;
 }
 

@@ -18,7 +18,7 @@ const struct dt_param *live_param(const struct dt_pipeline *info, const char *na
 }
 
 /* Reads "1.5", "true" or "[1, 2]" into values; false unless it is exactly `count` of them. */
-static bool read_values(const char *text, uint32_t count, double *values)
+static bool read_live_values(const char *text, uint32_t count, double *values)
 {
     bool list = *text == '[';
     const char *at = list ? text + 1 : text;
@@ -75,7 +75,7 @@ bool live_set(const struct dt_pipeline *info, void *live, const struct dt_param 
     uint32_t count = type_components(param->type);
     double values[16];
     if (count > 4 || param->offset + count * 4 > info->live_size ||
-        !read_values(value, count, values)) {
+        !read_live_values(value, count, values)) {
         report_error(log, "--set %s=%s: must be %s%s", param->name, value,
                      count > 1 ? "a list like [1, 2] of type " : "of type ",
                      type_info(param->type)->name);

@@ -3,13 +3,14 @@
 
 #include <stdlib.h>
 
-#define ALL       (VERB_RENDER | VERB_COMPARE)
-#define SCENE     (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE)
-#define SHOWN     (SCENE | VERB_FLICKER)
-#define MOVING    (ALL | VERB_REFERENCE | VERB_FLICKER)
-#define SPEC      (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
-#define MAKING    (SPEC | VERB_REPORT | VERB_LIST)
-#define TELLING   (SHOWN | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
+#define ALL    (VERB_RENDER | VERB_COMPARE)
+#define SCENE  (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE | VERB_COST)
+#define SHOWN  (SCENE | VERB_FLICKER)
+#define MOVING (ALL | VERB_REFERENCE | VERB_FLICKER | VERB_VIEW)
+#define SPEC   (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
+#define MAKING (SPEC | VERB_REPORT | VERB_LIST | VERB_COST)
+#define TELLING                                                                                    \
+    (SHOWN | VERB_IMPORT | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define TRACING   (VERB_REFERENCE | VERB_REPORT | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
@@ -17,15 +18,28 @@
 static const struct option_row rows[] = {
     {"DIR", OPTION_STRING, AT(folder), VERB_REPLAY, VERB_REPLAY, NULL,
      "folder that compare --bisect wrote"},
-    {"A", OPTION_STRING, AT(dumps[0]), VERB_COMPARE, 0, NULL,
-     "folder with a dump of any renderer (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
-     ".exr, "
-     ".npy); then nothing is run"},
-    {"B", OPTION_STRING, AT(dumps[1]), VERB_COMPARE, 0, NULL, "the dump to compare with it"},
+    {"A B...", OPTION_TEXTS, AT(dumps), VERB_COMPARE, 0, NULL,
+     "folders with dumps of any renderers (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
+     ".exr, .npy); the first is compared with each of the others, and nothing is run"},
+    {"FILE", OPTION_STRING, AT(files[0]), VERB_IMPORT, VERB_IMPORT, NULL,
+     "a preset of RetroArch (.slangp), or a shader, GLSL or SPIR-V: .comp, .frag, .vert, .spv"},
+    {"FRAGMENT", OPTION_STRING, AT(files[1]), VERB_IMPORT, 0, NULL,
+     "the fragment shader, if FILE is a vertex shader"},
+    {"-o", OPTION_STRING, AT(output), VERB_IMPORT, VERB_IMPORT, "DIR",
+     "folder to write: a spec, and copies of the shaders and pictures"},
+    {"--picture", OPTION_STRING, AT(picture), VERB_IMPORT, 0, "FILE",
+     "picture that the shaders read (default: a test card)"},
     {"--contracts", OPTION_STRING, AT(contracts), VERB_COMPARE, 0, "FILE",
-     "A B: how far resources may differ (YAML), like `radiance: {rel: 1e-3}` (default: integers "
-     "not "
-     "at all, others 1 ulp)"},
+     "how far resources may differ (YAML), like `radiance: {rel: 1e-3}`, in place of the spec's "
+     "contracts (A B: default: integers not at all, others 1 ulp)"},
+    {"--measure", OPTION_COUNT, AT(repeats), VERB_COMPARE, 0, "N",
+     "run each side N times, and show how far runs of a side, and of both sides, are apart; A B: "
+     "each folder holds N dumps in folders of their own"},
+    {"--write-contracts", OPTION_STRING, AT(write_contracts), VERB_COMPARE, 0, "FILE",
+     "--measure: write contracts that all these runs keep, and that are as tight as that"},
+    {"--run", OPTION_STRING, AT(run_second), VERB_COMPARE, 0, "PROGRAM",
+     "A B: on a difference, runs PROGRAM PASS INPUTS OUTPUTS for passes of B's renderer on A's "
+     "resources, which tells whose error it is"},
     {"DIR", OPTION_STRING, AT(folder), VERB_REPORT, 0, NULL,
      "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},
@@ -35,28 +49,36 @@ static const struct option_row rows[] = {
     {"--scene", OPTION_STRING, AT(setup.scene), SPEC & ~VERB_SWEEP, 0, "FILE",
      "scene file (YAML): mesh, camera, light; or cornell, which is shipped; needed if the pipeline "
      "draws or reads the scene"},
+    {"--scene", OPTION_STRING, AT(setup.scene), VERB_COST, 0, "FILE",
+     "scene file, whose triangles are counted"},
+    {"--gpu", OPTION_STRING, AT(gpu), VERB_COST, 0, "LIST",
+     "chips, like navi21,polaris10 (default: navi21)"},
     {"--motion", OPTION_STRING, AT(setup.motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
-     VERB_RENDER | VERB_REPLAY | VERB_TUNE, "NAME",
+     VERB_RENDER | VERB_REPLAY, "NAME",
      "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(setup.backend), COMPARING, 0, "LIST",
      "backends; the first is compared with each of the others, like gl,vk,zink (default: gl,vk)"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "backends to measure in turn, like gl,vk,zink (default: gl,vk)"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_VIEW, 0, "NAME|both",
-     "gl, vk, or both side by side; or two with a comma, of which the first draws the window "
-     "(default: gl)"},
+     "one to three backends, like gl,vk,vk@NAME; the first draws the window, and is compared with "
+     "each of the others (default: both, gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "
      "needed with --dump, --timings or --capture"},
+    {"--gpu", OPTION_STRING, AT(gpu), VERB_TUNE, 0, "NAME",
+     "estimate for this chip, as `cost` does, instead of timing; --backend, if given, says where "
+     "the "
+     "bits are compared (default: vk)"},
     {"--spec", OPTION_STRING, AT(setup.spec), MAKING, 0, "SPEC",
      "pipeline: a file, or the name of a shipped one, like rsm (default: ssvp)"},
     {"--set", OPTION_SET, AT(setup.set_list), MAKING, 0, "PATH=VALUE",
      "override a parameter by name or any value by its dotted path; may be repeated"},
     {"--with", OPTION_STRING, AT(with), MAKING, 0, "FILE",
      "overrides from a file, before those of --set: lines `- PATH=VALUE`, as `tune` writes them"},
-    {"--input", OPTION_SET, AT(setup.inputs), SPEC | VERB_REPORT, 0, "NAME=FILE",
+    {"--input", OPTION_SET, AT(setup.inputs), SPEC | VERB_REPORT | VERB_COST, 0, "NAME=FILE",
      "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
      ".npy "
      "array for a buffer; may be repeated"},
@@ -64,11 +86,15 @@ static const struct option_row rows[] = {
      "WxH",
      "frame size in pixels (default: that of an --input that fills the frame, else 1920x1080)"},
     {"--size", OPTION_SIZE, AT(setup.size), VERB_VIEW, 0, "WxH",
-     "pixels of each backend in the window (default: 960x540)"},
+     "frame size in pixels (default: the room in the window)"},
+    {"--window", OPTION_SIZE, AT(window), VERB_VIEW, 0, "WxH",
+     "size of the window (default: as it was the last time, at first 1280x720)"},
+    {"--present", OPTION_STRING, AT(present), VERB_VIEW, 0, "FILE.png",
+     "photograph the window as it is at the end, panes and all"},
     {"--frames", OPTION_COUNT, AT(run_frames), VERB_VIEW, 0, "N",
      "frames to run (default: until the window is closed)"},
     {"--screenshot", OPTION_STRING, AT(screenshot), VERB_VIEW, 0, "FILE.png",
-     "write the last picture shown"},
+     "write the last picture shown, without the panes"},
     {"--frames", OPTION_COUNT, AT(setup.frames), ALL, 0, "N",
      "frames to run; the result is the last one (default: 1; with --motion all of it)"},
     {"--frames", OPTION_COUNT, AT(setup.frames), VERB_FLICKER, 0, "N",
@@ -130,6 +156,16 @@ static const struct option_row rows[] = {
      "pixels"},
     {"--device", OPTION_STRING, AT(setup.device), SPEC | VERB_REPLAY, 0, "NAME|INDEX",
      "Vulkan device by part of its name or by index"},
+    {"--device", OPTION_STRING, AT(setup.device), VERB_COST, 0, "NAME|INDEX",
+     "instead: what the compiler of this Vulkan device tells"},
+    {"--against", OPTION_STRING, AT(earlier), VERB_COST, 0, "FILE.json",
+     "tell what has changed since an earlier --json"},
+    {"--bench", OPTION_STRING, AT(bench), VERB_COST, 0, "FILE.json",
+     "times that `bench --json` measured on this device, or on one with this chip, beside the "
+     "bounds"},
+    {"--limit", OPTION_STRING, AT(limit), VERB_COST, 0, "PERCENT",
+     "--against: growth of cycles and spills, or loss of waves, that ends with status 1 (default: "
+     "5%)"},
     {"--context", OPTION_CHOICE, AT(setup.context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
      "egl|zink|osmesa|window", "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(setup.glsl), SPEC | VERB_REPLAY, 0, NULL,
@@ -145,12 +181,16 @@ static const struct option_row rows[] = {
      "keep the layout change of the N-th barrier, but drop what it waits for"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder from which `replay` runs the guilty pass alone"},
-    {"--fault", OPTION_STRING, AT(fault), ALL | VERB_SWEEP | VERB_REPLAY, 0,
+    {"--fault", OPTION_STRING, AT(fault), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0,
      "SIDE:PASS:KIND[:SEED][@FRAME]",
      "inject a fault into the result of a pass on one side: bit|texel|sign|missing"},
-    {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL, 0, "KINDS",
+    {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL | VERB_REPLAY | VERB_VIEW, 0, "KINDS",
      "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some of index, "
-     "arithmetic, loop, variable"},
+     "arithmetic, loop, variable, content, race, flow"},
+    {"--repeat", OPTION_COUNT, AT(repeat), VERB_COMPARE, 0, "N",
+     "run each backend N times more, Mesa's software drivers with other numbers of threads, and "
+     "count "
+     "the distinct results of each pass"},
     {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
      "1 to 255: fill all memory with this byte first, to show passes that read undefined content"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
@@ -270,10 +310,11 @@ void options_free(struct options *options)
     free(options->scene_list.items);
     free(options->size_list.items);
     free(options->grid.items);
+    free(options->dumps.items);
     options->setup.sets = NULL;
     options->setup.set_count = 0;
     options->setup.inputs = options->scene_list = options->size_list = options->grid =
-        (struct text_list){0};
+        options->dumps = (struct text_list){0};
 }
 
 void options_help(const struct verb *verb)

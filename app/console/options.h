@@ -19,7 +19,9 @@ enum verb_id {
     VERB_FLICKER = 512,
     VERB_LIST = 1024,
     VERB_HELP = 2048,
-    VERB_TUNE = 4096
+    VERB_TUNE = 4096,
+    VERB_IMPORT = 8192,
+    VERB_COST = 16384
 };
 
 /* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
@@ -27,11 +29,16 @@ enum verb_id {
 struct options {
     struct setup setup;
     const char *output;
-    const char *with;      /* overlay of sets, which stand in set_list */
-    char *with_text;       /* owned */
-    uint32_t frame;        /* reference: of the motion */
-    const char *dumps[2];  /* compare: folders of two dumps, or NULL */
-    const char *contracts; /* of these */
+    const char *with;       /* overlay of sets, which stand in set_list */
+    char *with_text;        /* owned */
+    uint32_t frame;         /* reference: of the motion */
+    struct text_list dumps; /* compare: folders of dumps */
+    const char *contracts;
+    const char *write_contracts;
+    uint32_t repeats;       /* compare: runs of each side; 0: not measured */
+    const char *run_second; /* compare: program that runs a pass of the second dump's renderer */
+    const char *files[3];   /* import: one or two, then NULL */
+    const char *picture;
     const char *dump;
     const char *timings;
     const char *show;
@@ -43,6 +50,7 @@ struct options {
     bool update;
     const char *fault;
     const char *bisect; /* folder to write */
+    uint32_t repeat;    /* compare: 0: not given */
     const char *folder; /* of an earlier bisect, or of a bundle's run */
     uint32_t poison;    /* render: a byte, 0: none */
     uint32_t spp;       /* reference: 0: not given */
@@ -73,9 +81,15 @@ struct options {
     uint32_t random, memory, jobs, run_frames; /* 0: not given; sweep, bench, view */
     uint32_t warmup;
     bool collect;
-    const char *screenshot; /* view */
-    const char *outline;    /* report: NULL: the one beside the spec */
-    bool trust;             /* replay: without a sandbox */
+    const char *screenshot; /* view; like the next two */
+    const char *present;
+    uint32_t window[2];  /* 0: not given */
+    const char *outline; /* report: NULL: the one beside the spec */
+    const char *gpu;     /* cost, tune: names of chips */
+    const char *earlier; /* cost: an earlier --json */
+    const char *bench;   /* cost: a --json of bench */
+    const char *limit;   /* cost: a percentage */
+    bool trust;          /* replay: without a sandbox */
     bool help;
 };
 
@@ -100,7 +114,9 @@ int verb_bench(struct console *console, const struct options *options);
 int verb_report(struct console *console, const struct options *options);
 int verb_view(struct console *console, const struct options *options);
 int verb_list(struct console *console, const struct options *options);
+int verb_cost(struct console *console, const struct options *options);
 int verb_tune(struct console *console, const struct options *options);
+int verb_import(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 
 /* Reads argv[0..argc) after the verb. On false the error and a hint are logged. options_free either

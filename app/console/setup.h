@@ -5,6 +5,7 @@
 
 #include <stdbool.h>
 #include <stdint.h>
+#include <string.h>
 
 #include "base/command.h"
 
@@ -21,6 +22,7 @@ struct setup {
         };
     };
     struct text_list inputs; /* NAME=FILE each */
+    bool exact_twin;         /* no option: every pass exact, for comparison with one that is not */
     bool inputs_later;       /* no option: of a player, which gets inputs after inputs_load */
     const char *scene;
     const char *motion;  /* file; NULL: nothing moves */
@@ -38,5 +40,15 @@ struct setup {
     const char *capture;
     uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
 };
+
+/* Whether --set or --with gives the path a value. */
+static inline bool setup_sets(const struct setup *setup, const char *path)
+{
+    size_t length = strlen(path);
+    for (uint32_t i = 0; i < setup->set_count; i++)
+        if (strncmp(setup->sets[i], path, length) == 0 && setup->sets[i][length] == '=')
+            return true;
+    return false;
+}
 
 #endif

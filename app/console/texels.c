@@ -270,7 +270,7 @@ static uint32_t image_components(const struct dt_resource *resource, struct comp
 }
 
 /* Whether a list of a pass has the resource; the buffer of --sanitize is in none. */
-static bool is_listed(const struct dt_pipeline *pipeline, uint32_t resource)
+static bool is_accessed(const struct dt_pipeline *pipeline, uint32_t resource)
 {
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         const struct dt_pass *pass = &pipeline->passes[i];
@@ -288,7 +288,7 @@ uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass,
 {
     const struct dt_resource *what = &pipeline->resources[resource];
     uint32_t all = what->kind == DT_IMAGE ? (1u << what->mips) - 1 : 1;
-    uint32_t mask = what->history && is_listed(pipeline, resource) ? all : 0;
+    uint32_t mask = what->history && is_accessed(pipeline, resource) ? all : 0;
     for (uint32_t i = 0; i < pass; i++) {
         const struct dt_pass *writer = &pipeline->passes[i];
         for (uint32_t j = 0; j < writer->write_count; j++)

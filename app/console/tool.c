@@ -1,7 +1,6 @@
 /* Child processes; see tool.h. */
 #include "console/tool.h"
 
-#include <dlfcn.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -11,12 +10,10 @@
 #include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include "base/files.h"
-#include "console/place.h"
 
 /* Descriptors of a child: `input` for its stdin, -1: ours; `output` for its stdout, -1: /dev/null;
  * `errors` for its stderr, -1: ours. */
@@ -44,7 +41,7 @@ static void become(char *const argv[], const struct streams *streams, pid_t pare
 }
 
 /* Starts a child. Returns 0 or an errno. */
-static int start(pid_t *child, char *const argv[], const struct streams *streams)
+static int start_child(pid_t *child, char *const argv[], const struct streams *streams)
 {
     int report[2], error = 0;
     pid_t parent = getpid();
@@ -69,87 +66,8 @@ static int start(pid_t *child, char *const argv[], const struct streams *streams
     return error;
 }
 
-void tool_tell(int file, bool failed, struct console *console)
-{
-    char *text = file_contents(file);
-    if (console->attached) {
-        if (text && *text) {
-            text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
-            report_message(&console->log, failed ? DT_ERROR : DT_WARNING, "%s", text);
-        }
-        free(text);
-        close(file);
-        return;
-    }
-    int captured = console_capturing(console);
-    bool placed = captured >= 0; /* a capture keeps the text itself */
-    struct place place;
-    for (char *line = placed ? NULL : text, *end; line && *line; line = end) {
-        end = line + strcspn(line, "\n");
-        char last = *end;
-        *end = 0;
-        if (place_read(line, &place)) {
-            console_keep(console, DT_ERROR, line);
-            placed = true;
-        }
-        *end = last;
-        end += last == '\n';
-    }
-    if (text && *text) {
-        if (captured >= 0)
-            dprintf(captured, "%s", text);
-        else
-            fputs(text, stderr);
-        text[strlen(text) - (text[strlen(text) - 1] == '\n')] = 0;
-        if (!placed && failed)
-            console_keep(console, DT_ERROR, text);
-    }
-    free(text);
-    close(file);
-}
-
-struct running {
-    pid_t child;
-    int kept; /* file with its messages; -1: on stderr, or captured */
-};
-
-/* Where the tool's messages go. */
-enum messages {
-    MESSAGES_KEPT,  /* for --json, where that is given */
-    MESSAGES_SHOWN, /* to stderr at once: they show progress */
-};
-
-static bool begin(struct running *running, const struct tool *tool, char *const argv[], int output,
-                  enum messages messages, struct console *console)
-{
-    int captured = console_capturing(console);
-    bool keep = messages == MESSAGES_KEPT && captured < 0 && console->keeps;
-    *running = (struct running){.kept = keep ? memfd_create("errors", MFD_CLOEXEC) : -1};
-    const struct streams streams = {-1, output, running->kept >= 0 ? running->kept : captured};
-    int error = start(&running->child, argv, &streams);
-    if (!error) {
-        console_adopt(console, running->child);
-        return true;
-    }
-    if (running->kept >= 0)
-        close(running->kept);
-    report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
-                 tool->hint);
-    return false;
-}
-
-/* Waits for it and prints its messages; returns the status as console_wait does. */
-static int finish(const struct running *running, struct console *console)
-{
-    int status = console_wait(console, running->child);
-    int error = errno;
-    if (running->kept >= 0)
-        tool_tell(running->kept, status != 0, console);
-    errno = error;
-    return status;
-}
-
-static bool judge(int status, const struct tool *tool, const char *name, const struct dt_log *log)
+static bool judge_tool(int status, const struct tool *tool, const char *name,
+                       const struct dt_log *log)
 {
     if (status < 0) {
         report_error(log, "%s: cannot be waited for: %s", name, strerror(errno));
@@ -165,18 +83,18 @@ static bool judge(int status, const struct tool *tool, const char *name, const s
     return false;
 }
 
-static bool run(const struct tool *tool, char *const argv[], int output, enum messages messages,
-                struct console *console)
-{
-    struct running running;
-    return begin(&running, tool, argv, output, messages, console) &&
-           judge(finish(&running, console), tool, argv[0], &console->log);
-}
-
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
 {
-    return run(tool, argv, output, output == STDERR_FILENO ? MESSAGES_SHOWN : MESSAGES_KEPT,
-               console);
+    const struct streams streams = {-1, output, console_capturing(console)};
+    pid_t child = -1;
+    int error = start_child(&child, argv, &streams);
+    if (error) {
+        report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
+                     tool->hint);
+        return false;
+    }
+    console_adopt(console, child);
+    return judge_tool(console_wait(console, child), tool, argv[0], &console->log);
 }
 
 bool tool_quiet(char *const argv[], struct console *console)
@@ -184,7 +102,7 @@ bool tool_quiet(char *const argv[], struct console *console)
     int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
     const struct streams streams = {-1, -1, nowhere};
     pid_t child;
-    bool good = nowhere >= 0 && start(&child, argv, &streams) == 0;
+    bool good = nowhere >= 0 && start_child(&child, argv, &streams) == 0;
     if (good) {
         console_adopt(console, child);
         good = console_wait(console, child) == 0;
@@ -198,7 +116,7 @@ int tool_status(char *const argv[], struct console *console)
 {
     const struct streams streams = {-1, STDOUT_FILENO, -1};
     pid_t child;
-    int error = start(&child, argv, &streams), status = -1;
+    int error = start_child(&child, argv, &streams), status = -1;
     if (!error) {
         console_adopt(console, child);
         status = console_wait(console, child);
@@ -244,7 +162,7 @@ bool tool_lines(const struct tool *tool, char *const argv[],
     bool reads = reader.in && pthread_create(&thread, NULL, read_lines, &reader) == 0;
     if (!reads)
         report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
-    bool good = reads && run(tool, argv, ends[1], MESSAGES_SHOWN, console);
+    bool good = reads && tool_run(tool, argv, ends[1], console);
     if (ends[1] >= 0)
         close(ends[1]); /* lines end when the tool and its children have closed the pipe */
     if (reads)
@@ -282,102 +200,4 @@ bool tool_is_there(const char *name)
         at += length;
     }
     return found;
-}
-
-/* The shared library that has this code, which dladdr finds by its path; else the executable. */
-static char *own_file(void)
-{
-    static const char here;
-    Dl_info own;
-    bool library = dladdr(&here, &own) && strstr(own.dli_fname, ".so");
-    return realpath(library ? own.dli_fname : "/proc/self/exe", NULL);
-}
-
-char *tools_folder(const struct dt_log *log)
-{
-    char *path = own_file();
-    char *slash = path ? strrchr(path, '/') : NULL;
-    if (!slash || slash == path) {
-        report_error(log, "the executable's own folder cannot be found: %s", strerror(errno));
-        free(path);
-        return NULL;
-    }
-    *slash = 0;
-    return path;
-}
-
-static bool has_templates(const char *tools, const char *prefix)
-{
-    char *templates = format_string("%s/%s/share/diptych/templates/glsl", tools, prefix);
-    bool found = templates && access(templates, R_OK) == 0;
-    free(templates);
-    return found;
-}
-
-/* How many folders above `tools` the installation's prefix is: 1, or 2 for a library in lib/TRIPLET; 0:
- * not installed. */
-static int levels_to_prefix(const char *tools)
-{
-    const char *slash = strrchr(tools, '/');
-    bool deep = slash && slash - tools >= 4 && memcmp(slash - 4, "/lib", 4) == 0;
-    return has_templates(tools, "..") ? 1 : deep && has_templates(tools, "../..") ? 2 : 0;
-}
-
-/* Finds a folder from beside the tools: its path in the project, or its installed path. */
-static char *brought_along(const char *in_project, const char *installed, const struct dt_log *log)
-{
-    char *path = tools_folder(log);
-    if (!path)
-        return NULL;
-    int levels = levels_to_prefix(path);
-    for (int i = 0; i < (levels ? levels : 1); i++) {
-        char *slash = strrchr(path, '/');
-        *(slash == path ? slash + 1 : slash) = 0;
-    }
-    char *folder = format_string("%s%s", path, levels ? installed : in_project);
-    if (!folder)
-        report_error(log, "out of memory");
-    free(path);
-    return folder;
-}
-
-bool tools_installed(const char *tools)
-{
-    return levels_to_prefix(tools) != 0;
-}
-
-char *templates_folder(const struct dt_log *log)
-{
-    return brought_along("/templates", "/share/diptych/templates", log);
-}
-
-static bool is_file(const char *path)
-{
-    struct stat info;
-    return stat(path, &info) == 0 && !S_ISDIR(info.st_mode);
-}
-
-/* The path itself, unless it is a bare word of no file, and the folder has WORD.yaml. */
-static char *or_brought_along(const char *path, const char *in_project, const char *installed,
-                              const struct dt_log *log)
-{
-    bool bare = !strpbrk(path, "./") && !is_file(path);
-    char *folder = bare ? brought_along(in_project, installed, log) : NULL;
-    char *file = folder ? format_string("%s/%s.yaml", folder, path) : NULL;
-    if (!file || access(file, R_OK) != 0) {
-        free(file);
-        file = strdup(path);
-    }
-    free(folder);
-    return file;
-}
-
-char *find_spec(const char *path, const struct dt_log *log)
-{
-    return or_brought_along(path, "/templates", "/share/diptych/templates", log);
-}
-
-char *find_scene(const char *path, const struct dt_log *log)
-{
-    return or_brought_along(path, "/scenes", "/share/diptych/scenes", log);
 }

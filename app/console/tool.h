@@ -1,9 +1,10 @@
-/* Programs that the command line runs: the generator, the C compiler, ninja. */
+/* Programs that the command line runs: the generator, gnuplot, ninja. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 
 #include <sys/types.h>
 
+#include "base/installed.h"
 #include "console/console.h"
 
 struct tool {
@@ -22,11 +23,6 @@ bool tool_quiet(char *const argv[], struct console *console);
 /* Runs argv[0] with our streams; its exit status, or -1, logged. */
 int tool_status(char *const argv[], struct console *console);
 
-/* Prints messages of another program, or of gen/, from a file: to stderr, or to the capture; and
- * keeps them for --json: one per place that they name, or all as the reason where it `failed`
- * without naming one. Closes the file. */
-void tool_tell(int file, bool failed, struct console *console);
-
 /* Runs one and returns its stdout; NULL on failure; free(). */
 char *tool_read(const struct tool *tool, char *const argv[], struct console *console);
 
@@ -36,21 +32,5 @@ bool tool_lines(const struct tool *tool, char *const argv[],
 
 /* Whether there is a program of that name in a folder of PATH. */
 bool tool_is_there(const char *name);
-
-/* Folder of the executable, of diptych-gen, glad and the cache; in a library, its own folder; NULL with the error logged;
- * free(). */
-char *tools_folder(const struct dt_log *log);
-
-/* Whether this is the bin folder of an installation, not the project's build folder. */
-bool tools_installed(const char *tools);
-
-/* Folders that belong to the executable: in the project, or share of the installation.
- * free(). */
-char *templates_folder(const struct dt_log *log);
-
-/* The path of a spec or scene file that the user names: `rsm` and `cornell` are files that came with the
- * executable, unless the working folder has files of these names. free(); NULL: out of memory. */
-char *find_spec(const char *path, const struct dt_log *log);
-char *find_scene(const char *path, const struct dt_log *log);
 
 #endif

@@ -189,7 +189,7 @@ static bool load_programmes(struct bench *bench)
     return good;
 }
 
-static bool prepare(struct bench *bench)
+static bool bench_prepare(struct bench *bench)
 {
     const struct dt_log *log = &bench->console->log;
     bench->list = calloc(bench->sides.count, sizeof *bench->list);
@@ -205,7 +205,7 @@ static bool prepare(struct bench *bench)
                               &bench->options->setup);
 }
 
-static void release(struct bench *bench)
+static void bench_release(struct bench *bench)
 {
     for (uint32_t i = 0; bench->list && i < bench->sides.count; i++) {
         lane_free(&bench->list[i].whole);
@@ -231,11 +231,11 @@ int verb_bench(struct console *console, const struct options *options)
         sides_free(&bench.sides);
         return EXIT_USAGE;
     }
-    bool good = prepare(&bench) && run_all(&bench);
+    bool good = bench_prepare(&bench) && run_all(&bench);
     if (good) {
         bench_print(&bench);
         console->result = bench_json(&bench);
     }
-    release(&bench);
+    bench_release(&bench);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

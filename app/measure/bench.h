@@ -68,7 +68,8 @@ double bench_copy_bytes_per_ms(const struct bench *bench); /* of the CPU */
 /* Lower bound of a pass's time, from the device's measured rates. */
 double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);
 
-void bench_print(const struct bench *bench);         /* on stdout */
-struct cJSON *bench_json(const struct bench *bench); /* for --json */
+void bench_print(const struct bench *bench);                                 /* on stdout */
+struct cJSON *bench_json(const struct bench *bench);                         /* for --json */
+void bench_add_number(struct cJSON *parent, const char *name, double value); /* NAN: null */
 
 #endif

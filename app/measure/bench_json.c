@@ -4,7 +4,7 @@
 
 #include "measure/bench.h"
 
-static void add_number(cJSON *parent, const char *name, double value)
+void bench_add_number(cJSON *parent, const char *name, double value)
 {
     if (isnan(value))
         cJSON_AddNullToObject(parent, name);
@@ -20,9 +20,9 @@ static void add_spread(cJSON *parent, const char *name, struct spread spread)
         return;
     }
     cJSON *item = cJSON_AddObjectToObject(parent, name);
-    add_number(item, "median", spread.median);
-    add_number(item, "p5", spread.p5);
-    add_number(item, "p95", spread.p95);
+    bench_add_number(item, "median", spread.median);
+    bench_add_number(item, "p5", spread.p5);
+    bench_add_number(item, "p95", spread.p95);
     cJSON_AddNumberToObject(item, "count", spread.count);
 }
 
@@ -38,7 +38,7 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
     add_spread(item, "record_ms", spread_of(whole->record_ms, whole->taken, 1));
     const struct ceiling ceiling = bench_ceiling(bench, side);
     cJSON *machine = cJSON_AddObjectToObject(item, "machine");
-    add_number(machine, "gb_s", ceiling.bytes_per_ms * 1e-6);
+    bench_add_number(machine, "gb_s", ceiling.bytes_per_ms * 1e-6);
     cJSON *passes = cJSON_AddArrayToObject(item, "passes");
     for (uint32_t i = 0; i < bench->subject.pipeline.info->pass_count; i++) {
         cJSON *pass = cJSON_CreateObject();
@@ -46,8 +46,8 @@ static cJSON *side_json(const struct bench *bench, const struct bench_side *side
         struct spread ms = bench_pass_ms(&side->passes, i);
         struct work work = bench_work(bench, &bench->subject, i);
         add_spread(pass, "ms", ms);
-        add_number(pass, "gb_s", (work.read + work.written) / ms.median * 1e-6);
-        add_number(pass, "floor_ms", bench_floor_ms(&work, &ceiling));
+        bench_add_number(pass, "gb_s", (work.read + work.written) / ms.median * 1e-6);
+        bench_add_number(pass, "floor_ms", bench_floor_ms(&work, &ceiling));
         cJSON_AddItemToArray(passes, pass);
     }
     return item;
@@ -79,7 +79,7 @@ cJSON *bench_json(const struct bench *bench)
     cJSON_AddNumberToObject(root, "height", options->setup.size[1]);
     cJSON_AddNumberToObject(root, "frames", bench->frames);
     cJSON_AddNumberToObject(root, "warmup", bench->warmup);
-    add_number(root, "memcpy_gb_s", bench_copy_bytes_per_ms(bench) * 1e-6);
+    bench_add_number(root, "memcpy_gb_s", bench_copy_bytes_per_ms(bench) * 1e-6);
     add_work(root, bench);
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
     for (uint32_t i = 0; i < bench->sides.count; i++)

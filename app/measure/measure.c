@@ -198,7 +198,7 @@ static bool add_bench(struct grid *grid, const struct grid_point *point)
 }
 
 /* Of one side: the picture, and its error where that is wanted. */
-static bool add_picture(struct grid *grid, const struct grid_point *point, uint32_t side)
+static bool add_measured_picture(struct grid *grid, const struct grid_point *point, uint32_t side)
 {
     const struct rendering rendering = {.scene = point->scene,
                                         .size = point->size,
@@ -256,7 +256,7 @@ bool grid_plan(struct grid *grid, uint32_t first, uint32_t end)
         grid->measures |= point->measures;
         bool pictured = point->measures & (MEASURE_ERROR | MEASURE_OWN);
         for (uint32_t side = 0; side < grid->pictured && pictured && good; side++)
-            good = add_picture(grid, point, side);
+            good = add_measured_picture(grid, point, side);
         good = good && (!(point->measures & MEASURE_TIME) || add_bench(grid, point)) &&
                (!(point->measures & MEASURE_AGREE) || add_agreement(grid, point));
     }

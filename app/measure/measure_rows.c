@@ -225,7 +225,7 @@ bool grid_read(struct grid *grid)
 /* ---- CSV and JSON ---------------------------------------------------------------------------- */
 
 /* As RFC 4180 has it. */
-static void put_field(FILE *out, const char *text)
+static void put_csv_field(FILE *out, const char *text)
 {
     if (!strpbrk(text, ",\"\r\n")) {
         fputs(text, out);
@@ -251,7 +251,7 @@ static void put_heads(FILE *out, const struct grid *grid)
     fputs("scene,backend,width,height", out);
     for (uint32_t i = 0; i < grid->column_count; i++) {
         fputc(',', out);
-        put_field(out, grid->columns[i]);
+        put_csv_field(out, grid->columns[i]);
     }
     fputs(",status,reason", out);
     if (grid->measures & MEASURE_AGREE)
@@ -270,16 +270,16 @@ static void put_row(FILE *out, const struct grid *grid, const struct grid_point 
     static const char *const spread[] = {"median", "p5", "p95"};
     struct column column;
     char *reason = grid_reason(grid, point, side);
-    put_field(out, point->scene->name);
+    put_csv_field(out, point->scene->name);
     fputc(',', out);
-    put_field(out, grid->steps->sides.list[side].label);
+    put_csv_field(out, grid->steps->sides.list[side].label);
     fprintf(out, ",%u,%u", point->size[0], point->size[1]);
     for (uint32_t i = 0; i < grid->column_count; i++) {
         fputc(',', out);
-        put_field(out, point->values[i]);
+        put_csv_field(out, point->values[i]);
     }
     fprintf(out, ",%s,", reason ? "failed" : "done");
-    put_field(out, reason ? reason : "");
+    put_csv_field(out, reason ? reason : "");
     free(reason);
     if (grid->measures & MEASURE_AGREE)
         fprintf(out, ",%s", agreement(grid, point));
@@ -312,7 +312,7 @@ bool grid_write_csv(const struct grid *grid, const char *path)
     return file_draft_end(&draft, path, log);
 }
 
-static void add_number(cJSON *row, const char *name, double value)
+static void add_if_finite(cJSON *row, const char *name, double value)
 {
     if (isfinite(value))
         cJSON_AddNumberToObject(row, name, value);
@@ -336,11 +336,11 @@ static cJSON *row_json(const struct grid *grid, const struct grid_point *point, 
     if (*agreement(grid, point))
         cJSON_AddStringToObject(row, "agree", agreement(grid, point));
     for (uint32_t i = 0; column_at(grid, i, &column); i++)
-        add_number(row, column.name, column_number(grid, point, side, &column));
+        add_if_finite(row, column.name, column_number(grid, point, side, &column));
     cJSON *passes = point->measures & MEASURE_TIME ? cJSON_AddObjectToObject(row, "passes") : NULL;
     for (uint32_t i = 0; i < grid->pass_count && passes; i++)
-        add_number(passes, grid->passes[i],
-                   grid_pass_ms(grid, point, side, grid->passes[i], "median"));
+        add_if_finite(passes, grid->passes[i],
+                      grid_pass_ms(grid, point, side, grid->passes[i], "median"));
     free(reason);
     return row;
 }

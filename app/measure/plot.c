@@ -38,7 +38,7 @@ bool plot_has_gnuplot(struct console *console)
 
 /* ---- The x axis ------------------------------------------------------------------------------ */
 
-static bool read_number(const char *text, double *value)
+static bool parse_coordinate(const char *text, double *value)
 {
     char *end = NULL;
     *value = strtod(text, &end);
@@ -50,7 +50,7 @@ static bool all_numbers(const struct plot *plot)
     double value;
     bool all = plot->value_count > 0;
     for (uint32_t i = 0; i < plot->value_count; i++)
-        all = all && read_number(plot->values[i], &value);
+        all = all && parse_coordinate(plot->values[i], &value);
     return all;
 }
 
@@ -58,7 +58,7 @@ static bool is_logarithmic(const struct plot *plot)
 {
     double value, low = INFINITY, high = 0;
     for (uint32_t i = 0; i < plot->value_count; i++) {
-        if (!read_number(plot->values[i], &value) || !(value > 0))
+        if (!parse_coordinate(plot->values[i], &value) || !(value > 0))
             return false;
         low = fmin(low, value);
         high = fmax(high, value);
@@ -70,7 +70,7 @@ double plot_x(const struct plot *plot, uint32_t index)
 {
     double value = index;
     if (all_numbers(plot))
-        read_number(plot->values[index], &value);
+        parse_coordinate(plot->values[index], &value);
     return value;
 }
 

@@ -128,35 +128,15 @@ bool steps_without_scene(struct steps *steps)
 
 bool steps_check_spec(struct steps *steps)
 {
-    static const struct tool generator = {
-        .what = "checking the spec", .hint = "build the project with ninja", .explains = true};
-    const struct options *options = steps->options;
-    struct console *console = steps->console;
-    char *tools = tools_folder(&console->log), *found = templates_folder(&console->log);
-    char *program = format_string("%s/diptych-gen", tools ? tools : "");
-    char *templates = format_string("--templates=%s", found ? found : "");
-    char **argv = calloc((size_t)options->setup.set_count * 2 + 5, sizeof *argv);
-    char *text = NULL;
-    if (tools && found && program && templates && argv) {
-        char *first[] = {program, templates, (char *)"--variations=0", steps->spec};
-        memcpy(argv, first, sizeof first);
-        for (uint32_t i = 0; i < options->setup.set_count; i++) {
-            argv[4 + 2 * i] = (char *)"--set";
-            argv[5 + 2 * i] = (char *)options->setup.sets[i];
-        }
-        text = tool_read(&generator, argv, console);
-    }
-    cJSON *answer = text ? cJSON_Parse(text) : NULL;
-    steps->spec_files = cJSON_DetachItemFromObject(answer, "inputs");
-    if (text && !steps->spec_files)
-        report_error(&console->log, "the generator's output cannot be read");
-    cJSON_Delete(answer);
-    free(text);
-    free(argv);
-    free(templates);
-    free(program);
-    free(found);
-    free(tools);
+    struct pipeline pipeline;
+    if (!pipeline_load(&pipeline, steps->console, &steps->options->setup))
+        return false;
+    uint32_t count;
+    const char *const *sources = plan_sources(pipeline.plan, &count);
+    steps->spec_files = cJSON_CreateStringArray(sources, (int)count);
+    if (!steps->spec_files)
+        report_error(&steps->console->log, "out of memory");
+    pipeline_unload(&pipeline);
     return steps->spec_files;
 }
 

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/files.h"
 #include "console/quote.h"
@@ -64,28 +65,29 @@ static void write_edge(FILE *out, const struct step *step)
     fputc('\n', out);
 }
 
-static void write_ninja(FILE *out, const struct steps *steps)
+static void write_ninja(FILE *out, const void *user)
 {
+    const struct steps *steps = user;
     write_rules(out, steps);
     for (uint32_t i = 0; i < steps->count; i++)
         write_edge(out, &steps->list[i]);
 }
 
-static void write_commands(FILE *out, const struct steps *steps)
+static void write_commands(FILE *out, const void *user)
 {
+    const struct steps *steps = user;
     fprintf(out, "# diptych %s: the commands of its steps\n", steps->verb);
     for (uint32_t i = 0; i < steps->count; i++)
         fprintf(out, "%s\n", steps->list[i].command);
 }
 
-static bool write_file(const struct steps *steps, const char *name,
-                       void (*write)(FILE *, const struct steps *))
+bool content_write(const char *folder, const char *name, content_writer *writer, const void *user,
+                   const struct dt_log *log)
 {
-    const struct dt_log *log = &steps->console->log;
-    char *path = format_string("%s/%s", steps->folder, name);
+    char *path = format_string("%s/%s", folder, name);
     struct file_draft draft;
     if (file_draft_begin(&draft, log))
-        write(draft.out, steps);
+        writer(draft.out, user);
     bool good = file_draft_end(&draft, path, log);
     free(path);
     return good;
@@ -163,7 +165,7 @@ static void tell_step(struct progress *progress, const struct step *step)
             *left ? ", about " : "", *left ? left : "", *left ? " left" : "");
 }
 
-static void take_line(void *user, const char *line)
+static void take_ninja_line(void *user, const char *line)
 {
     struct progress *progress = user;
     bool skipped = progress->skips;
@@ -182,35 +184,54 @@ static void take_line(void *user, const char *line)
     }
 }
 
-bool steps_run(struct steps *steps)
+bool ninja_run(struct console *console, const char *folder, uint32_t jobs, bool plans,
+               void (*take)(void *user, const char *line), void *user)
 {
     static const struct tool ninja = {
         .what = "ninja", .hint = "install the package ninja-build", .explains = true};
-    char *argv[] = {(char *)"ninja", (char *)"-C", steps->folder, (char *)"-k", (char *)"0",
-                    (char *)"-j",    (char *)"1",  (char *)"-n",  NULL};
+    char number[16];
+    snprintf(number, sizeof number, "%u", jobs);
+    char *argv[] = {(char *)"ninja",
+                    (char *)"-C",
+                    (char *)folder,
+                    (char *)"-k",
+                    (char *)"0",
+                    (char *)"-j",
+                    number,
+                    plans ? (char *)"-n" : NULL,
+                    NULL};
+    unsigned errors = atomic_load(&console->errors);
+    if (take)
+        tool_lines(&ninja, argv, take, user, console);
+    else
+        tool_run(&ninja, argv, STDERR_FILENO, console);
+    return atomic_load(&console->errors) == errors;
+}
+
+bool steps_run(struct steps *steps)
+{
     struct console *console = steps->console;
+    const struct dt_log *log = &console->log;
     struct progress progress = {.steps = steps,
                                 .planning = true,
                                 .waits = calloc(steps->count + 1, sizeof *progress.waits),
                                 .seconds = calloc(steps->count + 1, sizeof *progress.seconds)};
-    unsigned errors = atomic_load(&console->errors);
     bool good = progress.waits && progress.seconds && setenv("NINJA_STATUS", "", 1) == 0 &&
                 /* a message that every step would repeat */
                 setenv("DIPTYCH_QUIET", "1", 1) == 0;
     if (!good)
-        report_error(&console->log, "out of memory");
+        report_error(log, "out of memory");
     console_hold(console);
-    good = good && make_folders(steps) && write_file(steps, "build.ninja", write_ninja) &&
-           write_file(steps, "commands", write_commands);
+    good = good && make_folders(steps) &&
+           content_write(steps->folder, "build.ninja", write_ninja, steps, log) &&
+           content_write(steps->folder, "commands", write_commands, steps, log);
     console_release(console);
-    if (good && tool_lines(&ninja, argv, take_line, &progress, console)) {
-        progress.planning = false;
-        argv[DT_ARRAY_COUNT(argv) - 2] = NULL;
-        tool_lines(&ninja, argv, take_line, &progress, console);
-    }
+    good = good && ninja_run(console, steps->folder, 1, true, take_ninja_line, &progress);
+    progress.planning = false;
+    good = good && ninja_run(console, steps->folder, 1, false, take_ninja_line, &progress);
     free(progress.seconds);
     free(progress.waits);
-    return good && atomic_load(&console->errors) == errors;
+    return good;
 }
 
 /* ---- Results --------------------------------------------------------------------------------- */

@@ -11,7 +11,7 @@
 
 #include "base/files.h"
 #include "console/folder.h"
-#include "console/tool.h"
+#include "measure/steps.h"
 
 const char *sweep_text(const cJSON *object, const char *name)
 {
@@ -73,21 +73,6 @@ static bool is_same_sweep(const cJSON *former, const cJSON *wanted, const char *
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
-static bool run_ninja(struct console *console, const char *folder, uint32_t jobs)
-{
-    static const struct tool ninja = {
-        .what = "ninja", .hint = "install the package ninja-build", .explains = true};
-    long processors = sysconf(_SC_NPROCESSORS_ONLN);
-    char *number = format_string("%ld", jobs ? (long)jobs : processors > 0 ? processors : 1);
-    char *argv[] = {(char *)"ninja", (char *)"-C", (char *)folder, (char *)"-k",
-                    (char *)"0",     (char *)"-j", number,         NULL};
-    unsigned errors = atomic_load(&console->errors);
-    if (number)
-        tool_run(&ninja, argv, STDERR_FILENO, console); /* what failed is in the results */
-    free(number);
-    return number && atomic_load(&console->errors) == errors;
-}
-
 static void tell_redrawn(const struct console *console, const cJSON *sweep, const char *folder)
 {
     int redrawn = cJSON_GetArraySize(cJSON_GetObjectItem(sweep, "redrawn"));
@@ -145,7 +130,10 @@ static int run_sweep(struct console *console, const struct options *options, cJS
     console_release(console);
     if (good)
         tell_redrawn(console, sweep, folder);
-    if (good && run_ninja(console, folder, options->jobs))
+    long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    uint32_t jobs = options->jobs ? options->jobs : processors > 0 ? (uint32_t)processors : 1;
+    if (good &&
+        ninja_run(console, folder, jobs, false, NULL, NULL)) /* what failed is in the results */
         status = sweep_summarise(console, sweep, folder);
     free(folder);
     return status;

@@ -6,6 +6,7 @@
 
 #include "base/files.h"
 #include "console/quote.h"
+#include "measure/steps.h"
 #include "measure/sweep.h"
 
 /* ---- Commands -------------------------------------------------------------------------------- */
@@ -71,10 +72,9 @@ bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *l
 
 /* A run that differs is finished. A run that could not run fails its edge and is tried again. An
  * interrupt also ends the script, which then leaves no result. */
-static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
+static void write_runner(FILE *out, const void *sweep)
 {
     (void)sweep;
-    (void)folder;
     fputs("#!/bin/sh\n"
           "# sh run.sh NUMBER COMMAND...: one run of the sweep. Leaves what it says in\n"
           "# runs/NUMBER.txt, its exit status and milliseconds in runs/NUMBER.result.\n"
@@ -90,19 +90,17 @@ static void write_runner(FILE *out, const cJSON *sweep, const char *folder)
           out);
 }
 
-static void write_commands(FILE *out, const cJSON *sweep, const char *folder)
+static void write_commands(FILE *out, const void *sweep)
 {
     const cJSON *run;
-    (void)folder;
     cJSON_ArrayForEach(run, cJSON_GetObjectItem(sweep, "runs"))
         fprintf(out, "%s\n", sweep_text(run, "command"));
 }
 
-static void write_ninja(FILE *out, const cJSON *sweep, const char *folder)
+static void write_ninja(FILE *out, const void *sweep)
 {
     const cJSON *item;
     int number = 0;
-    (void)folder;
     fputs("# One edge per run; `ninja -k 0` here goes on where it was left.\n"
           "rule run\n"
           "  command = sh run.sh $number $command_line\n"
@@ -130,20 +128,6 @@ static void write_ninja(FILE *out, const cJSON *sweep, const char *folder)
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
-typedef void content_writer(FILE *out, const cJSON *sweep, const char *folder);
-
-static bool write_content(const cJSON *sweep, const char *folder, const char *name,
-                          content_writer *writer, const struct dt_log *log)
-{
-    char *path = format_string("%s/%s", folder, name);
-    struct file_draft draft;
-    if (file_draft_begin(&draft, log))
-        writer(draft.out, sweep, folder);
-    bool good = file_draft_end(&draft, path, log);
-    free(path);
-    return good;
-}
-
 bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *log)
 {
     static const struct {
@@ -158,7 +142,7 @@ bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *lo
     char *manifest = format_string("%s/sweep.json", folder);
     bool good = runs && manifest && file_make_folders(runs, log);
     for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++)
-        good = write_content(sweep, folder, files[i].name, files[i].writer, log);
+        good = content_write(folder, files[i].name, files[i].writer, sweep, log);
     good = good && file_write_json(manifest, sweep, log); /* last: marks the folder as a sweep's */
     free(manifest);
     free(runs);

@@ -71,8 +71,8 @@ bool sweep_measures(const struct options *options, bool *wanted, const struct dt
     return good;
 }
 
-static bool check_options(const struct measured_sweep *sweep, const struct options *options,
-                          const struct dt_log *log)
+static bool check_grid_options(const struct measured_sweep *sweep, const struct options *options,
+                               const struct dt_log *log)
 {
     unsigned errors = MEASURE_ERROR | MEASURE_OWN;
     const char *wrong =
@@ -393,8 +393,8 @@ static void print_cell(const struct measured_sweep *sweep, const struct grid_poi
         printf(" %12.5g |", value);
 }
 
-static void print_row(const struct measured_sweep *sweep, const struct grid_point *point,
-                      uint32_t side, const char *reason)
+static void print_grid_row(const struct measured_sweep *sweep, const struct grid_point *point,
+                           uint32_t side, const char *reason)
 {
     const char *names[IMAGE_HEADLINES + 2];
     uint32_t count = find_columns(sweep, names);
@@ -409,7 +409,7 @@ static void print_row(const struct measured_sweep *sweep, const struct grid_poin
 }
 
 /* Prints the rows; returns the number of incomplete ones. */
-static uint32_t print_table(const struct measured_sweep *sweep)
+static uint32_t print_grid(const struct measured_sweep *sweep)
 {
     const char *names[IMAGE_HEADLINES + 2];
     uint32_t failed = 0, rows = 0;
@@ -418,7 +418,7 @@ static uint32_t print_table(const struct measured_sweep *sweep)
         for (uint32_t side = 0; side < sweep->steps.sides.count; side++, rows++) {
             char *reason = grid_reason(&sweep->grid, &sweep->grid.points[i], side);
             failed += reason != NULL;
-            print_row(sweep, &sweep->grid.points[i], side, reason);
+            print_grid_row(sweep, &sweep->grid.points[i], side, reason);
             free(reason);
         }
     }
@@ -461,7 +461,7 @@ static int summarise(struct measured_sweep *sweep)
     free(csv);
     if (!good)
         return EXIT_USAGE;
-    uint32_t failed = print_table(sweep);
+    uint32_t failed = print_grid(sweep);
     console->result = sweep_json(sweep, failed);
     if (failed)
         return EXIT_USAGE;
@@ -489,7 +489,7 @@ int sweep_measure(struct console *console, const struct options *options)
     struct steps *steps = &sweep.steps;
     int status = EXIT_USAGE;
     bool good = read_measures(&sweep.measures, options->measure, log) &&
-                check_options(&sweep, options, log) && read_axes(&sweep, options, log) &&
+                check_grid_options(&sweep, options, log) && read_axes(&sweep, options, log) &&
                 steps_begin(steps, "sweep", console, options) &&
                 (options->scene_list.count ? steps_find_scenes(steps, options->scene_list.items,
                                                                options->scene_list.count)

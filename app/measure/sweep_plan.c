@@ -159,7 +159,7 @@ cJSON *sweep_options(struct console *console, const struct options *options)
     return NULL;
 }
 
-/* ---- The generator --------------------------------------------------------------------------- */
+/* ---- Variations ------------------------------------------------------------------------------- */
 
 /* The values that point `index` of the grid takes; the last row turns fastest. */
 static cJSON *grid_sets(const cJSON *grid, uint32_t index)
@@ -176,56 +176,36 @@ static cJSON *grid_sets(const cJSON *grid, uint32_t index)
     return sets;
 }
 
-/* The generator's list of variations, none of them when the sweep is a grid, and of the files that the
+/* The list of variations, none of them when the sweep is a grid, and of the files that the
  * spec is made of; NULL, logged. */
-static cJSON *ask_generator(struct console *console, const cJSON *options)
+static cJSON *vary_spec(struct console *console, const cJSON *options)
 {
-    static const struct tool generator = {
-        .what = "varying the spec", .hint = "build the project with ninja", .explains = true};
     const cJSON *sets = cJSON_GetObjectItem(options, "set"), *set;
     bool random = cJSON_HasObjectItem(options, "random");
     char *folder = tools_folder(&console->log), *templates = templates_folder(&console->log);
     char *cache = folder ? pipeline_cache(folder) : NULL; /* the runs find their shaders there */
-    char *parts[] = {
-        format_string("%s/diptych-gen", folder ? folder : ""),
-        format_string("--templates=%s", templates ? templates : ""),
-        format_string("--variations=%u", random ? sweep_number(options, "random") : 0),
-        format_string("--seed=%u", random ? sweep_number(options, "seed") : 1),
-        format_string("--memory=%u", random ? sweep_number(options, "memory") : DEFAULT_MEMORY)};
     /* a grid's first point shows whether the spec knows its names, before a run starts */
     cJSON *point =
         random ? cJSON_CreateArray() : grid_sets(cJSON_GetObjectItem(options, "grid"), 0);
-    int set_count = cJSON_GetArraySize(sets) + cJSON_GetArraySize(point);
-    char **argv = calloc((size_t)set_count * 2 + 9, sizeof *argv);
-    size_t n = 0;
-    bool good = folder && templates && argv && point;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(parts) && good; i++) {
-        good = parts[i];
-        argv[n++] = parts[i];
-    }
-    if (good)
-        argv[n++] = (char *)sweep_text(options, "spec");
-    if (cache && good) {
-        argv[n++] = (char *)"--cache";
-        argv[n++] = cache;
-    }
-    for (set = sets->child; set && good; set = set->next) {
-        argv[n++] = (char *)"--set";
-        argv[n++] = set->valuestring;
-    }
-    for (set = good ? point->child : NULL; set; set = set->next) {
-        argv[n++] = (char *)"--set";
-        argv[n++] = set->valuestring;
-    }
-    char *text = good ? tool_read(&generator, argv, console) : NULL;
-    cJSON *answer = text ? cJSON_Parse(text) : NULL;
-    if (!good || (text && !answer))
-        report_error(&console->log, "the generator's variations cannot be read");
-    free(text);
-    free(argv);
+    int most = cJSON_GetArraySize(sets) + cJSON_GetArraySize(point);
+    struct plan_request request = {
+        .spec = sweep_text(options, "spec"), .templates = templates, .cache = cache};
+    const char **list = calloc((size_t)most + 1, sizeof *list);
+    for (set = list ? sets->child : NULL; set; set = set->next)
+        list[request.set_count++] = set->valuestring;
+    for (set = list ? point->child : NULL; set; set = set->next)
+        list[request.set_count++] = set->valuestring;
+    request.sets = list;
+    cJSON *answer = NULL;
+    if (list && folder && templates)
+        answer = plan_variations(
+            &request, random ? sweep_number(options, "random") : 0,
+            random ? sweep_number(options, "seed") : 1,
+            (uint64_t)(random ? sweep_number(options, "memory") : DEFAULT_MEMORY) << 20, console);
+    if (!list)
+        report_error(&console->log, "out of memory");
+    free(list);
     cJSON_Delete(point);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(parts); i++)
-        free(parts[i]);
     free(cache);
     free(templates);
     free(folder);
@@ -367,7 +347,7 @@ bool sweep_plan(cJSON *sweep, struct console *console)
     const struct dt_log *log = &console->log;
     const cJSON *options = cJSON_GetObjectItem(sweep, "options");
     console_status(console, "drawing variations");
-    cJSON *answer = ask_generator(console, options);
+    cJSON *answer = vary_spec(console, options);
     console_status(console, "%s", "");
     bool good = answer && add_inputs(sweep, answer, log);
     cJSON *runs = cJSON_AddArrayToObject(sweep, "runs");

@@ -24,7 +24,8 @@ struct result {
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-static char *read_file(const char *folder, int number, const char *ending, const struct dt_log *log)
+static char *read_run_file(const char *folder, int number, const char *ending,
+                           const struct dt_log *log)
 {
     char *path = format_string("%s/runs/%d.%s", folder, number, ending);
     size_t size;
@@ -59,7 +60,7 @@ static char *copy_member(const cJSON *object, const char *name)
 static void read_place(struct result *result, const char *folder, int number,
                        const struct dt_log *log)
 {
-    char *text = read_file(folder, number, "json", log);
+    char *text = read_run_file(folder, number, "json", log);
     cJSON *report = text ? cJSON_Parse(text) : NULL;
     const cJSON *place = find_place(report);
     result->pass = copy_member(place, "pass");
@@ -71,7 +72,7 @@ static void read_place(struct result *result, const char *folder, int number,
 /* The first line that tells an error, else the last. */
 static char *read_error(const char *folder, int number, const struct dt_log *log)
 {
-    char *text = read_file(folder, number, "txt", log);
+    char *text = read_run_file(folder, number, "txt", log);
     char *at = text ? strstr(text, "error:") : NULL;
     size_t length = text ? strlen(text) : 0;
     while (text && !at && length > 0 && text[length - 1] == '\n')
@@ -108,7 +109,7 @@ static void read_result(struct result *result, const cJSON *run, const char *fol
 {
     int status = -1;
     long milliseconds = 0;
-    char *text = read_file(folder, number, "result", log);
+    char *text = read_run_file(folder, number, "result", log);
     bool over = text && sscanf(text, "%d %ld", &status, &milliseconds) == 2;
     free(text);
     *result = (struct result){.run = run,
@@ -156,7 +157,7 @@ static cJSON *summary_json(const struct result *results, int count, const int to
     return root;
 }
 
-static void put_field(FILE *out, const char *text, char end)
+static void put_quoted_field(FILE *out, const char *text, char end)
 {
     fputc('"', out);
     for (; text && *text; text++) {
@@ -178,21 +179,21 @@ static bool write_csv(const struct result *results, int count, const char *path,
     for (int i = 0; i < count; i++) {
         const struct result *result = &results[i];
         fprintf(out, "%d,%s,", i + 1, verdict_names[result->verdict]);
-        put_field(out, result->pass, ',');
-        put_field(out, result->resource, ',');
+        put_quoted_field(out, result->pass, ',');
+        put_quoted_field(out, result->resource, ',');
         fprintf(out, "%.3f,", result->seconds);
-        put_field(out, sweep_text(result->run, "scene"), ',');
+        put_quoted_field(out, sweep_text(result->run, "scene"), ',');
         fprintf(out, "%u,%u,%u,", sweep_number(result->run, "width"),
                 sweep_number(result->run, "height"), sweep_number(result->run, "frames"));
-        put_field(out, result->settings, ',');
-        put_field(out, result->error, '\n');
+        put_quoted_field(out, result->settings, ',');
+        put_quoted_field(out, result->error, '\n');
     }
     return file_draft_end(&draft, path, log);
 }
 
 /* ---- The table ------------------------------------------------------------------------------- */
 
-static void print_row(const struct result *result, int number)
+static void print_run(const struct result *result, int number)
 {
     const char *scene = strrchr(sweep_text(result->run, "scene"), '/');
     const char *settings = result->settings ? result->settings : "";
@@ -216,13 +217,13 @@ static void print_case(const struct result *result, int number)
         printf("\nrun %d: %s\n  %s\n", number, result->error ? result->error : "", command);
 }
 
-static void print_table(const struct result *results, int count, const int totals[VERDICTS])
+static void print_runs(const struct result *results, int count, const int totals[VERDICTS])
 {
     double seconds = 0;
     printf("%5s  %-10s %8s  %-18s %9s %6s  %s\n", "run", "verdict", "seconds", "scene", "size",
            "frames", "settings");
     for (int i = 0; i < count; i++) {
-        print_row(&results[i], i + 1);
+        print_run(&results[i], i + 1);
         seconds += results[i].seconds;
     }
     for (int i = 0; i < count; i++)
@@ -266,7 +267,7 @@ int sweep_summarise(struct console *console, const cJSON *sweep, const char *fol
         totals[results[number++].verdict]++;
     }
     bool good = write_files(console, results, count, totals, sweep, folder);
-    print_table(results, count, totals);
+    print_runs(results, count, totals);
     for (int i = 0; i < count; i++) {
         free(results[i].pass);
         free(results[i].resource);

@@ -9,36 +9,12 @@
 
 #include "base/files.h"
 #include "spec/inputs.h"
-#include "measure/bench.h"
+#include "measure/tune.h"
 #include "result/difference.h"
 #include "result/rows.h"
 #include "run/source.h"
 
 enum { DEFAULT_FRAMES = 9, WARMUP = 2, SWEEPS = 2, PROVEN_FRAMES = 2 };
-/* A pass with a smaller share of the frame is left as it is. */
-static const double least_share = 0.01;
-/* A change is kept if the median of its ratios is at most this, and five of six are below 1: of nine without
- * a difference eight would be in 2 % of all trials. */
-static const double most_ratio = 0.97;
-
-struct choice {
-    uint32_t pass;
-    char *set;                   /* PATH=VALUE */
-    uint32_t turn;               /* its number among those of the pass */
-    double before, after, ratio; /* medians, ms; NAN: not measured */
-    char *refused;               /* why not, or NULL */
-    bool kept;
-};
-
-struct tuning {
-    struct bench bench; /* console, frames and scene of the lanes */
-    struct side side;
-    struct programme first, now; /* as the spec is, and with what is kept */
-    struct choice *choices;
-    uint32_t choice_count;
-    struct choice **kept; /* one for each path; room for all */
-    uint32_t kept_count;
-};
 
 static struct console *console_of(const struct tuning *tuning)
 {
@@ -55,8 +31,8 @@ static void programme_free(struct programme *programme)
 }
 
 /* The pipeline with what is kept and with `count` more changes, which win. */
-static bool load(const struct tuning *tuning, struct programme *programme,
-                 struct choice *const *more, uint32_t count)
+static bool programme_load(const struct tuning *tuning, struct programme *programme,
+                           struct choice *const *more, uint32_t count)
 {
     const struct options *given = tuning->bench.options;
     const char **sets =
@@ -80,22 +56,14 @@ static bool load(const struct tuning *tuning, struct programme *programme,
 
 /* ---- Choices --------------------------------------------------------------------------------- */
 
-/* What --set or --with sets stays. */
-static bool is_set(const struct options *options, const char *path)
-{
-    size_t length = strlen(path);
-    for (uint32_t i = 0; i < options->setup.set_count; i++)
-        if (strncmp(options->setup.sets[i], path, length) == 0 &&
-            options->setup.sets[i][length] == '=')
-            return true;
-    return false;
-}
-
+/* A compiler counts any loop as a few turns, so estimates cannot choose between loops and copies. */
 static bool take_choice(void *user, uint32_t pass, const char *path, const char *value)
 {
     struct tuning *tuning = user;
     uint32_t count = tuning->choice_count, turn = 0;
-    if (is_set(tuning->bench.options, path))
+    const char *last = strrchr(path, '.');
+    if (setup_sets(&tuning->bench.options->setup, path) ||
+        (tuning->chip && strcmp(last, ".loop") == 0))
         return true;
     struct choice *grown = realloc(tuning->choices, (count + 1) * sizeof *grown);
     if (!grown)
@@ -119,7 +87,7 @@ static bool same_path(const struct choice *a, const struct choice *b)
     return strncmp(a->set, b->set, length) == 0;
 }
 
-static void keep(struct tuning *tuning, struct choice *choice)
+void tune_keep(struct tuning *tuning, struct choice *choice)
 {
     uint32_t at = 0;
     while (at < tuning->kept_count && !same_path(tuning->kept[at], choice))
@@ -164,7 +132,7 @@ static double pair_ratio(const struct tuning *tuning, const double *first, const
     return median;
 }
 
-static void tell(const struct tuning *tuning, const struct choice *choice)
+void tune_tell(const struct tuning *tuning, const struct choice *choice)
 {
     const char *pass = tuning->first.pipeline.info->passes[choice->pass].name;
     printf("%-20s %-56s ", pass, choice->set);
@@ -176,7 +144,7 @@ static void tell(const struct tuning *tuning, const struct choice *choice)
     fflush(stdout);
 }
 
-static void judge(struct tuning *tuning, const struct lane lanes[2], struct choice *choice)
+static void judge_choice(struct tuning *tuning, const struct lane lanes[2], struct choice *choice)
 {
     uint32_t count = lanes[0].info->pass_count, faster;
     const double *first = lanes[0].pass_ms + choice->pass,
@@ -184,9 +152,30 @@ static void judge(struct tuning *tuning, const struct lane lanes[2], struct choi
     choice->before = bench_pass_ms(&lanes[0], choice->pass).median;
     choice->after = bench_pass_ms(&lanes[1], choice->pass).median;
     choice->ratio = pair_ratio(tuning, first, second, count, &faster);
-    if (choice->ratio <= most_ratio && 6 * faster >= 5 * tuning->bench.frames)
-        keep(tuning, choice);
-    tell(tuning, choice);
+    if (choice->ratio <= TUNE_MOST_RATIO && 6 * faster >= 5 * tuning->bench.frames)
+        tune_keep(tuning, choice);
+    tune_tell(tuning, choice);
+}
+
+static bool judge_times(struct tuning *tuning, struct programme *trial, struct choice **list,
+                        uint32_t count)
+{
+    struct lane lanes[2] = {0};
+    bool good = run_pair(tuning, lanes, (struct programme *[2]){&tuning->now, trial}, true);
+    for (uint32_t i = 0; i < count && good; i++)
+        judge_choice(tuning, lanes, list[i]);
+    for (int i = 0; i < 2; i++)
+        lane_free(&lanes[i]);
+    return good;
+}
+
+/* Loads `now` with what is kept. */
+static bool renew(struct tuning *tuning)
+{
+    programme_free(&tuning->now);
+    tune_forget(&tuning->was);
+    return programme_load(tuning, &tuning->now, NULL, 0) &&
+           (!tuning->chip || tune_estimate(tuning, &tuning->was, &tuning->now));
 }
 
 /* Changes of different passes at once. What the generator or the device refuses is found by halves. */
@@ -194,60 +183,64 @@ static bool attempt(struct tuning *tuning, struct choice **list, uint32_t count)
 {
     struct console *console = console_of(tuning);
     struct programme trial;
-    struct lane lanes[2] = {0};
     bool captures = console_capture(console);
-    bool good = load(tuning, &trial, list, count) &&
-                run_pair(tuning, lanes, (struct programme *[2]){&tuning->now, &trial}, true);
+    bool good = programme_load(tuning, &trial, list, count) &&
+                (tuning->chip ? tune_judge_estimates(tuning, &trial, list, count)
+                              : judge_times(tuning, &trial, list, count));
     char *said = captures ? console_captured(console) : NULL;
     bool changed = false;
-    for (uint32_t i = 0; i < count && good; i++) {
-        judge(tuning, lanes, list[i]);
+    for (uint32_t i = 0; i < count && good; i++)
         changed |= list[i]->kept;
-    }
-    for (int i = 0; i < 2; i++)
-        lane_free(&lanes[i]);
     programme_free(&trial);
     if (!good && count == 1) {
         list[0]->refused = said ? said : strdup("");
-        tell(tuning, list[0]);
+        tune_tell(tuning, list[0]);
         return list[0]->refused;
     }
     free(said);
     if (!good)
         return attempt(tuning, list, count / 2) &&
                attempt(tuning, list + count / 2, count - count / 2);
-    if (!changed)
-        return true;
-    programme_free(&tuning->now);
-    return load(tuning, &tuning->now, NULL, 0);
+    return !changed || renew(tuning);
 }
 
 /* ---- The search ------------------------------------------------------------------------------ */
 
-/* Drops the choices of passes that take too little of a frame to be measured. */
-static bool choose_passes(struct tuning *tuning)
+/* Milliseconds of each pass of the spec as it is; NAN: not known. */
+static bool time_passes(struct tuning *tuning, double *pass_ms)
 {
     const struct dt_pipeline *info = tuning->first.pipeline.info;
     struct lane lanes[2] = {0};
-    double sum = 0;
-    uint32_t left = 0;
     bool good =
+        tuning->chip ||
         run_pair(tuning, lanes, (struct programme *[2]){&tuning->first, &tuning->now}, true);
-    for (uint32_t i = 0; i < info->pass_count && good; i++) {
-        double ms = bench_pass_ms(&lanes[0], i).median;
-        sum += isnan(ms) ? 0 : ms;
-    }
+    for (uint32_t i = 0; i < info->pass_count && good; i++)
+        pass_ms[i] =
+            tuning->chip ? tune_pass_ms(&tuning->was, i) : bench_pass_ms(&lanes[0], i).median;
+    for (int i = 0; i < 2; i++)
+        lane_free(&lanes[i]);
+    return good;
+}
+
+/* Drops the choices of passes that take too little of a frame. */
+static bool choose_passes(struct tuning *tuning)
+{
+    const uint32_t passes = tuning->first.pipeline.info->pass_count;
+    double *pass_ms = calloc(passes + 1, sizeof *pass_ms), sum = 0;
+    uint32_t left = 0;
+    bool good = pass_ms && time_passes(tuning, pass_ms);
+    for (uint32_t i = 0; i < passes && good; i++)
+        sum += isnan(pass_ms[i]) ? 0 : pass_ms[i];
     for (uint32_t i = 0; i < tuning->choice_count && good; i++) {
         struct choice *choice = &tuning->choices[i];
-        if (bench_pass_ms(&lanes[0], choice->pass).median >= least_share * sum)
+        if (pass_ms[choice->pass] >= TUNE_LEAST_SHARE * sum)
             tuning->choices[left++] = *choice;
         else
             free(choice->set);
     }
     if (good)
         tuning->choice_count = left;
-    for (int i = 0; i < 2; i++)
-        lane_free(&lanes[i]);
+    free(pass_ms);
     return good;
 }
 
@@ -293,7 +286,7 @@ static bool search(struct tuning *tuning)
 
 /* ---- The proof ------------------------------------------------------------------------------- */
 
-static bool same_row(struct tuning *tuning, struct source sources[2], const struct row *row,
+static bool same_row(struct tuning *tuning, struct row_source sources[2], const struct row *row,
                      uint32_t frame)
 {
     const struct dt_resource *resource = &tuning->first.pipeline.info->resources[row->resource];
@@ -315,7 +308,8 @@ static bool same_row(struct tuning *tuning, struct source sources[2], const stru
     return false;
 }
 
-static bool same_frames(struct tuning *tuning, struct source sources[2], const struct rows *rows)
+static bool same_frames(struct tuning *tuning, struct row_source sources[2],
+                        const struct rows *rows)
 {
     uint32_t passes = tuning->first.pipeline.info->pass_count;
     bool good = true;
@@ -341,7 +335,7 @@ static bool prove(struct tuning *tuning)
 {
     struct console *console = console_of(tuning);
     struct programme *const of[2] = {&tuning->first, &tuning->now};
-    struct source sources[2] = {0};
+    struct row_source sources[2] = {0};
     struct rows rows = {0};
     bool good = rows_make(&rows, tuning->first.pipeline.info, &console->log);
     console_status(console, "comparing the results");
@@ -372,9 +366,28 @@ struct whole {
     char *device;                /* owned */
 };
 
+static bool estimate_whole(struct tuning *tuning, struct whole *whole)
+{
+    struct estimate first = {0};
+    bool good = tune_estimate(tuning, &first, &tuning->first);
+    if (good) {
+        whole->before = tune_frame_ms(&first);
+        whole->after = tune_frame_ms(&tuning->was);
+        whole->ratio = whole->after / whole->before;
+        whole->device = strdup(tuning->chip->product);
+        printf(
+            "estimates of all passes, one after another: %.3f ms before, %.3f after, %.3f of it\n",
+            whole->before, whole->after, whole->ratio);
+    }
+    tune_forget(&first);
+    return good;
+}
+
 /* Without timestamps, which can slow a frame down. */
 static bool time_whole(struct tuning *tuning, struct whole *whole)
 {
+    if (tuning->chip)
+        return estimate_whole(tuning, whole);
     struct lane lanes[2] = {0};
     uint32_t frames = tuning->bench.frames, faster;
     bool good =
@@ -395,7 +408,7 @@ static bool time_whole(struct tuning *tuning, struct whole *whole)
 /* Changes that noise has kept do not make the whole frame faster. */
 static void drop_noise(struct tuning *tuning, const struct whole *whole)
 {
-    if (!tuning->kept_count || whole->ratio < 1)
+    if (!tuning->kept_count || whole->ratio < 1 || tuning->chip)
         return;
     printf("no faster: nothing is kept; give more --frames, or a quieter machine\n");
     for (uint32_t i = 0; i < tuning->kept_count; i++)
@@ -421,30 +434,24 @@ static bool write_overlay(const struct tuning *tuning, const struct whole *whole
     return file_draft_end(&draft, options->output, &console_of(tuning)->log);
 }
 
-static void add_number(cJSON *item, const char *name, double value)
-{
-    cJSON_AddItemToObject(item, name,
-                          isnan(value) ? cJSON_CreateNull() : cJSON_CreateNumber(value));
-}
-
 static cJSON *tuning_json(const struct tuning *tuning, const struct whole *whole)
 {
     const struct dt_pipeline *info = tuning->first.pipeline.info;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "pipeline", info->name);
     cJSON_AddStringToObject(root, "device", whole->device ? whole->device : "");
-    add_number(root, "before_ms", whole->before);
-    add_number(root, "after_ms", whole->after);
-    add_number(root, "ratio", whole->ratio);
+    bench_add_number(root, "before_ms", whole->before);
+    bench_add_number(root, "after_ms", whole->after);
+    bench_add_number(root, "ratio", whole->ratio);
     cJSON *tried = cJSON_AddArrayToObject(root, "tried");
     for (uint32_t i = 0; i < tuning->choice_count; i++) {
         const struct choice *choice = &tuning->choices[i];
         cJSON *item = cJSON_CreateObject();
         cJSON_AddStringToObject(item, "pass", info->passes[choice->pass].name);
         cJSON_AddStringToObject(item, "set", choice->set);
-        add_number(item, "before_ms", choice->before);
-        add_number(item, "after_ms", choice->after);
-        add_number(item, "ratio", choice->ratio);
+        bench_add_number(item, "before_ms", choice->before);
+        bench_add_number(item, "after_ms", choice->after);
+        bench_add_number(item, "ratio", choice->ratio);
         cJSON_AddBoolToObject(item, "kept", choice->kept);
         if (choice->refused)
             cJSON_AddStringToObject(item, "refused", choice->refused);
@@ -455,16 +462,17 @@ static cJSON *tuning_json(const struct tuning *tuning, const struct whole *whole
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
-static bool prepare(struct tuning *tuning, struct options *options)
+static bool tune_prepare(struct tuning *tuning, struct options *options)
 {
     struct console *console = console_of(tuning);
-    if (!file_can_write(options->output, &console->log) || !load(tuning, &tuning->first, NULL, 0))
+    if (!file_can_write(options->output, &console->log) ||
+        !programme_load(tuning, &tuning->first, NULL, 0))
         return false;
     memcpy(options->setup.size, tuning->first.options.setup.size,
            sizeof options->setup.size); /* of an input */
-    if (!load(tuning, &tuning->now, NULL, 0) ||
-        !session_load_scene(&tuning->bench.scene, console, tuning->first.pipeline.info,
-                            &options->setup))
+    if (!session_load_scene(&tuning->bench.scene, console, tuning->first.pipeline.info,
+                            &options->setup) ||
+        !renew(tuning))
         return false;
     if (plan_choices(tuning->first.pipeline.plan, take_choice, tuning))
         return true;
@@ -472,7 +480,7 @@ static bool prepare(struct tuning *tuning, struct options *options)
     return false;
 }
 
-static void release(struct tuning *tuning)
+static void tune_release(struct tuning *tuning)
 {
     for (uint32_t i = 0; i < tuning->choice_count; i++) {
         free(tuning->choices[i].set);
@@ -480,10 +488,26 @@ static void release(struct tuning *tuning)
     }
     free(tuning->choices);
     free(tuning->kept);
+    tune_forget(&tuning->was);
     scene_free(&tuning->bench.scene);
     programme_free(&tuning->now);
     programme_free(&tuning->first);
     side_free(&tuning->side);
+}
+
+/* A device to time frames on; with --gpu, one to prove the bits on. */
+static bool choose_side(struct tuning *tuning, const struct options *options)
+{
+    const struct dt_log *log = &console_of(tuning)->log;
+    const char *backend = options->setup.backend;
+    if (!backend && !options->gpu)
+        report_error(log,
+                     "--backend NAME is missing: what to tune for; or --gpu NAME, to estimate");
+    else if (!options->gpu ||
+             ((tuning->chip = cost_chip(options->gpu, strlen(options->gpu), log)) &&
+              cost_has_radv(log)))
+        return side_read(&tuning->side, backend ? backend : "vk", &options->setup, log);
+    return false;
 }
 
 int verb_tune(struct console *console, const struct options *options)
@@ -495,11 +519,11 @@ int verb_tune(struct console *console, const struct options *options)
                   .frames = options->run_frames ? options->run_frames : DEFAULT_FRAMES}};
     struct whole whole = {0};
     own.setup.frames = WARMUP + tuning.bench.frames;
-    if (!side_read(&tuning.side, options->setup.backend, &options->setup, &console->log)) {
+    if (!choose_side(&tuning, &own)) {
         side_free(&tuning.side);
         return EXIT_USAGE;
     }
-    bool good = prepare(&tuning, &own) && choose_passes(&tuning);
+    bool good = tune_prepare(&tuning, &own) && choose_passes(&tuning);
     if (good)
         printf("%-20s %-56s %9s %9s %6s\n", "pass", "change", "ms before", "after", "ratio");
     good = good && search(&tuning) && prove(&tuning) && time_whole(&tuning, &whole);
@@ -509,6 +533,6 @@ int verb_tune(struct console *console, const struct options *options)
     if (good)
         console->result = tuning_json(&tuning, &whole);
     free(whole.device);
-    release(&tuning);
+    tune_release(&tuning);
     return good ? EXIT_FINE : EXIT_FAILED;
 }

@@ -60,6 +60,8 @@ class _Options(ctypes.Structure):
         ("height", ctypes.c_uint32),
         ("debug", ctypes.c_bool),
         ("timing", ctypes.c_bool),
+        ("keep_history", ctypes.c_bool),
+        ("sanitize", ctypes.c_char_p),
     ]
 
 
@@ -85,6 +87,7 @@ def _load():
         ("resize", ctypes.c_bool, player, u32, u32),
         ("camera", ctypes.c_bool, player, real * 3, real * 3, real * 3, real),
         ("timings", ctypes.c_bool, player, ctypes.POINTER(ctypes.c_double)),
+        ("undefined", ctypes.c_void_p, player),
         ("compare", ctypes.c_void_p, player, player),
     ):
         function = getattr(library, "dt_play_" + name)
@@ -208,7 +211,7 @@ def _png(array):
 class Pipeline:
     """A pipeline with a device of its own; see open(). Use it from one thread, in the process that opened it."""
 
-    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing):
+    def __init__(self, spec, backend, scene, size, sets, inputs, meshes, debug, timing, keep_history, sanitize):
         self._player, self._process, self._rendering = None, os.getpid(), False
         self._messages, self._given, self._view = [], {}, None
         self._sets, self._size = dict(sets), size
@@ -224,6 +227,8 @@ class Pipeline:
             "input_count": len(files),
             "debug": debug,
             "timing": timing,
+            "keep_history": keep_history,
+            "sanitize": _text("" if sanitize is True else sanitize) if sanitize else None,
         }
         self._player = self._start(self._sets)
         for name, value in inputs.items():
@@ -240,7 +245,9 @@ class Pipeline:
             **self._options,
         )
         if self._size is not None:
-            options.width, options.height = (_u32("size", number) or 2**32 - 1 for number in self._size)
+            options.width, options.height = (_u32("size", number) for number in self._size)
+            if not (options.width and options.height):
+                raise Error(f"size {options.width}x{options.height}: must be from 1x1")
         with _opening:
             player = _library.dt_play_open(ctypes.byref(options))
         return self._check(player)
@@ -303,10 +310,15 @@ class Pipeline:
         self._sets = sets
 
     def resize(self, width, height):
-        """Gives frames from the next one on another size; resources with `history` begin as zero, and inputs
-        whose size follows the frame need new content."""
+        """Gives frames from the next one on another size; resources with `history` begin as zero, unless
+        `keep_history` has kept them, and inputs whose size follows the frame need new content."""
         size = _u32("size", width), _u32("size", height)
-        self._check(_library.dt_play_resize(self._handle(), *size))
+        try:
+            self._check(_library.dt_play_resize(self._handle(), *size))
+        except Error:
+            for (name, mip), array in [] if self._rendering else self._given.items():
+                self.write(name, array, mip)
+            raise
         self._size = size
         for name, mip in list(self._given):
             if _layout(self._resource(name), _extent(self._resource(name), mip))[1] != self._given[name, mip].shape:
@@ -403,6 +415,16 @@ class Pipeline:
         self._check(_library.dt_play_timings(self._handle(), found))
         return {name: None if ms != ms else ms for name, ms in zip(names, found)}
 
+    @property
+    def undefined(self):
+        """Undefined behaviour that the frames so far have shown, of a pipeline opened with sanitize=True: dicts with
+        file, line, column, kind, message, pass, invocation, count and frame."""
+        text = self._check(_library.dt_play_undefined(self._handle()))
+        try:
+            return json.loads(ctypes.string_at(text))
+        finally:
+            _free(text)
+
     def png(self, name=None):
         """PNG of the last frame, as bytes: of an image that read gives, of 8 bit codes; by default of the
         output `display`."""
@@ -439,13 +461,16 @@ class Pipeline:
         self.close()
 
 
-def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False):
+def open(spec, backend="vk", scene=None, size=None, sets={}, inputs={}, meshes=None, debug=False, timing=False,
+         keep_history=False, sanitize=False):
     """Reads a spec and opens a device, as the command line does.
 
     backend: "gl", "vk", "vk@DEVICE", "gl+glsl". size: (width, height) of the frame; by default that of an
     input file, else 1920x1080. sets: {PATH: VALUE} of --set. inputs: {NAME: array, or path of a file}.
-    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`."""
-    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing)
+    meshes: folder of the scene's meshes. debug: validation messages are errors. timing: for `timings`.
+    keep_history: resize keeps that of resources whose size is the same.
+    sanitize: for `undefined`; True, or kinds as --sanitize takes them."""
+    return Pipeline(spec, backend, scene, size, sets, inputs, meshes, debug, timing, keep_history, sanitize)
 
 
 # ---- Compare -----------------------------------------------------------------------------------

@@ -46,6 +46,9 @@ struct dt_play_options {
     uint32_t width, height; /* of the frame; 0: that of an input of `inputs`, else 1920x1080 */
     bool debug;             /* validation layers, KHR_debug */
     bool timing;            /* timestamps around every pass, for dt_play_timings */
+    bool keep_history;      /* dt_play_resize keeps that of resources whose size is the same */
+    /* kinds of undefined behaviour to look for, as --sanitize takes them; "": all; NULL: none */
+    const char *sanitize;
 };
 
 struct dt_player;
@@ -80,7 +83,9 @@ bool dt_play_render(struct dt_player *player, bool (*after_pass)(void *user, uin
 bool dt_play_read(struct dt_player *player, const char *resource, uint32_t mip,
                   struct dt_bytes *out);
 
-/* Gives frames from the next one on another size; resources with `history` begin as zero. */
+/* Gives frames from the next one on another size; resources with `history` begin as zero,
+ * unless `keep_history` has kept them. After an error the
+ * size stays; inputs whose extent depends on it, and history, are gone. */
 bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height);
 
 /* Moves the camera from the next frame on, in the scene's units; fov_y: of the whole picture, degrees. */
@@ -90,6 +95,10 @@ bool dt_play_camera(struct dt_player *player, const float eye[3], const float ta
 /* Milliseconds of the last frame by the device's clock, one for each pass of describe; NAN: skipped. For
  * players with `timing`. */
 bool dt_play_timings(struct dt_player *player, double *pass_ms);
+
+/* What a player with `sanitize` has found in its frames so far: JSON, the list `undefined` of `diptych render --json`; free().
+ * NULL after an error. */
+char *dt_play_undefined(struct dt_player *player);
 
 /* Renders the next frame with both players and compares every resource after every pass, under the
  * contracts of the spec. They have one pipeline, size and number of frames so far. Keeps what the first

@@ -14,6 +14,7 @@
 #include "result/difference.h"
 #include "result/rows.h"
 #include "run/session.h"
+#include "run/undefined.h"
 
 struct dt_player {
     struct console console;
@@ -25,13 +26,13 @@ struct dt_player {
     char *description;
     const struct dt_observer *observer; /* of the caller, while a frame is rendered */
     uint32_t pass;                      /* the last one of that frame, or of the whole frame */
-    bool timing;
+    bool timing, sanitized;
     bool rendering; /* within render or compare */
     bool broken;    /* the last frame failed: resize before the next */
     pid_t process;  /* that opened it */
 };
 
-static bool fail(struct dt_player *player, const char *reason)
+static bool player_fail(struct dt_player *player, const char *reason)
 {
     report_error(&player->console.log, "%s", reason);
     return false;
@@ -71,6 +72,7 @@ static struct setup setup_of(const struct dt_play_options *wanted)
         .size = {sized ? wanted->width : 1920, sized ? wanted->height : 1080},
         .frames = 1,
         .debug = wanted->debug,
+        .sanitize = wanted->sanitize,
     };
 }
 
@@ -83,7 +85,7 @@ static bool check_size(const struct dt_player *player, const uint32_t size[2])
     return false;
 }
 
-static bool start(struct dt_player *player)
+static bool start_player(struct dt_player *player, const struct dt_play_options *options)
 {
     struct console *console = &player->console;
     struct setup *setup = &player->setup;
@@ -98,7 +100,8 @@ static bool start(struct dt_player *player)
                                       .setup = setup,
                                       .pipeline = &player->pipeline,
                                       .scene = &player->scene,
-                                      .timing = player->timing};
+                                      .timing = player->timing,
+                                      .keep_history = options->keep_history};
     return session_open(&player->session, &info) && session_prepare(&player->session);
 }
 
@@ -110,8 +113,9 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
     console_attach(&player->console, &options->log);
     player->setup = setup_of(options);
     player->timing = options->timing;
+    player->sanitized = options->sanitize;
     player->process = getpid();
-    if (start(player))
+    if (start_player(player, options))
         return player;
     dt_play_close(player);
     return NULL;
@@ -144,7 +148,7 @@ const char *dt_play_describe(struct dt_player *player)
     player->description = cJSON_PrintUnformatted(list);
     cJSON_Delete(list);
     if (!player->description)
-        fail(player, "out of memory");
+        player_fail(player, "out of memory");
     return player->description;
 }
 
@@ -197,10 +201,14 @@ bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
                      height, fixed[0], fixed[1]);
         return false;
     }
+    const uint32_t before[2] = {player->setup.size[0], player->setup.size[1]};
     forget_inputs(player, size);
     memcpy(player->setup.size, size, sizeof size);
     player->broken = true;
-    return recover(player);
+    if (recover(player))
+        return true;
+    memcpy(player->setup.size, before, sizeof before); /* the next frame has that again */
+    return false;
 }
 
 /* Files with such numbers are refused, too; see inputs.c. */
@@ -209,7 +217,7 @@ static bool is_finite(const struct dt_player *player, const struct dt_resource *
 {
     struct component *list;
     uint32_t count = resource_components(resource, &list), stride = resource_stride(resource);
-    bool good = count || fail((struct dt_player *)player, "out of memory");
+    bool good = count || player_fail((struct dt_player *)player, "out of memory");
     for (uint32_t c = 0; c < count; c++)
         for (size_t at = 0; good && number_is_float(list[c].kind) && at < bytes->size; at += stride)
             if (!isfinite(number_value(list[c].kind, bytes->data + at + list[c].offset))) {
@@ -242,7 +250,7 @@ static bool keep_input(struct dt_player *player, uint32_t resource, uint32_t mip
 {
     uint8_t *copy = malloc(bytes->size + 1);
     if (!copy)
-        return fail(player, "out of memory");
+        return player_fail(player, "out of memory");
     struct dt_bytes *kept = &input_of(&player->pipeline, resource)->mip[mip];
     free(kept->data);
     *kept = *bytes;
@@ -302,8 +310,9 @@ bool dt_play_camera(struct dt_player *player, const float eye[3], const float ta
     if (!is_own(player, "camera"))
         return false;
     if (!is_camera(&camera))
-        return fail(player, "camera: the target is away from the eye, not along up, and fov_y is "
-                            "between 0 and 180 degrees");
+        return player_fail(player,
+                           "camera: the target is away from the eye, not along up, and fov_y is "
+                           "between 0 and 180 degrees");
     player->scene.camera = camera;
     return true;
 }
@@ -344,12 +353,13 @@ bool dt_play_read(struct dt_player *player, const char *name, uint32_t mip, stru
         !is_there(player, index, mip) ||
         !player->session.runtime->read(player->session.handle, index, mip, out))
         return false;
-    return resource_clear_padding(&info->resources[index], out) || fail(player, "out of memory");
+    return resource_clear_padding(&info->resources[index], out) ||
+           player_fail(player, "out of memory");
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-static bool after_pass(void *user, uint32_t pass)
+static bool player_after_pass(void *user, uint32_t pass)
 {
     struct dt_player *player = user;
     player->pass = pass;
@@ -358,7 +368,7 @@ static bool after_pass(void *user, uint32_t pass)
 
 static bool render(struct dt_player *player, const struct dt_observer *observer)
 {
-    const struct dt_observer own = {.after_pass = after_pass, .user = player};
+    const struct dt_observer own = {.after_pass = player_after_pass, .user = player};
     if (!recover(player))
         return false;
     player->observer = observer->after_pass ? observer : NULL;
@@ -382,6 +392,31 @@ bool dt_play_timings(struct dt_player *player, double *pass_ms)
 {
     return is_idle(player, "timings") &&
            player->session.runtime->timings(player->session.handle, pass_ms);
+}
+
+char *dt_play_undefined(struct dt_player *player)
+{
+    const struct pipeline *pipeline = &player->pipeline;
+    struct undefined undefined = {0};
+    struct dt_bytes bytes = {0};
+    if (!is_idle(player, "undefined"))
+        return NULL;
+    if (!player->sanitized) {
+        report_error(&player->console.log, "undefined: the player was opened without `sanitize`");
+        return NULL;
+    }
+    bool good = player->session.runtime->read(player->session.handle, plan_reports(pipeline->plan),
+                                              0, &bytes) &&
+                undefined_add(&undefined, pipeline, 0, &bytes, &player->console.log);
+    cJSON *list =
+        good ? undefined_json(&undefined, (const char *const *)&player->side.label, 1) : NULL;
+    char *text = list ? cJSON_PrintUnformatted(list) : NULL;
+    if (good && !text)
+        report_error(&player->console.log, "out of memory");
+    cJSON_Delete(list);
+    undefined_free(&undefined);
+    free(bytes.data);
+    return text;
 }
 
 /* ---- Compare --------------------------------------------------------------------------------- */
@@ -425,7 +460,7 @@ static bool compare_row(struct comparison *comparison, uint32_t index)
     if (good)
         difference_json(result, &found, resource, labels);
     good = (good && cJSON_AddItemToArray(comparison->results, result)) ||
-           fail(player, "out of memory");
+           player_fail(player, "out of memory");
     comparison->differ |= good && difference_verdict(&found) == VERDICT_DIFFERS;
     free(copies[0].data);
     free(copies[1].data);
@@ -445,13 +480,16 @@ static bool compare_pass(void *user, uint32_t pass)
 
 static bool can_compare(struct dt_player *a, const struct dt_player *b)
 {
+    if (a == b)
+        return player_fail(a, "compare: a player with itself; open another one");
     if (plan_hash(a->pipeline.plan) != plan_hash(b->pipeline.plan))
-        return fail(a, "compare: the players have different pipelines or values of parameters that "
-                       "are not live");
+        return player_fail(
+            a, "compare: the players have different pipelines or values of parameters that "
+               "are not live");
     if (memcmp(a->setup.size, b->setup.size, sizeof a->setup.size) != 0)
-        return fail(a, "compare: the players have frames of different sizes");
+        return player_fail(a, "compare: the players have frames of different sizes");
     if (a->session.frame != b->session.frame)
-        return fail(a, "compare: the players have rendered different numbers of frames");
+        return player_fail(a, "compare: the players have rendered different numbers of frames");
     return true;
 }
 
@@ -463,12 +501,13 @@ static char *compare_frames(struct comparison *comparison)
     cJSON *root = cJSON_CreateObject();
     comparison->copies = calloc(comparison->rows.outputs.count + 1, sizeof *comparison->copies);
     comparison->results = cJSON_AddArrayToObject(root, "results");
-    bool good = (comparison->copies && comparison->results) || fail(players[0], "out of memory");
+    bool good =
+        (comparison->copies && comparison->results) || player_fail(players[0], "out of memory");
     good = good && render(players[0], &keep) && render(players[1], &compare);
     cJSON_AddBoolToObject(root, "agree", !comparison->differ);
     char *text = good ? cJSON_PrintUnformatted(root) : NULL;
     if (good && !text)
-        fail(players[0], "out of memory");
+        player_fail(players[0], "out of memory");
     for (uint32_t i = 0; comparison->copies && i < comparison->rows.outputs.count; i++)
         free(comparison->copies[i].data);
     free(comparison->copies);

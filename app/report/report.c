@@ -10,7 +10,8 @@
 
 /* ---- Preparing ------------------------------------------------------------------------------- */
 
-static bool prepare(struct report *report, struct console *console, const struct options *options)
+static bool report_prepare(struct report *report, struct console *console,
+                           const struct options *options)
 {
     struct steps *steps = &report->steps;
     return steps_begin(steps, "report", console, options) && report_read_outline(report) &&
@@ -65,7 +66,7 @@ int verb_report(struct console *console, const struct options *options)
                      options->folder ? "DIR goes with --collect" : "-o DIR is missing");
         return status;
     }
-    if (prepare(&report, console, options)) {
+    if (report_prepare(&report, console, options)) {
         status = EXIT_FAILED;
         if (options->collect || steps_run(&report.steps)) {
             uint32_t failures = steps_count_failures(&report.steps);

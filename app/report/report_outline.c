@@ -242,7 +242,7 @@ static void read_published(struct reader *reader, const struct key *self, int va
         check_numbers(reader, fy_node_pair_value(pair), "stages", values, false);
 }
 
-static void read_outline(struct reader *reader, struct fy_node *root, void *user)
+static void read_report_outline(struct reader *reader, struct fy_node *root, void *user)
 {
     enum { TITLE, SOURCE, SCENES, REFERENCE, PICTURES, SWEEP, MOTION, STAGES, PUBLISHED, COUNT };
     struct key keys[COUNT] = {
@@ -284,7 +284,7 @@ static void read_outline(struct reader *reader, struct fy_node *root, void *user
 bool report_read_outline(struct report *report)
 {
     static const struct file_kind outline_file = {
-        "report outline", "`pictures`, `sweep` and `reference`", read_outline};
+        "report outline", "`pictures`, `sweep` and `reference`", read_report_outline};
     const struct dt_log *log = &report->steps.console->log;
     report->outline_path = find_outline(report);
     return report->outline_path && reader_file(report->outline_path, &outline_file, report, log);

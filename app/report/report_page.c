@@ -171,8 +171,8 @@ static void add_head(cJSON *page, struct report *report)
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
 /* `name` without an ending, in a scene's folder. */
-static void add_image(cJSON *item, const char *key, const struct step_scene *scene,
-                      const char *name, const char *part)
+static void add_page_image(cJSON *item, const char *key, const struct step_scene *scene,
+                           const char *name, const char *part)
 {
     char *path = format_string("%s/%s/%s.png", scene->name, name, part);
     report_add_link(item, key, path ? path : "");
@@ -189,7 +189,7 @@ static cJSON *picture_json(struct report *report, const struct step_scene *scene
     cJSON_AddStringToObject(item, "picture", step_text(picture, "title"));
     report_add_headlines(item, "errors", report, file);
     if (steps_result(&report->steps, file)) {
-        add_image(item, "file", scene, name, "test");
+        add_page_image(item, "file", scene, name, "test");
     } else {
         char *reason = steps_reason(&report->steps, file);
         cJSON_AddStringToObject(item, "file", "");
@@ -201,7 +201,7 @@ static cJSON *picture_json(struct report *report, const struct step_scene *scene
 }
 
 /* The reference, and the FLIP map of the last picture. */
-static void add_reference(cJSON *item, struct report *report, const struct step_scene *scene)
+static void add_page_reference(cJSON *item, struct report *report, const struct step_scene *scene)
 {
     const cJSON *last = report_last_picture(report);
     const char *name = step_text(last, "name");
@@ -211,12 +211,12 @@ static void add_reference(cJSON *item, struct report *report, const struct step_
     if (measured && traced && steps_result(&report->steps, measured)) {
         cJSON *reference = cJSON_AddObjectToObject(item, "reference");
         cJSON_AddStringToObject(reference, "title", *title ? title : "Reference");
-        add_image(reference, "file", scene, name, "reference");
+        add_page_image(reference, "file", scene, name, "reference");
         report_add_result(reference, "samples", report, traced, "samples");
         report_add_number(reference, "noise", 100 * steps_number(&report->steps, traced, "noise"));
         cJSON *map = cJSON_AddObjectToObject(item, "map");
         cJSON_AddStringToObject(map, "picture", step_text(last, "title"));
-        add_image(map, "file", scene, name, "flip_ldr");
+        add_page_image(map, "file", scene, name, "flip_ldr");
         report_add_result(map, "p95", report, measured, "ldr.flip.p95");
         report_add_result(map, "worst", report, measured, "ldr.flip.max");
     }
@@ -228,7 +228,7 @@ static void add_choice(cJSON *list, const struct step_scene *scene, const char *
                        const char *part, const char *title, const char *side)
 {
     cJSON *item = cJSON_CreateObject();
-    add_image(item, "file", scene, name, part);
+    add_page_image(item, "file", scene, name, part);
     cJSON_AddStringToObject(item, "title", title);
     cJSON_AddBoolToObject(item, "left", strcmp(side, "left") == 0);
     cJSON_AddBoolToObject(item, "right", strcmp(side, "right") == 0);
@@ -255,8 +255,8 @@ static void add_shown(cJSON *item, struct report *report, const struct step_scen
     }
     add_choice(list, scene, step_text(last, "name"), "reference", step_text(reference, "title"),
                "right");
-    add_image(shown, "first_file", scene, step_text(last, "name"), "test");
-    add_image(shown, "second_file", scene, step_text(last, "name"), "reference");
+    add_page_image(shown, "first_file", scene, step_text(last, "name"), "test");
+    add_page_image(shown, "second_file", scene, step_text(last, "name"), "reference");
 }
 
 /* Whether the backends had the same bits, if there are two. */
@@ -422,7 +422,7 @@ static cJSON *scene_json(struct report *report, const struct step_scene *scene)
     cJSON *list = cJSON_AddArrayToObject(item, "pictures");
     cJSON_ArrayForEach(picture, pictures)
         cJSON_AddItemToArray(list, picture_json(report, scene, picture));
-    add_reference(item, report, scene);
+    add_page_reference(item, report, scene);
     add_shown(item, report, scene);
     add_agreement(item, report, scene);
     add_plot(item, "plot_times", report, PLOT_HEIGHT, times ? times : "");

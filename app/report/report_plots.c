@@ -8,7 +8,7 @@
 #include "measure/plot.h"
 #include "report/report.h"
 
-static bool draw(struct report *report, struct plot *plot, const char *name)
+static bool draw_plot(struct report *report, struct plot *plot, const char *name)
 {
     char *folder = format_string("%s/plots", report->steps.folder);
     bool good = folder && plot_draw(plot, report->steps.console, folder, name);
@@ -24,7 +24,7 @@ struct value_texts {
     const char **texts;
 };
 
-static bool read_values(struct value_texts *values, const struct report *report)
+static bool read_plot_values(struct value_texts *values, const struct report *report)
 {
     int count = report_value_count(report);
     values->buffers = calloc((size_t)count + 1, sizeof *values->buffers);
@@ -102,7 +102,7 @@ static bool draw_errors(struct report *report, const struct value_texts *values,
         if (scene->mesh)
             put_error_lines(&plot, report, scene, colour++ % PLOT_COLOURS + 1, what->column);
     }
-    good = good && draw(report, &plot, what->name);
+    good = good && draw_plot(report, &plot, what->name);
     plot_free(&plot);
     return good;
 }
@@ -170,7 +170,7 @@ static bool draw_times(struct report *report, const struct step_scene *scene,
         any |= put_times(&plot, report, scene, side);
     if (any && total)
         put_published(&plot, report, total);
-    good = good && draw(report, &plot, name);
+    good = good && draw_plot(report, &plot, name);
     plot_free(&plot);
     free(name);
     return good;
@@ -220,7 +220,7 @@ static double reference_change(struct report *report, const struct step_scene *s
     return truth;
 }
 
-static void put_field(FILE *out, double value)
+static void put_csv_number(FILE *out, double value)
 {
     if (isnan(value))
         fputc(',', out);
@@ -240,11 +240,11 @@ static void put_changes(FILE *out, struct report *report, const struct step_scen
     fputc('\n', out);
     for (int step = 0; step < step_count(report); step++) {
         fprintf(out, "%d", step + 1);
-        put_field(out, reference_change(report, scene, motion, step));
+        put_csv_number(out, reference_change(report, scene, motion, step));
         cJSON_ArrayForEach(run, motion_runs(report))
         {
-            put_field(out, change(report, scene, motion, run, step, "relative_change"));
-            put_field(out, change(report, scene, motion, run, step, "relative_flicker"));
+            put_csv_number(out, change(report, scene, motion, run, step, "relative_change"));
+            put_csv_number(out, change(report, scene, motion, run, step, "relative_flicker"));
         }
         fputc('\n', out);
     }
@@ -288,7 +288,7 @@ static bool draw_changes(struct report *report, const struct step_scene *scene, 
         plot_line(&plot, "the reference", PLOT_COLOURS, 2, false);
     for (int i = 0; i < step_count(report) && good && !flicker; i++)
         plot_point(&plot, i + 1, reference_change(report, scene, motion, i), NAN, NAN);
-    good = good && draw(report, &plot, name);
+    good = good && draw_plot(report, &plot, name);
     plot_free(&plot);
     return good;
 }
@@ -320,7 +320,7 @@ bool report_draw_plots(struct report *report)
     char *folder = format_string("%s/plots", report->steps.folder);
     struct value_texts values = {0};
     bool good = folder && file_make_folders(folder, &report->steps.console->log) &&
-                read_values(&values, report);
+                read_plot_values(&values, report);
     free(folder);
     console_status(report->steps.console, "drawing plots");
     good = good && draw_all_errors(report, &values);

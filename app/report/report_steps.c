@@ -42,7 +42,7 @@ const struct grid_point *report_point(const struct report *report, const struct 
 
 /* ---- Steps ----------------------------------------------------------------------------------- */
 
-static bool add_reference(struct report *report, const struct step_scene *scene)
+static bool add_reference_step(struct report *report, const struct step_scene *scene)
 {
     const cJSON *bounces =
         cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "reference"), "bounces");
@@ -57,8 +57,8 @@ static bool add_reference(struct report *report, const struct step_scene *scene)
 }
 
 /* A picture as the outline has it, with error maps. */
-static bool add_picture(struct report *report, const struct step_scene *scene, const cJSON *picture,
-                        const char *reference)
+static bool add_picture_step(struct report *report, const struct step_scene *scene,
+                             const cJSON *picture, const char *reference)
 {
     const char *name = step_text(picture, "name");
     const struct rendering rendering = {.scene = scene,
@@ -81,10 +81,10 @@ static bool add_picture(struct report *report, const struct step_scene *scene, c
 static bool add_pictures(struct report *report, const struct step_scene *scene)
 {
     const cJSON *picture;
-    bool good = add_reference(report, scene);
+    bool good = add_reference_step(report, scene);
     const char *reference = good ? steps_last(&report->steps) : NULL;
     cJSON_ArrayForEach(picture, cJSON_GetObjectItem(report->outline, "pictures")) good =
-        good && add_picture(report, scene, picture, reference);
+        good && add_picture_step(report, scene, picture, reference);
     return good;
 }
 

@@ -3,6 +3,7 @@
 #include "result/difference.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -75,8 +76,19 @@ static double ordered(enum number_kind kind, uint32_t bits)
     return bits & sign ? -(double)(bits & ~sign) : (double)bits;
 }
 
-static double measure(enum dt_contract_kind contract, enum number_kind kind, const uint32_t bits[2],
-                      const double values[2])
+/* Whether neighbours in a format that is coarser than arithmetic. */
+static bool one_step(enum number_kind kind, const uint32_t bits[2], double codes)
+{
+    if (number_is_float(kind))
+        return kind != NUMBER_FLOAT && fabs(ordered(kind, bits[0]) - ordered(kind, bits[1])) <= 1;
+    return number_one(kind) && codes <= 1;
+}
+
+/* Smaller values count as this large. */
+static const double of_exact_floor = 1e-3;
+
+static double measure_number(enum dt_contract_kind contract, enum number_kind kind,
+                             const uint32_t bits[2], const double values[2])
 {
     if (not_finite(kind, bits[0]) || not_finite(kind, bits[1]))
         return INFINITY;
@@ -94,6 +106,8 @@ static double measure(enum dt_contract_kind contract, enum number_kind kind, con
         return number_one(kind) ? codes : apart;
     case DT_CONTRACT_REL:
         return size > 0 ? apart / size : 0;
+    case DT_CONTRACT_OF_EXACT:
+        return one_step(kind, bits, codes) ? 0 : apart / fmax(size, of_exact_floor);
     case DT_CONTRACT_FLIPS: /* discrete values have no distance: the first is the worst */
         return 1;
     case DT_CONTRACT_EXACT:
@@ -118,6 +132,8 @@ static bool is_beyond(const struct dt_contract *contract, double error)
     case DT_CONTRACT_REL:
     case DT_CONTRACT_IMAGE:
         break;
+    case DT_CONTRACT_OF_EXACT: /* of both copies */
+        return !(error <= 2 * contract->tolerance);
     }
     return !(error <= contract->tolerance);
 }
@@ -126,8 +142,9 @@ static bool is_beyond(const struct dt_contract *contract, double error)
  * the last bit of 0.29 is. */
 static uint64_t allowed(const struct dt_contract *contract, uint64_t elements)
 {
-    if (contract->kind == DT_CONTRACT_IMAGE)
-        return (uint64_t)(contract->outliers * (double)elements + 1e-6);
+    double copies = contract->kind == DT_CONTRACT_OF_EXACT ? 2 : 1;
+    if (contract->kind == DT_CONTRACT_IMAGE || contract->kind == DT_CONTRACT_OF_EXACT)
+        return (uint64_t)(copies * contract->outliers * (double)elements + 1e-6);
     return contract->kind == DT_CONTRACT_FLIPS ? (uint64_t)contract->tolerance : 0;
 }
 
@@ -177,7 +194,7 @@ static void add_element(struct difference *difference, const struct frame *frame
         for (int i = 0; i < 2; i++)
             pair.values[i] = number_value(component->kind, frame->copies[i].data + at);
         pair.component = *component;
-        pair.error = measure(frame->contract->kind, component->kind, pair.bits, pair.values);
+        pair.error = measure_number(frame->contract->kind, component->kind, pair.bits, pair.values);
         if (frame->contract->kind == DT_CONTRACT_FLIPS && !differs)
             keep_flip(difference, &pair);
         if (!difference->worst.valid || pair.error > difference->worst.error)
@@ -264,6 +281,12 @@ static int bin_of(double distance)
                                             : exponent;
 }
 
+double difference_distance(enum number_kind kind, const uint32_t bits[2])
+{
+    const double values[2] = {number_of_bits(kind, bits[0]), number_of_bits(kind, bits[1])};
+    return bits[0] == bits[1] ? 0 : measure_number(DT_CONTRACT_ULP, kind, bits, values);
+}
+
 bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resource *resource,
                           const struct dt_bytes copies[2])
 {
@@ -280,10 +303,128 @@ bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resour
                 values[i] = number_of_bits(component->kind, bits[i]);
             }
             if (flushed(component->kind, bits[0]) != flushed(component->kind, bits[1]))
-                bins[bin_of(measure(DT_CONTRACT_ULP, component->kind, bits, values))]++;
+                bins[bin_of(measure_number(DT_CONTRACT_ULP, component->kind, bits, values))]++;
         }
     free(numbers.components);
     return good;
+}
+
+/* ---- Many pairs ------------------------------------------------------------------------------ */
+
+double errors_step(int step)
+{
+    static const char *const digits[] = {"1", "1.5", "2", "3", "5", "7"};
+    char text[16];
+    snprintf(text, sizeof text, "%se%d", digits[step % 6], step / 6 - 20);
+    return strtod(text, NULL);
+}
+
+/* Steps below the error; `steps` are those of errors_step. */
+static int steps_below(const double *steps, double error)
+{
+    int low = 0, high = ERROR_STEPS;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (steps[middle] < error)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* The element's largest absolute error; 0: it is equal. */
+static double add_error(struct errors *errors, const struct numbers *numbers,
+                        const uint8_t *const places[2], bool *differs)
+{
+    double largest = 0;
+    for (uint32_t c = 0; c < numbers->count; c++) {
+        const struct component *component = &numbers->components[c];
+        enum number_kind kind = component->kind;
+        uint32_t bits[2];
+        double values[2];
+        bool odd = false;
+        for (int i = 0; i < 2; i++) {
+            bits[i] = number_bits(kind, places[i] + component->offset);
+            values[i] = number_of_bits(kind, bits[i]);
+            odd |= not_finite(kind, bits[i]);
+        }
+        errors->odd |= odd;
+        if (odd || flushed(kind, bits[0]) == flushed(kind, bits[1]))
+            continue;
+        *differs = true;
+        largest = fmax(largest, measure_number(DT_CONTRACT_ABS, kind, bits, values));
+        errors->ulp = fmax(errors->ulp, measure_number(DT_CONTRACT_ULP, kind, bits, values));
+        errors->rel = fmax(errors->rel, measure_number(DT_CONTRACT_REL, kind, bits, values));
+    }
+    errors->abs = fmax(errors->abs, largest);
+    return largest;
+}
+
+static void add_pair(struct errors *errors, const struct numbers *numbers,
+                     const struct dt_bytes copies[2])
+{
+    double steps[ERROR_STEPS];
+    uint64_t counts[ERROR_STEPS + 1] = {0}, differing = 0;
+    for (int i = 0; i < ERROR_STEPS; i++)
+        steps[i] = errors_step(i);
+    for (uint64_t i = 0; i < errors->elements; i++) {
+        size_t at = i * numbers->stride;
+        const uint8_t *const places[2] = {copies[0].data + at, copies[1].data + at};
+        bool differs = false;
+        double error = add_error(errors, numbers, places, &differs);
+        differing += differs;
+        counts[steps_below(steps, error)]++;
+    }
+    for (int i = ERROR_STEPS - 1; i >= 0; i--) {
+        counts[i] += counts[i + 1];
+        if (counts[i + 1] > errors->beyond[i])
+            errors->beyond[i] = counts[i + 1];
+    }
+    errors->differing = differing > errors->differing ? differing : errors->differing;
+}
+
+bool errors_add(struct errors *errors, const struct dt_resource *resource,
+                const struct dt_bytes copies[2])
+{
+    struct numbers numbers;
+    bool good = numbers_of(&numbers, resource);
+    bool buffer = resource->kind == DT_BUFFER;
+    errors->pairs++;
+    errors->elements = resource_elements(resource, copies[0].extent);
+    if (copies[0].size != copies[1].size ||
+        (good && copies[0].size < errors->elements * numbers.stride) ||
+        memcmp(copies[0].extent, copies[1].extent, (buffer ? 1 : 3) * sizeof(uint32_t)) != 0)
+        errors->odd = true;
+    else if (good)
+        add_pair(errors, &numbers, copies);
+    free(numbers.components);
+    return good;
+}
+
+void errors_join(struct errors *errors, const struct errors *more)
+{
+    errors->pairs += more->pairs;
+    errors->odd |= more->odd;
+    errors->elements = more->elements > errors->elements ? more->elements : errors->elements;
+    errors->differing = more->differing > errors->differing ? more->differing : errors->differing;
+    errors->ulp = fmax(errors->ulp, more->ulp);
+    errors->rel = fmax(errors->rel, more->rel);
+    errors->abs = fmax(errors->abs, more->abs);
+    for (int i = 0; i < ERROR_STEPS; i++)
+        errors->beyond[i] =
+            more->beyond[i] > errors->beyond[i] ? more->beyond[i] : errors->beyond[i];
+}
+
+double errors_quantile(const struct errors *errors, double q)
+{
+    double most = (1 - q) * (double)errors->elements;
+    if ((double)errors->differing <= most)
+        return 0;
+    for (int i = 0; i < ERROR_STEPS; i++)
+        if ((double)errors->beyond[i] <= most)
+            return fmin(errors_step(i), errors->abs);
+    return errors->abs;
 }
 
 /* ---- Margins and verdict --------------------------------------------------------------------- */
@@ -316,6 +457,24 @@ enum verdict difference_verdict(const struct difference *difference)
     if (difference->broken)
         return VERDICT_DIFFERS;
     return difference->differing ? VERDICT_WITHIN : VERDICT_EQUAL;
+}
+
+double difference_used(const struct difference *difference)
+{
+    const struct dt_contract *contract = &difference->contract;
+    double elements = (double)difference->elements, error = difference->worst.error;
+    double most = contract->tolerance, used = difference->worst.valid ? error : 0;
+    if (contract->kind == DT_CONTRACT_IMAGE && contract->outliers > 0) {
+        most = (double)allowed(contract, difference->elements);
+        used = (double)difference->beyond;
+    } else if (contract->kind == DT_CONTRACT_FLIPS) {
+        used = (double)difference->differing;
+    } else if (contract->kind == DT_CONTRACT_RASTER) {
+        most *= elements;
+        used = (double)difference->at_edges;
+    }
+    bool bound = contract->kind != DT_CONTRACT_EXACT && most > 0 && !difference->size_differs;
+    return bound && isfinite(used) ? used / most : NAN;
 }
 
 const char *verdict_name(enum verdict verdict)

@@ -21,7 +21,7 @@ struct number_pair {
     struct component component;
     uint32_t bits[2];
     double values[2];
-    /* in the contract's own measure: ulp, relative, else absolute; 1 for a flip; INFINITY where NaN or
+    /* in the contract's own measure: ulp, relative (of_exact: of one code or step 0), else absolute; 1 for a flip; INFINITY where NaN or
      * Inf make it meaningless */
     double error;
 };
@@ -72,6 +72,10 @@ bool difference_needs_margins(const struct difference *difference,
 void difference_add_margins(struct difference *difference, const struct dt_resource *resource,
                             const struct dt_resource *margin, const struct dt_bytes margins[2]);
 
+/* How far two numbers of one kind are apart: floats in ulp, codes of unorm and snorm in codes, integers as they are; INFINITY
+ * where either is NaN or Inf, unless both have the same bits. */
+double difference_distance(enum number_kind kind, const uint32_t bits[2]);
+
 /* Numbers whose bits differ, by their distance in ulp, in codes, or of integers: none for zeros of two
  * signs, then 2^(i-1) to 2^i - 1 in bin i; NaN and Inf in the last. Copies have one size. False when out
  * of memory. */
@@ -79,7 +83,29 @@ enum { DIFFERENCE_BINS = 34 };
 bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resource *resource,
                           const struct dt_bytes copies[2]);
 
+/* Errors of many pairs of copies. Sizes of errors are absolute, in steps of 1, 1.5, 2, 3, 5, 7 and 10. */
+enum { ERROR_STEPS = 246 };
+struct errors {
+    uint32_t pairs;
+    uint64_t elements;    /* of a pair */
+    bool odd;             /* a pair of another size, or with NaN or Inf, which no contract allows */
+    uint64_t differing;   /* elements with a differing number, in the pair that has most */
+    double ulp, rel, abs; /* the largest */
+    uint64_t beyond
+        [ERROR_STEPS]; /* elements with an error above errors_step(i), in the pair with most */
+};
+double errors_step(int step); /* as the decimal number of one or two digits reads */
+/* False when out of memory. */
+bool errors_add(struct errors *errors, const struct dt_resource *resource,
+                const struct dt_bytes copies[2]);
+void errors_join(struct errors *errors, const struct errors *more);
+/* No more than the share 1 - q of a pair's elements has larger errors; 0: equal. */
+double errors_quantile(const struct errors *errors, double q);
+
 enum verdict difference_verdict(const struct difference *difference);
+/* How much of the contract's bound the copies use: 1 is all, more breaks it. NAN: the contract has no bound, or the
+ * numbers have no distance. */
+double difference_used(const struct difference *difference);
 const char *verdict_name(enum verdict verdict); /* "equal", "within", "DIFFERS" */
 
 /* ---- What is told (difference_report.c). `labels` name the two copies, like "gl" and "vk". --- */
@@ -96,6 +122,9 @@ char *difference_describe_worst(const struct difference *difference,
  * both margins; closes with how many more there are. Empty without the contract `flips`. */
 char *difference_list_flips(const struct difference *difference, const struct dt_resource *resource,
                             const char *const labels[2]);
+
+/* The share of the bound that is used, "12 %", rounded up; "-" without one. */
+void difference_write_used(const struct difference *difference, char text[16]);
 
 /* Adds to an object: contract, elements, differing, beyond, not_finite, size_differs, verdict, worst,
  * and with the contract `flips` the list of them. */

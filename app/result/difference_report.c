@@ -96,9 +96,8 @@ static char *describe_pair(const struct number_pair *pair, const char *const lab
  * first". */
 static char *describe_size(const struct difference *difference, const struct dt_contract *contract)
 {
-    const char *unit = contract->kind == DT_CONTRACT_ULP   ? " ulp"
-                       : contract->kind == DT_CONTRACT_REL ? " relative"
-                                                           : "";
+    bool relative = contract->kind == DT_CONTRACT_REL || contract->kind == DT_CONTRACT_OF_EXACT;
+    const char *unit = contract->kind == DT_CONTRACT_ULP ? " ulp" : relative ? " relative" : "";
     if (difference->not_finite == 1)
         return format_string("1 number is NaN or Inf,");
     if (difference->not_finite)
@@ -131,6 +130,15 @@ char *difference_describe_worst(const struct difference *difference,
     free(place);
     free(pair);
     return text;
+}
+
+void difference_write_used(const struct difference *difference, char text[16])
+{
+    double used = difference_used(difference);
+    if (isnan(used) || used > 9.99)
+        snprintf(text, 16, "%s", isnan(used) ? "-" : "> 999 %");
+    else
+        snprintf(text, 16, "%.0f %%", fabs(ceil(used * 100 - 1e-9)));
 }
 
 static char *describe_flip(const struct difference *difference, const struct dt_resource *resource,
@@ -179,8 +187,8 @@ char *difference_list_flips(const struct difference *difference, const struct dt
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
 /* The value is null for NaN and Inf, which JSON does not have. */
-static void add_number(cJSON *root, const char *label, enum number_kind kind, uint32_t bits,
-                       double value)
+static void add_bits(cJSON *root, const char *label, enum number_kind kind, uint32_t bits,
+                     double value)
 {
     char text[16];
     cJSON *number = cJSON_AddObjectToObject(root, label);
@@ -200,7 +208,7 @@ static cJSON *pair_json(const struct difference *difference, const struct dt_res
     cJSON_AddStringToObject(root, "component", pair->component.name);
     cJSON_AddNumberToObject(root, "error", pair->error);
     for (int i = 0; i < 2; i++)
-        add_number(root, labels[i], pair->component.kind, pair->bits[i], pair->values[i]);
+        add_bits(root, labels[i], pair->component.kind, pair->bits[i], pair->values[i]);
     free(place);
     return root;
 }
@@ -214,18 +222,19 @@ static cJSON *flip_json(const struct difference *difference, const struct dt_res
     cJSON *margins = cJSON_AddObjectToObject(root, "margin");
     for (int i = 0; i < 2; i++) {
         double value = number_value(NUMBER_FLOAT, (const uint8_t *)&flip->margin_bits[i]);
-        add_number(margins, labels[i], NUMBER_FLOAT, flip->margin_bits[i], value);
+        add_bits(margins, labels[i], NUMBER_FLOAT, flip->margin_bits[i], value);
     }
     return root;
 }
 
 static void add_contract(cJSON *root, const struct dt_contract *contract)
 {
-    static const char *const kinds[] = {"exact", "ulp", "abs", "rel", "image", "flips", "raster"};
+    static const char *const kinds[] = {"exact", "ulp",   "abs",    "rel",
+                                        "image", "flips", "raster", "of_exact"};
     cJSON_AddStringToObject(root, "contract", kinds[contract->kind]);
     if (contract->kind != DT_CONTRACT_EXACT)
         cJSON_AddNumberToObject(root, "tolerance", contract->tolerance);
-    if (contract->kind == DT_CONTRACT_IMAGE)
+    if (contract->kind == DT_CONTRACT_IMAGE || contract->kind == DT_CONTRACT_OF_EXACT)
         cJSON_AddNumberToObject(root, "outliers", contract->outliers);
 }
 
@@ -241,6 +250,8 @@ void difference_json(cJSON *root, const struct difference *difference,
         cJSON_AddNumberToObject(root, "at_edges", (double)difference->at_edges);
     cJSON_AddNumberToObject(root, "not_finite", (double)difference->not_finite);
     cJSON_AddBoolToObject(root, "size_differs", difference->size_differs);
+    if (!isnan(difference_used(difference)))
+        cJSON_AddNumberToObject(root, "of_bound", difference_used(difference));
     cJSON_AddStringToObject(root, "verdict", verdict_name(difference_verdict(difference)));
     cJSON_AddItemToObject(root, "worst",
                           worst->valid ? pair_json(difference, resource, worst, labels)

@@ -40,7 +40,7 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
 }
 
 /* How each number of a texel is stored, a packed texel as one: "float16", "uint32". */
-static void add_number(cJSON *entry, enum dt_format format)
+static void add_number_type(cJSON *entry, enum dt_format format)
 {
     enum number_kind kind = format_info(format)->kind;
     bool is_signed = kind == NUMBER_SNORM16 || number_is_signed_integer(kind);
@@ -67,15 +67,15 @@ void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mi
         add_fields(entry, resource);
     else {
         cJSON_AddStringToObject(entry, "format", format_info(resource->format)->name);
-        add_number(entry, resource->format);
+        add_number_type(entry, resource->format);
     }
     cJSON_AddNumberToObject(entry, "stride", resource_stride(resource));
     for (int i = 0; i < (buffer ? 1 : 3); i++)
         cJSON_AddNumberToObject(entry, buffer ? "count" : names[i], extent[i]);
 }
 
-static bool add_entry(struct dump *dump, uint32_t pass, const struct dt_resource *resource,
-                      uint32_t mip, const char *file, const struct dt_bytes *bytes)
+static bool add_manifest_entry(struct dump *dump, uint32_t pass, const struct dt_resource *resource,
+                               uint32_t mip, const char *file, const struct dt_bytes *bytes)
 {
     cJSON *entry = cJSON_CreateObject();
     if (pass != DUMP_HISTORY)
@@ -105,7 +105,7 @@ bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
         return false;
     }
     char *file = file_name(dump, pass, what->name, mip);
-    bool good = file && add_entry(dump, pass, what, mip, file, bytes);
+    bool good = file && add_manifest_entry(dump, pass, what, mip, file, bytes);
     if (good)
         good = folder_write(&dump->folder, file, bytes->data, bytes->size);
     else

@@ -11,12 +11,12 @@
 #include "console/texels.h"
 #include "result/dump.h"
 
-static const char *text_of(const cJSON *object, const char *key)
+static const char *manifest_text(const cJSON *object, const char *key)
 {
     return cJSON_GetStringValue(cJSON_GetObjectItem(object, key));
 }
 
-static cJSON *read_manifest(const char *folder, const struct dt_log *log)
+static cJSON *read_dump_manifest(const char *folder, const struct dt_log *log)
 {
     cJSON *manifest = foreign_json(folder, "manifest.json", log);
     if (manifest && !cJSON_IsArray(cJSON_GetObjectItem(manifest, "entries"))) {
@@ -31,11 +31,11 @@ static cJSON *read_manifest(const char *folder, const struct dt_log *log)
 bool dump_reader_open(struct dump_reader *reader, const char *folder, const struct dt_log *log)
 {
     *reader = (struct dump_reader){.folder = folder, .log = log};
-    reader->manifest = read_manifest(folder, log);
+    reader->manifest = read_dump_manifest(folder, log);
     if (!reader->manifest)
         return false;
-    const char *device = text_of(reader->manifest, "device");
-    const char *backend = text_of(reader->manifest, "backend");
+    const char *device = manifest_text(reader->manifest, "device");
+    const char *backend = manifest_text(reader->manifest, "backend");
     reader->device = format_string("%s, by %s, in %s", device ? device : "an unknown device",
                                    backend ? backend : "an unknown backend", folder);
     if (!reader->device)
@@ -55,7 +55,7 @@ void dump_reader_close(struct dump_reader *reader)
 
 static bool is_entry_of(const cJSON *entry, const struct dt_resource *resource, uint32_t mip)
 {
-    const char *name = text_of(entry, "resource");
+    const char *name = manifest_text(entry, "resource");
     const cJSON *number = cJSON_GetObjectItem(entry, "mip");
     return name && strcmp(name, resource->name) == 0 &&
            (cJSON_IsNumber(number) ? cJSON_GetNumberValue(number) : 0) == mip;
@@ -69,7 +69,7 @@ static const cJSON *find_after(const struct dump_reader *reader, uint32_t pass,
     const cJSON *entry;
     cJSON_ArrayForEach(entry, cJSON_GetObjectItem(reader->manifest, "entries"))
     {
-        const char *name = text_of(entry, "pass");
+        const char *name = manifest_text(entry, "pass");
         if (name && strcmp(name, reader->pipeline->passes[pass].name) == 0 &&
             is_entry_of(entry, resource, row->mip))
             return entry;
@@ -117,7 +117,7 @@ static bool check_entry(const struct dump_reader *reader, const cJSON *entry, co
     return !wrong;
 }
 
-static bool read_file(struct dump_reader *reader, const char *name, struct dt_bytes *bytes)
+static bool read_dump_file(struct dump_reader *reader, const char *name, struct dt_bytes *bytes)
 {
     free(reader->data);
     reader->data = foreign_read_exactly(reader->folder, name, bytes->size, reader->log);
@@ -130,7 +130,7 @@ bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool be
 {
     const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
     const cJSON *entry = before ? find_before(reader, row) : find_after(reader, row->pass, row);
-    const char *name = text_of(entry, "file");
+    const char *name = manifest_text(entry, "file");
     *bytes = (struct dt_bytes){0};
     resource_extent(reader->pipeline, row->resource, reader->size, row->mip, bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
@@ -140,5 +140,5 @@ bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool be
                      reader->pipeline->passes[row->pass].name);
         return false;
     }
-    return check_entry(reader, entry, row, bytes->extent) && read_file(reader, name, bytes);
+    return check_entry(reader, entry, row, bytes->extent) && read_dump_file(reader, name, bytes);
 }

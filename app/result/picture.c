@@ -1,5 +1,5 @@
-/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom: rows
- * are flipped here, and nowhere else. */
+/* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom
+ * unless the spec has `origin: top`: rows are flipped here, and nowhere else. */
 #include "result/picture.h"
 
 #include <math.h>
@@ -41,20 +41,49 @@ static bool check_image(const struct dt_resource *resource, const struct dt_byte
     return true;
 }
 
+void picture_sheet(const uint32_t extent[3], uint32_t size[2])
+{
+    struct sheet sheet = plan_sheet(extent);
+    size[0] = sheet.width;
+    size[1] = sheet.height;
+}
+
+void picture_place(const uint32_t extent[3], uint64_t texel, uint32_t place[2])
+{
+    uint64_t area = (uint64_t)extent[0] * extent[1], layer = texel / area;
+    uint32_t columns = plan_sheet(extent).columns;
+    place[0] = (uint32_t)(layer % columns * extent[0] + texel % extent[0]);
+    place[1] = (uint32_t)(layer / columns * extent[1] + extent[1] - 1 - texel % area / extent[0]);
+}
+
+bool picture_texel(const uint32_t extent[3], const uint32_t place[2], uint64_t *texel)
+{
+    struct sheet sheet = plan_sheet(extent);
+    if (place[0] >= sheet.width || place[1] >= sheet.height)
+        return false;
+    uint64_t layer = place[1] / extent[1] * sheet.columns + place[0] / extent[0];
+    uint64_t row = layer * extent[1] + extent[1] - 1 - place[1] % extent[1];
+    *texel = row * extent[0] + place[0] % extent[0];
+    return layer < extent[2];
+}
+
 /* One texel as three numbers; one channel is grey, two leave blue at zero. */
-static void fetch(const struct dt_resource *resource, const uint8_t *texel, float color[3])
+static void fetch(const struct dt_resource *resource, const uint8_t *texel, uint32_t chosen,
+                  float color[3])
 {
     uint32_t channels = format_info(resource->format)->channels;
+    chosen = chosen > channels ? channels : chosen;
+    uint32_t first = chosen ? chosen - 1 : 0, last = chosen ? chosen : channels;
     for (uint32_t c = 0; c < 3; c++) {
-        struct component from = format_component(resource->format, c);
-        color[c] = c < channels ? (float)number_value(from.kind, texel + from.offset) : 0;
+        struct component from = format_component(resource->format, first + c);
+        color[c] = first + c < last ? (float)number_value(from.kind, texel + from.offset) : 0;
     }
-    if (channels == 1)
+    if (last - first == 1)
         color[1] = color[2] = color[0];
 }
 
-bool picture_linear(struct picture *picture, const struct dt_resource *resource,
-                    const struct dt_bytes *bytes, const struct dt_log *log)
+static bool make_numbers(struct picture *picture, const struct dt_resource *resource,
+                         const struct dt_bytes *bytes, uint32_t channel, const struct dt_log *log)
 {
     *picture = (struct picture){0};
     if (!check_image(resource, bytes, log))
@@ -75,13 +104,19 @@ bool picture_linear(struct picture *picture, const struct dt_resource *resource,
         uint32_t left = layer % sheet.columns * extent[0];
         uint32_t top = layer / sheet.columns * extent[1];
         for (uint32_t y = 0; y < extent[1]; y++) {
-            size_t row = top + (extent[1] - 1 - y);
+            size_t row = top + (resource->top ? y : extent[1] - 1 - y);
             float *out = picture->linear + (row * sheet.width + left) * 3;
             for (uint32_t x = 0; x < extent[0]; x++, texel += texel_size, out += 3)
-                fetch(resource, texel, out);
+                fetch(resource, texel, channel, out);
         }
     }
     return true;
+}
+
+bool picture_linear(struct picture *picture, const struct dt_resource *resource,
+                    const struct dt_bytes *bytes, const struct dt_log *log)
+{
+    return make_numbers(picture, resource, bytes, 0, log);
 }
 
 /* ---- From numbers to codes ------------------------------------------------------------------- */
@@ -135,24 +170,70 @@ void picture_label(int64_t label, uint8_t codes[3])
     }
 }
 
-static void encode(const struct dt_resource *resource, struct range range, const float color[3],
-                   uint8_t codes[3])
+/* Linear between the colours of five values, in equal steps. */
+static void tint(float value, float color[3])
+{
+    static const float ramp[5][3] = {{0.1f, 0.05f, 0.3f},
+                                     {0.1f, 0.4f, 0.9f},
+                                     {0.1f, 0.8f, 0.6f},
+                                     {0.95f, 0.85f, 0.2f},
+                                     {0.7f, 0.1f, 0.05f}};
+    float at = fminf(fmaxf(value, 0), 1) * 4;
+    int below = at < 3 ? (int)at : 3;
+    for (int c = 0; c < 3; c++)
+        color[c] = ramp[below][c] + (ramp[below + 1][c] - ramp[below][c]) * (at - (float)below);
+}
+
+static void encode_texel(const struct dt_resource *resource, struct range range,
+                         const struct picture_look *look, const float color[3], uint8_t codes[3])
 {
     static const uint8_t magenta[3] = {255, 0, 255};
+    float mapped[3], width = look->range[1] - look->range[0];
     if (!isfinite(color[0]) || !isfinite(color[1]) || !isfinite(color[2])) {
         memcpy(codes, magenta, sizeof magenta);
         return;
     }
     for (int c = 0; c < 3; c++) {
-        float value = map_number(resource, range, color[c]);
-        codes[c] = (uint8_t)lrintf(fminf(fmaxf(value, 0), 1) * 255);
+        float value = color[c] * exp2f(look->exposure);
+        mapped[c] = !look->ranged ? map_number(resource, range, value)
+                    : width != 0  ? (value - look->range[0]) / width
+                                  : 0;
     }
+    if (look->tinted)
+        tint((mapped[0] + mapped[1] + mapped[2]) / 3, mapped);
+    for (int c = 0; c < 3; c++)
+        codes[c] = (uint8_t)lrintf(fminf(fmaxf(mapped[c], 0), 1) * 255);
+}
+
+void picture_range(const struct dt_resource *resource, const struct dt_bytes *bytes,
+                   uint32_t channel, float out[2])
+{
+    size_t texels = (size_t)bytes->extent[0] * bytes->extent[1] * bytes->extent[2];
+    uint32_t channels = format_info(resource->format)->channels;
+    uint32_t count = channel || channels == 1 ? 1 : channels < 3 ? channels : 3;
+    struct range all = {INFINITY, -INFINITY};
+    for (size_t i = 0; i < texels; i++) {
+        float color[3];
+        fetch(resource, bytes->data + i * format_info(resource->format)->bytes, channel, color);
+        struct range range = find_range(color, count, resource->format == DT_FORMAT_D32F);
+        all.least = fminf(all.least, range.least);
+        all.most = fmaxf(all.most, range.most);
+    }
+    out[0] = all.least <= all.most ? all.least : 0;
+    out[1] = all.least <= all.most ? all.most : 1;
 }
 
 bool picture_codes(struct picture *picture, const struct dt_resource *resource,
                    const struct dt_bytes *bytes, const struct dt_log *log)
 {
-    if (!picture_linear(picture, resource, bytes, log))
+    return picture_look(picture, resource, bytes, &(struct picture_look){0}, log);
+}
+
+bool picture_look(struct picture *picture, const struct dt_resource *resource,
+                  const struct dt_bytes *bytes, const struct picture_look *look,
+                  const struct dt_log *log)
+{
+    if (!make_numbers(picture, resource, bytes, look->channel, log))
         return false;
     size_t count = (size_t)picture->width * picture->height;
     picture->codes = malloc(count * 3);
@@ -161,13 +242,13 @@ bool picture_codes(struct picture *picture, const struct dt_resource *resource,
         picture_free(picture);
         return false;
     }
-    bool labels = format_is_integer(resource->format);
+    bool labels = format_is_integer(resource->format) && !look->ranged && !look->tinted;
     struct range range = find_range(picture->linear, count * 3, resource->format == DT_FORMAT_D32F);
     for (size_t i = 0; i < count; i++)
         if (labels)
             picture_label((int64_t)picture->linear[i * 3], picture->codes + i * 3);
         else
-            encode(resource, range, picture->linear + i * 3, picture->codes + i * 3);
+            encode_texel(resource, range, look, picture->linear + i * 3, picture->codes + i * 3);
     free(picture->linear);
     picture->linear = NULL;
     return true;

@@ -44,7 +44,7 @@ static bool make_map(struct map *map, const struct dt_resource *resource,
 }
 
 /* Shrinks the box, given as inclusive bounds, to the failing elements in it, which are counted. */
-static uint64_t shrink(const struct map *map, uint32_t low[AXES], uint32_t high[AXES])
+static uint64_t shrink_region(const struct map *map, uint32_t low[AXES], uint32_t high[AXES])
 {
     uint32_t least[AXES] = {UINT32_MAX, UINT32_MAX, UINT32_MAX}, most[AXES] = {0};
     uint64_t count = 0;
@@ -86,7 +86,7 @@ static void halve(const struct map *map, uint32_t low[AXES], uint32_t high[AXES]
     for (int axis = longest_axis(low, high); high[axis] > low[axis];
          axis = longest_axis(low, high)) {
         high[axis] = low[axis] + (high[axis] - low[axis]) / 2;
-        shrink(map, low, high);
+        shrink_region(map, low, high);
     }
 }
 
@@ -101,7 +101,7 @@ bool region_find(struct region *region, const struct dt_resource *resource,
     if (good && map.extent[0] && map.extent[1] && map.extent[2]) {
         for (int axis = 0; axis < AXES; axis++)
             region->high[axis] = map.extent[axis] - 1;
-        region->failing = shrink(&map, region->low, region->high);
+        region->failing = shrink_region(&map, region->low, region->high);
     }
     if (region->failing) {
         uint32_t high[AXES];

@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "console/texels.h"
 
-static bool append(struct row_list *rows, const struct dt_pipeline *pipeline, struct row row)
+static bool append_row(struct row_list *rows, const struct dt_pipeline *pipeline, struct row row)
 {
     const struct dt_resource *resource = &pipeline->resources[row.resource];
     bool mips = resource->kind == DT_IMAGE && resource->mips > 1;
@@ -28,7 +28,7 @@ static bool append_mips(struct row_list *rows, const struct dt_pipeline *pipelin
 {
     for (uint32_t mip = 0; mips >> mip; mip++) {
         const struct row row = {.pass = pass, .resource = resource, .mip = mip};
-        if ((mips >> mip & 1) && !append(rows, pipeline, row))
+        if ((mips >> mip & 1) && !append_row(rows, pipeline, row))
             return false;
     }
     return true;
@@ -45,7 +45,7 @@ static bool append_outputs(struct rows *rows, uint32_t pass)
     return true;
 }
 
-static bool is_listed(const uint16_t *list, uint32_t count, uint32_t resource)
+static bool list_has(const uint16_t *list, uint32_t count, uint32_t resource)
 {
     for (uint32_t i = 0; i < count; i++)
         if (list[i] == resource)
@@ -57,8 +57,8 @@ static bool append_inputs(struct rows *rows, uint32_t pass)
 {
     const struct dt_pass *info = &rows->pipeline->passes[pass];
     for (uint32_t i = 0; i < rows->pipeline->resource_count; i++) {
-        bool touched = is_listed(info->reads, info->read_count, i) ||
-                       is_listed(info->writes, info->write_count, i);
+        bool touched = list_has(info->reads, info->read_count, i) ||
+                       list_has(info->writes, info->write_count, i);
         uint32_t mips = touched ? resource_mips_before(rows->pipeline, pass, i) : 0;
         if (!append_mips(&rows->inputs, rows->pipeline, pass, i, mips))
             return false;
@@ -92,7 +92,7 @@ bool rows_make(struct rows *rows, const struct dt_pipeline *pipeline, const stru
     return good;
 }
 
-static bool is_same(const struct row *a, const struct row *b)
+static bool is_same_row(const struct row *a, const struct row *b)
 {
     return a->resource == b->resource && a->mip == b->mip;
 }
@@ -101,11 +101,11 @@ bool rows_origin(const struct rows *rows, const struct row *input, uint32_t *ind
 {
     for (uint32_t i = rows->outputs.first[input->pass]; i-- > 0;) {
         *index = i;
-        if (is_same(&rows->outputs.list[i], input))
+        if (is_same_row(&rows->outputs.list[i], input))
             return true;
     }
     *index = 0;
-    while (*index < rows->history.count && !is_same(&rows->history.list[*index], input))
+    while (*index < rows->history.count && !is_same_row(&rows->history.list[*index], input))
         ++*index;
     return false;
 }

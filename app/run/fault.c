@@ -74,12 +74,8 @@ static bool find_pass(struct fault *fault, const char *text, const char *word,
         if (names)
             names[i] = pipeline->passes[i].name;
     }
-    const char *hint = names ? nearest_name(word, names, pipeline->pass_count) : NULL;
-    if (hint)
-        report_error(log, "--fault %s: %s has no pass \"%s\"; did you mean \"%s\"?", text,
-                     pipeline->name, word, hint);
-    else
-        report_error(log, "--fault %s: %s has no pass \"%s\"", text, pipeline->name, word);
+    report_error(log, "--fault %s: %s has no pass \"%s\"%s", text, pipeline->name, word,
+                 name_hint('"', word, names, pipeline->pass_count, "").text);
     free(names);
     return false;
 }
@@ -150,13 +146,13 @@ bool fault_parse(struct fault *fault, uint32_t *side, const char *text,
 
 /* ---- The place ------------------------------------------------------------------------------- */
 
-struct place {
+struct fault_place {
     uint32_t resource, mip;
     uint64_t number; /* by element, then by component */
 };
 
 /* splitmix64 (Steele, Lea, Flood 2014): seeds that follow each other give places far apart. */
-static uint64_t mix(uint64_t seed)
+static uint64_t mix_seed(uint64_t seed)
 {
     uint64_t z = seed + UINT64_C(0x9e3779b97f4a7c15);
     z = (z ^ z >> 30) * UINT64_C(0xbf58476d1ce4e5b9);
@@ -179,7 +175,7 @@ static uint64_t count_numbers(const struct fault_run *run, const struct dt_resou
 /* Counts the numbers that the pass writes. The one with the index `wanted` among them all becomes
  * *place. */
 static uint64_t count_written(const struct fault_run *run, const struct dt_pass *pass,
-                              uint64_t wanted, struct place *place)
+                              uint64_t wanted, struct fault_place *place)
 {
     uint64_t total = 0;
     for (uint32_t i = 0; i < pass->write_count; i++) {
@@ -189,7 +185,7 @@ static uint64_t count_written(const struct fault_run *run, const struct dt_pass 
                 continue;
             uint64_t numbers = count_numbers(run, &run->pipeline->resources[pass->writes[i]], mip);
             if (wanted >= total && wanted - total < numbers)
-                *place = (struct place){
+                *place = (struct fault_place){
                     .resource = pass->writes[i], .mip = mip, .number = wanted - total};
             total += numbers;
         }
@@ -197,12 +193,12 @@ static uint64_t count_written(const struct fault_run *run, const struct dt_pass 
     return total;
 }
 
-static bool choose_place(const struct fault_run *run, struct place *place)
+static bool choose_place(const struct fault_run *run, struct fault_place *place)
 {
     const struct dt_pass *pass = &run->pipeline->passes[run->fault->pass];
     uint64_t total = count_written(run, pass, 0, place);
     if (total)
-        count_written(run, pass, mix(run->fault->seed) % total, place);
+        count_written(run, pass, mix_seed(run->fault->seed) % total, place);
     else
         report_error(run->log, "--fault: pass %s writes no number at this frame size", pass->name);
     return total;
@@ -298,7 +294,7 @@ static bool spoil_bytes(const struct fault_run *run, const struct dt_resource *r
 }
 
 /* Reads the change back: when a driver rounds or clamps it away, there is no fault to find. */
-static bool is_there(const struct fault_run *run, const struct place *place,
+static bool is_there(const struct fault_run *run, const struct fault_place *place,
                      const struct dt_bytes *wanted)
 {
     struct dt_bytes found = {0};
@@ -315,7 +311,7 @@ static bool is_there(const struct fault_run *run, const struct place *place,
 
 static bool put_in(const struct fault_run *run)
 {
-    struct place place;
+    struct fault_place place;
     struct dt_bytes bytes = {0};
     char *change = NULL;
     if (!choose_place(run, &place) ||
@@ -361,7 +357,7 @@ static bool is_due(const struct fault_run *run, uint32_t pass)
            run->frame >= run->fault->first_frame;
 }
 
-static enum dt_action before_pass(void *user, uint32_t pass)
+static enum dt_action fault_before_pass(void *user, uint32_t pass)
 {
     struct fault_run *run = user;
     const struct dt_observer *observer = run->observer;
@@ -375,7 +371,7 @@ static enum dt_action before_pass(void *user, uint32_t pass)
     return DT_SKIP;
 }
 
-static bool after_pass(void *user, uint32_t pass)
+static bool fault_after_pass(void *user, uint32_t pass)
 {
     struct fault_run *run = user;
     const struct dt_observer *observer = run->observer;
@@ -387,5 +383,6 @@ static bool after_pass(void *user, uint32_t pass)
 
 struct dt_observer fault_observer(struct fault_run *run)
 {
-    return (struct dt_observer){.before_pass = before_pass, .after_pass = after_pass, .user = run};
+    return (struct dt_observer){
+        .before_pass = fault_before_pass, .after_pass = fault_after_pass, .user = run};
 }

@@ -140,7 +140,7 @@ static bool find_shown(struct render *render)
 }
 
 /* Reads one mip of what the pass wrote, to be dumped, shown or both. */
-static bool take(struct render *render, uint32_t pass, uint32_t resource, uint32_t mip)
+static bool take_frame_output(struct render *render, uint32_t pass, uint32_t resource, uint32_t mip)
 {
     const struct session *session = &render->session;
     bool show = mip == 0 && resource == render->shown && pass == render->shown_pass;
@@ -171,25 +171,27 @@ static bool read_undefined(struct render *render)
         session->runtime->read(session->handle, plan_reports(render->pipeline.plan), 0, &bytes) &&
         undefined_add(&render->undefined, &render->pipeline, 0, &bytes, &render->console->log);
     free(bytes.data);
+    if (good)
+        undefined_warn_idle(&render->pipeline, render->console);
     return good;
 }
 
 /* Before the last frame: dumps resources with history. */
-static enum dt_action before_pass(void *user, uint32_t pass)
+static enum dt_action render_before_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
     const struct dt_pipeline *info = render->pipeline.info;
     for (uint32_t i = 0; i < info->resource_count && pass == 0; i++) {
         uint32_t mips = resource_mips_before(info, 0, i);
         for (uint32_t mip = 0; mips >> mip; mip++)
-            if ((mips >> mip & 1) && !take(render, DUMP_HISTORY, i, mip))
+            if ((mips >> mip & 1) && !take_frame_output(render, DUMP_HISTORY, i, mip))
                 return DT_STOP;
     }
     return DT_RUN;
 }
 
 /* After a pass of the last frame, or of every shown frame: reads what is dumped or shown. */
-static bool after_pass(void *user, uint32_t pass)
+static bool render_after_pass(void *user, uint32_t pass)
 {
     struct render *render = user;
     const struct dt_pass *info = &render->pipeline.info->passes[pass];
@@ -197,13 +199,13 @@ static bool after_pass(void *user, uint32_t pass)
     for (uint32_t i = 0; i < info->write_count; i++) {
         uint32_t mips = resource_mips(render->pipeline.info, pass, info->writes[i]);
         for (uint32_t mip = 0; mips >> mip; mip++)
-            if ((mips >> mip & 1) && !take(render, pass, info->writes[i], mip))
+            if ((mips >> mip & 1) && !take_frame_output(render, pass, info->writes[i], mip))
                 return false;
     }
     return true;
 }
 
-static bool write_picture(const struct render *render, const char *path)
+static bool write_frame_picture(const struct render *render, const char *path)
 {
     const struct dt_resource *resource = &render->pipeline.info->resources[render->shown];
     const struct dt_log *log = &render->console->log;
@@ -228,7 +230,7 @@ static bool write_numbered(struct render *render, uint32_t frame)
     char *path = numbered_path(render->options.output, frame);
     if (!path)
         report_error(&render->console->log, "out of memory");
-    bool good = path && (!render->picture.data || write_picture(render, path));
+    bool good = path && (!render->picture.data || write_frame_picture(render, path));
     free(path);
     return good;
 }
@@ -237,7 +239,7 @@ static bool run_frames(struct render *render)
 {
     const struct options *options = &render->options;
     const struct dt_observer observer = {
-        .before_pass = before_pass, .after_pass = after_pass, .user = render};
+        .before_pass = render_before_pass, .after_pass = render_after_pass, .user = render};
     /* An observer makes every pass wait for all before it, which hides a dropped barrier: run a
      * frame without one first. */
     if ((options->setup.drop_barrier || options->setup.drop_dependency) &&
@@ -269,7 +271,7 @@ static bool run_frames(struct render *render)
     return false;
 }
 
-static bool find_fault(struct render *render)
+static bool find_render_fault(struct render *render)
 {
     uint32_t side;
     return !render->options.fault ||
@@ -322,7 +324,7 @@ static bool can_write_picture(const struct render *render)
     return good;
 }
 
-static bool prepare(struct render *render)
+static bool render_prepare(struct render *render)
 {
     const struct options *options = &render->options;
     const struct dt_log *log = &render->console->log;
@@ -332,7 +334,7 @@ static bool prepare(struct render *render)
         return false;
     if (!pipeline_load(&render->pipeline, render->console, &options->setup))
         return false;
-    if (!find_shown(render) || !find_fault(render) ||
+    if (!find_shown(render) || !find_render_fault(render) ||
         !inputs_load(&render->pipeline, render->console, &render->options.setup) ||
         !session_load_scene(&render->scene, render->console, render->pipeline.info,
                             &options->setup))
@@ -381,7 +383,9 @@ static cJSON *render_json(const struct render *render)
     if (options->setup.capture)
         cJSON_AddStringToObject(root, "capture", options->setup.capture);
     if (options->setup.sanitize)
-        cJSON_AddItemToObject(root, "undefined", undefined_json(&render->undefined));
+        cJSON_AddItemToObject(
+            root, "undefined",
+            undefined_json(&render->undefined, (const char *const *)&render->side.label, 1));
     return root;
 }
 
@@ -395,7 +399,7 @@ int verb_render(struct console *console, const struct options *options)
         side_free(&render.side);
         return EXIT_USAGE;
     }
-    bool good = prepare(&render) && run_frames(&render);
+    bool good = render_prepare(&render) && run_frames(&render);
     if (good && options->timings)
         good = timings_write(&render.timings, &render.session, options->timings);
     console->result = good ? render_json(&render) : NULL;
@@ -403,10 +407,10 @@ int verb_render(struct console *console, const struct options *options)
     good = good && atomic_load(&console->errors) ==
                        0; /* messages while the device was torn down count, too */
     if (good && options->output && !render.numbered)
-        good = write_picture(&render, options->output);
+        good = write_frame_picture(&render, options->output);
     good = dump_end(&render.dump, good) && good;
     if (good)
-        undefined_print(&render.undefined, NULL, 1);
+        undefined_print(&render.undefined, (const char *const *)&render.side.label, 1);
     good = good && !render.undefined.count;
     undefined_free(&render.undefined);
     free(render.picture.data);

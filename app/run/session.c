@@ -1,9 +1,28 @@
-/* Drives one runtime through its verbs; see session.h. */
+/* Drives one runtime through its verbs; see session.h.
+ *
+ * A session is one backend, one pipeline, one scene: what `render`, `view`, the library and each
+ * worker of a comparison have in common. It is the only file of the application that opens a
+ * runtime: a device's options and the label before its messages are decided here. The order is
+ * open, set_scene, create, resize, inputs, frames, close; `view` creates again when the spec has
+ * changed.
+ *
+ * - A session borrows all: pipeline, scene and setup must outlive it. Workers fork after these are
+ *   loaded, so both sides of a comparison read the same bytes.
+ * - Frames count up from first_frame. All that moves is computed from the frame's number
+ *   (scene_frame_at), never from a clock: frame 7 is the same in every run and on both sides.
+ *   Replays give a frame block instead.
+ * - Inputs are written after each resize, since resources of another size lose their content.
+ * - --fault wraps the observer of one side (fault.c) and changes what a pass leaves; no runtime
+ *   knows of it.
+ * - An error of validation fails the run at its end (session_is_silent), not the pass: a message
+ *   often explains the next. */
 #include "run/session.h"
 
 #include <stdlib.h>
 #include <string.h>
+#include <sys/statvfs.h>
 
+#include "base/files.h"
 #include "console/tool.h"
 #include "spec/inputs.h"
 #include "front.h"
@@ -14,8 +33,28 @@ static const struct dt_runtime *find_runtime(const char *backend)
     return strcmp(backend, runtime_gl.name) == 0 ? &runtime_gl : &runtime_vk;
 }
 
+/* Mesa maps its cache: on a full disk the process would die of SIGBUS. */
+static void spare_full_disk(struct console *console)
+{
+    enum { LEAST_BYTES = 16 << 20 };
+    const char *own = getenv("MESA_SHADER_CACHE_DIR"), *all = getenv("XDG_CACHE_HOME");
+    const char *home = getenv("HOME");
+    char *folder = own && *own   ? strdup(own)
+                   : all && *all ? strdup(all)
+                   : home        ? format_string("%s/.cache", home)
+                                 : NULL;
+    struct statvfs disk;
+    if (!console->attached && folder && !getenv("MESA_SHADER_CACHE_DISABLE") &&
+        statvfs(folder, &disk) == 0 && (uint64_t)disk.f_bavail * disk.f_frsize < LEAST_BYTES &&
+        setenv("MESA_SHADER_CACHE_DISABLE", "true", 0) == 0)
+        report_message(&console->log, DT_WARNING, "%s: the disk is full; Mesa keeps no shaders",
+                       folder);
+    free(folder);
+}
+
 bool session_open(struct session *session, const struct session_info *info)
 {
+    spare_full_disk(info->console);
     const struct setup *setup = info->setup;
     const struct side *side = info->side;
     *session = (struct session){
@@ -33,23 +72,82 @@ bool session_open(struct session *session, const struct session_info *info)
         .glsl = side->glsl,
         .timing = info->timing,
         .poison = info->poison,
+        .keep_history = info->keep_history,
         .drop_barrier = setup->drop_barrier,
         .drop_dependency = setup->drop_dependency,
     });
     return session->handle;
 }
 
+static const struct dt_shaders *shaders_of(const struct session *session,
+                                           const struct pipeline *pipeline)
+{
+    return session->runtime == &runtime_gl ? pipeline->gl : pipeline->vk;
+}
+
+/* Elements of the longest texel buffer of the scene that the pipeline binds. */
+static uint64_t longest_texels(const struct dt_panel *panel, const struct dt_scene *scene)
+{
+    const uint64_t per_vertex = sizeof *scene->vertices / DT_VERTEX_TEXEL;
+    uint64_t longest = 0;
+    for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
+        for (uint32_t b = 0; b < panel->programs[pass].binding_count; b++) {
+            const struct dt_binding *binding = &panel->programs[pass].bindings[b];
+            uint64_t count = binding->resource == DT_SCENE_VERTICES
+                                 ? scene->vertex_count * per_vertex
+                                 : scene->index_count;
+            if (binding->kind == DT_BIND_TEXELS && count > longest)
+                longest = count;
+        }
+    return longest;
+}
+
+static bool load_fallback(struct session *session, struct pipeline *fallback)
+{
+    struct setup setup = *session->info.setup;
+    const char **sets = calloc(setup.set_count + 1, sizeof *sets);
+    if (!sets) {
+        report_error(&session->log, "out of memory");
+        return false;
+    }
+    for (uint32_t i = 0; i < setup.set_count; i++)
+        sets[i] = setup.sets[i];
+    sets[setup.set_count++] = "target=gpu";
+    setup.sets = sets;
+    bool good = pipeline_load(fallback, session->info.console, &setup);
+    free(sets);
+    return good;
+}
+
+bool session_create(struct session *session, const struct pipeline *pipeline)
+{
+    const struct dt_shaders *shaders = shaders_of(session, pipeline);
+    struct pipeline fallback = {0};
+    uint64_t elements = longest_texels(shaders->panel, &session->info.scene->data);
+    bool good = true;
+    if (elements > session->runtime->most_texels(session->handle)) {
+        report_message(&session->log, DT_INFO,
+                       "the scene has %llu elements, too many for the device's texel buffers: read "
+                       "from storage buffers, as with `target: gpu`",
+                       (unsigned long long)elements);
+        good = load_fallback(session, &fallback);
+        shaders = shaders_of(session, &fallback);
+    }
+    good = good && session->runtime->create(session->handle, shaders);
+    pipeline_unload(&session->fallback); /* its programs were in use until now */
+    session->fallback = fallback;
+    return good;
+}
+
 bool session_prepare(struct session *session)
 {
     const struct session_info *info = &session->info;
-    const struct dt_shaders *shaders =
-        session->runtime == &runtime_gl ? info->pipeline->gl : info->pipeline->vk;
     const uint32_t *size = info->setup->size;
     console_status(info->console, "%s: uploading the scene", info->side->label);
     if (!session->runtime->set_scene(session->handle, &info->scene->data))
         return false;
     console_status(info->console, "%s: creating the programs", info->side->label);
-    return session->runtime->create(session->handle, shaders) && session_resize(session, size);
+    return session_create(session, info->pipeline) && session_resize(session, size);
 }
 
 bool session_resize(const struct session *session, const uint32_t size[2])
@@ -97,6 +195,7 @@ void session_close(struct session *session)
     if (session->runtime)
         session->runtime->close(session->handle);
     session->handle = NULL;
+    pipeline_unload(&session->fallback);
 }
 
 bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *console)

@@ -15,10 +15,10 @@ struct session_info {
     const struct setup *setup;
     const struct pipeline *pipeline;
     const struct scene *scene;
-    bool timing;
-    int poison;           /* see struct dt_runtime_options */
-    bool name_in_log;     /* put the side's label before its messages */
-    uint32_t first_frame; /* index of the first frame, usually 0 */
+    bool timing, keep_history; /* see struct dt_runtime_options */
+    int poison;                /* see struct dt_runtime_options */
+    bool name_in_log;          /* put the side's label before its messages */
+    uint32_t first_frame;      /* index of the first frame, usually 0 */
     struct fault fault;
     const struct dt_frame *frame_block; /* NULL: as the scene and the frame's number make it */
 };
@@ -29,13 +29,17 @@ struct session {
     void *handle;
     struct log_source source;
     struct dt_log log;
-    uint32_t frame; /* index of the next one */
+    uint32_t frame;           /* index of the next one */
+    struct pipeline fallback; /* see session_create */
 };
 
 /* session_open creates the context or device; session_prepare uploads and creates everything up to
  * the first frame. On false the error is logged; close it in any case. */
 bool session_open(struct session *session, const struct session_info *info);
 bool session_prepare(struct session *session);
+/* Creates the programs of a pipeline, which lives until the next call. Where the scene is too long for the
+ * device's texel buffers, they are those of the pipeline with `target: gpu`, which have the same bits. */
+bool session_create(struct session *session, const struct pipeline *pipeline);
 /* Resizes the runtime and hands it the inputs of the pipeline. */
 bool session_resize(const struct session *session, const uint32_t size[2]);
 

@@ -28,13 +28,8 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
             return true;
         }
     }
-    const char *hint = nearest_name(name, names, DRIVERS);
-    if (hint)
-        report_error(log, "--backend %s: unknown backend \"%s\"; did you mean \"%s\"?", side->label,
-                     name, hint);
-    else
-        report_error(log, "--backend %s: unknown backend \"%s\"; there are gl, vk, osmesa and zink",
-                     side->label, name);
+    report_error(log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
+                 name_hint('"', name, names, DRIVERS, "; there are gl, vk, osmesa and zink").text);
     return false;
 }
 
@@ -118,7 +113,7 @@ static bool make_label_unique(struct sides *sides, uint32_t index, const struct 
 }
 
 /* The next side, zeroed, or NULL. */
-static struct side *append(struct sides *sides, const struct dt_log *log)
+static struct side *append_side(struct sides *sides, const struct dt_log *log)
 {
     struct side *grown = realloc(sides->list, (sides->count + 1) * sizeof *grown);
     if (!grown) {
@@ -154,7 +149,7 @@ static bool read_entries(struct sides *sides, const char *list, const struct set
     for (const char *at = list;; at++) {
         size_t length = strcspn(at, ",");
         char *entry = strndup(at, length);
-        struct side *side = entry ? append(sides, log) : NULL;
+        struct side *side = entry ? append_side(sides, log) : NULL;
         if (entry && !length)
             report_error(log, "--backend %s: must be names with one comma between, like gl,vk",
                          list);
@@ -171,7 +166,7 @@ static bool read_entries(struct sides *sides, const char *list, const struct set
 
 static bool add_dump(struct sides *sides, const char *folder, const struct dt_log *log)
 {
-    struct side *side = append(sides, log);
+    struct side *side = append_side(sides, log);
     if (!side)
         return false;
     *side = (struct side){.label = strdup("dump"), .folder = folder};

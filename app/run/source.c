@@ -1,18 +1,19 @@
 /* Sides at work; see source.h. */
 #include "run/source.h"
 
-bool source_start(struct source *source, const struct worker_info *info, struct dump_reader *dump)
+bool source_start(struct row_source *source, const struct worker_info *info,
+                  struct dump_reader *dump)
 {
-    *source = (struct source){.side = info->session.side, .dump = dump};
+    *source = (struct row_source){.side = info->session.side, .dump = dump};
     return dump || worker_start(&source->worker, info);
 }
 
-bool source_resume(struct source *source)
+bool source_resume(struct row_source *source)
 {
     return source->dump || worker_resume(&source->worker, DT_RUN);
 }
 
-bool source_reach(struct source *source, struct worker_place place)
+bool source_reach(struct row_source *source, struct worker_place place)
 {
     struct worker_place found;
     source->place = place;
@@ -30,25 +31,25 @@ bool source_reach(struct source *source, struct worker_place place)
     return false;
 }
 
-bool source_ask(struct source *source, const struct row *row)
+bool source_ask(struct row_source *source, const struct row *row)
 {
     return source->dump || worker_ask(&source->worker, row->resource, row->mip);
 }
 
-bool source_take(struct source *source, const struct row *row, struct dt_bytes *bytes)
+bool source_take(struct row_source *source, const struct row *row, struct dt_bytes *bytes)
 {
     if (source->dump)
         return dump_reader_read(source->dump, row, source->place.stop == WORKER_BEFORE_PASS, bytes);
     return worker_take(&source->worker, bytes);
 }
 
-const char *source_device(const struct source *source)
+const char *source_device(const struct row_source *source)
 {
     return source->dump ? source->dump->device : source->worker.device;
 }
 
-void source_close(struct source *source)
+void source_close(struct row_source *source)
 {
     worker_close(&source->worker);
-    *source = (struct source){0};
+    *source = (struct row_source){0};
 }

@@ -7,7 +7,7 @@
 #include "result/rows.h"
 #include "run/worker.h"
 
-struct source {
+struct row_source {
     const struct side *side;
     struct worker worker;
     struct dump_reader *dump; /* NULL: the worker */
@@ -18,19 +18,20 @@ struct source {
  * source_take, other sources may be told the same, so that they work at once. */
 
 /* With a dump, which is borrowed, nothing is started, and every stop is reached at once. */
-bool source_start(struct source *source, const struct worker_info *info, struct dump_reader *dump);
-bool source_resume(struct source *source);
+bool source_start(struct row_source *source, const struct worker_info *info,
+                  struct dump_reader *dump);
+bool source_resume(struct row_source *source);
 
 /* Waits for the next stop, which must be this one. */
-bool source_reach(struct source *source, struct worker_place place);
+bool source_reach(struct row_source *source, struct worker_place place);
 
 /* The content of a row at the present stop; valid until the source's next verb, not to be freed. */
-bool source_ask(struct source *source, const struct row *row);
-bool source_take(struct source *source, const struct row *row, struct dt_bytes *bytes);
+bool source_ask(struct row_source *source, const struct row *row);
+bool source_take(struct row_source *source, const struct row *row, struct dt_bytes *bytes);
 
-const char *source_device(const struct source *source); /* once WORKER_READY was reached */
+const char *source_device(const struct row_source *source); /* once WORKER_READY was reached */
 
 /* Ends the worker; takes a zeroed source. */
-void source_close(struct source *source);
+void source_close(struct row_source *source);
 
 #endif

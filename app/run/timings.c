@@ -36,8 +36,8 @@ void timings_free(struct timings *timings)
     *timings = (struct timings){0};
 }
 
-static void add_passes(cJSON *root, const struct timings *timings,
-                       const struct dt_pipeline *pipeline)
+static void add_pass_times(cJSON *root, const struct timings *timings,
+                           const struct dt_pipeline *pipeline)
 {
     double sum = 0;
     cJSON *passes = cJSON_CreateArray();
@@ -71,7 +71,7 @@ bool timings_write(const struct timings *timings, const struct session *session,
     cJSON_AddNumberToObject(root, "frames", timings->frames);
     cJSON_AddNumberToObject(root, "frame_ms",
                             spread_of(timings->frame_ms, timings->frames, 1).median);
-    add_passes(root, timings, pipeline);
+    add_pass_times(root, timings, pipeline);
     console_hold(session->info.console);
     bool good = file_write_json(path, root, &session->log);
     console_release(session->info.console);

@@ -5,21 +5,24 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
+#include "base/text.h"
 #include "console/console.h"
 #include "gen/plan/sanitize.h"
 
-static bool is_same(const struct sanitize_report *a, const struct sanitize_report *b)
+static bool is_same_report(const struct sanitize_report *a, const struct sanitize_report *b)
 {
     return strcmp(a->file, b->file) == 0 && a->line == b->line && a->column == b->column &&
            strcmp(a->pass, b->pass) == 0 && strcmp(a->text, b->text) == 0;
 }
 
-static void add(struct undefined *undefined, const struct sanitize_report *report, uint32_t side)
+static void add_report(struct undefined *undefined, const struct sanitize_report *report,
+                       uint32_t side)
 {
     uint32_t bit = 1u << (side & 31);
     for (uint32_t i = 0; i < undefined->count; i++)
-        if (is_same(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
+        if (is_same_report(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
             undefined->sides[i] |= bit;
             return;
         }
@@ -39,7 +42,7 @@ bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline,
     uint32_t *sides = list ? realloc(undefined->sides, most * sizeof *sides) : NULL;
     undefined->sides = sides ? sides : undefined->sides;
     for (uint32_t i = 0; sides && i < count; i++)
-        add(undefined, &found[i], side);
+        add_report(undefined, &found[i], side);
     free(found);
     if (!sides)
         report_error(log, "out of memory");
@@ -53,6 +56,15 @@ void undefined_free(struct undefined *undefined)
     *undefined = (struct undefined){0};
 }
 
+/* The path as it is typed here: below the working directory without it. */
+static const char *typed(const char *path)
+{
+    char folder[4096];
+    size_t length = getcwd(folder, sizeof folder) ? strlen(folder) : 0;
+    bool below = length && !strncmp(path, folder, length) && path[length] == '/';
+    return below ? path + length + 1 : path;
+}
+
 /* With commas between thousands. */
 static void print_count(uint32_t count)
 {
@@ -64,18 +76,28 @@ static void print_count(uint32_t count)
     }
 }
 
+void undefined_text(const struct undefined *undefined, struct text *text)
+{
+    text_add(text, "%s", "");
+    for (uint32_t i = 0; i < undefined->count; i++) {
+        const struct sanitize_report *report = &undefined->list[i];
+        text_add(text, "%s:%d:%d: undefined: %s; pass %s, %u times\n", report->file, report->line,
+                 report->column, report->text, report->pass, report->count);
+    }
+}
+
 void undefined_print(const struct undefined *undefined, const char *const *labels,
                      uint32_t side_count)
 {
     for (uint32_t i = 0; i < undefined->count; i++) {
         const struct sanitize_report *report = &undefined->list[i];
-        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ", report->file,
+        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ", typed(report->file),
                report->line, report->column, report->text, report->pass, report->invocation[0],
                report->invocation[1], report->invocation[2]);
         print_count(report->count);
         printf(" time%s; first in frame %u", report->count == 1 ? "" : "s", report->frame);
         const char *between = "; ";
-        for (uint32_t side = 0; labels && side < side_count; side++)
+        for (uint32_t side = 0; side_count > 1 && side < side_count; side++)
             if (undefined->sides[i] >> (side & 31) & 1) {
                 printf("%s%s", between, labels[side]);
                 between = ", ";
@@ -84,7 +106,17 @@ void undefined_print(const struct undefined *undefined, const char *const *label
     }
 }
 
-cJSON *undefined_json(const struct undefined *undefined)
+static cJSON *sides_json(uint32_t mask, const char *const *labels, uint32_t side_count)
+{
+    cJSON *sides = cJSON_CreateArray();
+    for (uint32_t side = 0; side < side_count; side++)
+        if (mask >> (side & 31) & 1)
+            cJSON_AddItemToArray(sides, cJSON_CreateString(labels[side]));
+    return sides;
+}
+
+cJSON *undefined_json(const struct undefined *undefined, const char *const *labels,
+                      uint32_t side_count)
 {
     cJSON *list = cJSON_CreateArray();
     for (uint32_t i = 0; i < undefined->count; i++) {
@@ -93,6 +125,7 @@ cJSON *undefined_json(const struct undefined *undefined)
         cJSON_AddStringToObject(item, "file", report->file);
         cJSON_AddNumberToObject(item, "line", report->line);
         cJSON_AddNumberToObject(item, "column", report->column);
+        cJSON_AddStringToObject(item, "kind", report->kind);
         cJSON_AddStringToObject(item, "message", report->text);
         cJSON_AddStringToObject(item, "pass", report->pass);
         for (int axis = 0; axis < 3; axis++)
@@ -100,7 +133,13 @@ cJSON *undefined_json(const struct undefined *undefined)
         cJSON_AddItemToObject(item, "invocation", invocation);
         cJSON_AddNumberToObject(item, "count", report->count);
         cJSON_AddNumberToObject(item, "frame", report->frame);
+        cJSON_AddItemToObject(item, "sides", sides_json(undefined->sides[i], labels, side_count));
         cJSON_AddItemToArray(list, item);
     }
     return list;
+}
+
+void undefined_warn_idle(const struct pipeline *pipeline, struct console *console)
+{
+    plan_warn_idle(pipeline->plan, console);
 }

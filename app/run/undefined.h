@@ -18,10 +18,16 @@ bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline,
                    const struct dt_bytes *bytes, const struct dt_log *log);
 void undefined_free(struct undefined *undefined); /* takes a zeroed one */
 
-/* On stdout. labels: of the sides; NULL: there is one. */
+/* On stdout. labels: of the sides, which are named where there are several. */
 void undefined_print(const struct undefined *undefined, const char *const *labels,
                      uint32_t side_count);
-/* For --json: [{"file", "line", "column", "message", "pass", "invocation", "count", "frame"}]. */
-struct cJSON *undefined_json(const struct undefined *undefined);
+struct text;
+/* A line for each, for a window. */
+void undefined_text(const struct undefined *undefined, struct text *text);
+/* For --json: [{"file", "line", "column", "kind", "message", "pass", "invocation", "count", "frame", "sides"}]. */
+struct cJSON *undefined_json(const struct undefined *undefined, const char *const *labels,
+                             uint32_t side_count);
+/* Warns of each `allow` of the spec that was of no use to any side. */
+void undefined_warn_idle(const struct pipeline *pipeline, struct console *console);
 
 #endif

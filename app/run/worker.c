@@ -32,7 +32,7 @@ enum message_kind {
     END
 };
 
-struct message {
+struct worker_message {
     enum message_kind kind;
     int code;
     bool good;
@@ -71,7 +71,7 @@ static bool receive_all(int socket, void *data, size_t size)
     return true;
 }
 
-static bool send_text(int socket, struct message message, const char *text)
+static bool send_text(int socket, struct worker_message message, const char *text)
 {
     message.text = strlen(text);
     return send_all(socket, &message, sizeof message) && send_all(socket, text, message.text);
@@ -91,7 +91,7 @@ struct child {
 };
 
 /* Ends this process when the message cannot be sent: then the parent has ended. */
-static void tell(const struct child *child, const struct message *message)
+static void tell_child(const struct child *child, const struct worker_message *message)
 {
     if (!send_all(child->socket, message, sizeof *message))
         _exit(EXIT_FAILED);
@@ -100,14 +100,14 @@ static void tell(const struct child *child, const struct message *message)
 static void say(void *user, enum dt_level level, const char *text)
 {
     const struct child *child = user;
-    if (!send_text(child->socket, (struct message){.kind = SAY, .code = (int)level}, text))
+    if (!send_text(child->socket, (struct worker_message){.kind = SAY, .code = (int)level}, text))
         _exit(EXIT_FAILED);
 }
 
-static void serve_read(struct child *child, const struct message *command)
+static void serve_read(struct child *child, const struct worker_message *command)
 {
     struct dt_bytes bytes = {0};
-    struct message answer = {.kind = BYTES};
+    struct worker_message answer = {.kind = BYTES};
     answer.good = child->session.runtime->read(child->session.handle, command->resource,
                                                command->mip, &bytes);
     if (answer.good && bytes.size > child->capacity) {
@@ -122,35 +122,37 @@ static void serve_read(struct child *child, const struct message *command)
         answer.size = bytes.size;
     }
     free(bytes.data);
-    tell(child, &answer);
+    tell_child(child, &answer);
 }
 
-static void serve_write(struct child *child, const struct message *command)
+static void serve_write(struct child *child, const struct worker_message *command)
 {
     const struct session *session = &child->session;
     struct dt_bytes bytes = {.data = child->shared, .size = command->size};
     memcpy(bytes.extent, command->extent, sizeof bytes.extent);
-    tell(child, &(struct message){.kind = WRITTEN,
-                                  .good = session->runtime->write(
-                                      session->handle, command->resource, command->mip, &bytes)});
+    tell_child(child, &(struct worker_message){
+                          .kind = WRITTEN,
+                          .good = session->runtime->write(session->handle, command->resource,
+                                                          command->mip, &bytes)});
 }
 
 static void serve_measure(const struct child *child)
 {
     const struct session *session = &child->session;
-    struct message answer = {.kind = MEASURED,
-                             .frame_ms = child->frame_ms,
-                             .record_ms = session->runtime->record_ms(session->handle)};
+    struct worker_message answer = {.kind = MEASURED,
+                                    .frame_ms = child->frame_ms,
+                                    .record_ms = session->runtime->record_ms(session->handle)};
     answer.good = !session->info.timing ||
                   session->runtime->timings(session->handle, (double *)(void *)child->shared);
-    tell(child, &answer);
+    tell_child(child, &answer);
 }
 
 /* Reports the stop to the parent and serves its commands until it resumes us. */
 static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32_t pass)
 {
-    struct message message = {.kind = STOP, .code = (int)stop, .frame = child->frame, .pass = pass};
-    tell(child, &message);
+    struct worker_message message = {
+        .kind = STOP, .code = (int)stop, .frame = child->frame, .pass = pass};
+    tell_child(child, &message);
     for (;;) {
         if (!receive_all(child->socket, &message, sizeof message))
             _exit(EXIT_FAILED);
@@ -173,13 +175,13 @@ static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32
     }
 }
 
-static enum dt_action before_pass(void *user, uint32_t pass)
+static enum dt_action worker_before_pass(void *user, uint32_t pass)
 {
     struct child *child = user;
     return pass < child->info->stops_before ? stop_at(child, WORKER_BEFORE_PASS, pass) : DT_RUN;
 }
 
-static bool after_pass(void *user, uint32_t pass)
+static bool worker_after_pass(void *user, uint32_t pass)
 {
     return stop_at(user, WORKER_AFTER_PASS, pass) != DT_STOP;
 }
@@ -196,7 +198,7 @@ static bool run_frames(struct child *child)
 {
     const struct worker_info *info = child->info;
     const struct dt_observer observer = {
-        .before_pass = before_pass, .after_pass = after_pass, .user = child};
+        .before_pass = worker_before_pass, .after_pass = worker_after_pass, .user = child};
     for (child->frame = info->session.first_frame; child->frame < info->frames; child->frame++) {
         bool observed = child->frame >= info->first_observed;
         if (observed ? !session_frame(&child->session, &observer) : !measured_frame(child))
@@ -213,13 +215,23 @@ static bool run_session(struct child *child)
     struct session *session = &child->session;
     if (!session_open(session, &child->info->session))
         return false;
-    if (!send_text(child->socket, (struct message){.kind = DEVICE},
+    if (!send_text(child->socket, (struct worker_message){.kind = DEVICE},
                    session->runtime->device_name(session->handle)) ||
-        !send_text(child->socket, (struct message){.kind = DRIVER},
+        !send_text(child->socket, (struct worker_message){.kind = DRIVER},
                    session->runtime->driver(session->handle)))
         return false;
     return session_prepare(session) && stop_at(child, WORKER_READY, 0) != DT_STOP &&
            run_frames(child) && stop_at(child, WORKER_FINISHED, 0) != DT_STOP;
+}
+
+static bool choose_threads(const struct child *child)
+{
+    char number[16];
+    snprintf(number, sizeof number, "%u", child->info->threads);
+    if (!child->info->threads || setenv("LP_NUM_THREADS", number, 1) == 0)
+        return true;
+    report_error(&child->info->session.console->log, "out of memory");
+    return false;
 }
 
 /* Ends without the parent's exit handlers, which must not run here. */
@@ -230,7 +242,7 @@ static _Noreturn void be_child(const struct worker *worker, int socket)
                           .shared = worker->shared,
                           .capacity = worker->capacity};
     worker->info.session.console->log = (struct dt_log){.message = say, .user = &child};
-    bool good = run_session(&child);
+    bool good = choose_threads(&child) && run_session(&child);
     session_close(&child.session);
     _exit(good || child.ended ? EXIT_FINE : EXIT_FAILED);
 }
@@ -312,7 +324,7 @@ static void report_end(struct worker *worker)
 
 /* ---- The parent's verbs ---------------------------------------------------------------------- */
 
-static bool command(struct worker *worker, const struct message *message)
+static bool command(struct worker *worker, const struct worker_message *message)
 {
     if (worker->process && send_all(worker->socket, message, sizeof *message))
         return true;
@@ -321,7 +333,8 @@ static bool command(struct worker *worker, const struct message *message)
     return false;
 }
 
-static bool receive_text(const struct worker *worker, const struct message *message, char **text)
+static bool receive_text(const struct worker *worker, const struct worker_message *message,
+                         char **text)
 {
     *text = malloc(message->text + 1);
     if (!*text) {
@@ -334,7 +347,7 @@ static bool receive_text(const struct worker *worker, const struct message *mess
 
 /* Returns the next answer; prints messages that come before it. False, silently, when the child has
  * ended. */
-static bool receive_answer(struct worker *worker, struct message *message)
+static bool receive_answer(struct worker *worker, struct worker_message *message)
 {
     const struct dt_log *log = log_of(worker);
     for (;;) {
@@ -358,7 +371,7 @@ static bool receive_answer(struct worker *worker, struct message *message)
     }
 }
 
-static bool answer(struct worker *worker, struct message *message)
+static bool answer(struct worker *worker, struct worker_message *message)
 {
     if (receive_answer(worker, message))
         return true;
@@ -424,7 +437,7 @@ bool worker_start(struct worker *worker, const struct worker_info *info)
 
 bool worker_wait(struct worker *worker, struct worker_place *place)
 {
-    struct message message;
+    struct worker_message message;
     if (!answer(worker, &message))
         return false;
     worker->place = (struct worker_place){
@@ -436,7 +449,7 @@ bool worker_wait(struct worker *worker, struct worker_place *place)
 
 bool worker_resume(struct worker *worker, enum dt_action action)
 {
-    if (!command(worker, &(struct message){.kind = RESUME, .code = (int)action}))
+    if (!command(worker, &(struct worker_message){.kind = RESUME, .code = (int)action}))
         return false;
     worker->running = true;
     return true;
@@ -444,12 +457,13 @@ bool worker_resume(struct worker *worker, enum dt_action action)
 
 bool worker_ask(struct worker *worker, uint32_t resource, uint32_t mip)
 {
-    return command(worker, &(struct message){.kind = READ, .resource = resource, .mip = mip});
+    return command(worker,
+                   &(struct worker_message){.kind = READ, .resource = resource, .mip = mip});
 }
 
 bool worker_take(struct worker *worker, struct dt_bytes *bytes)
 {
-    struct message message;
+    struct worker_message message;
     *bytes = (struct dt_bytes){0};
     if (!answer(worker, &message) || !message.good)
         return false;
@@ -466,7 +480,8 @@ bool worker_read(struct worker *worker, uint32_t resource, uint32_t mip, struct 
 bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes)
 {
-    struct message message = {.kind = WRITE, .resource = resource, .mip = mip, .size = bytes->size};
+    struct worker_message message = {
+        .kind = WRITE, .resource = resource, .mip = mip, .size = bytes->size};
     if (bytes->size > worker->capacity) {
         report_error(
             log_of(worker), "%s: %s: %zu bytes to write, where its extent says at most %zu",
@@ -481,9 +496,9 @@ bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
 
 bool worker_measure(struct worker *worker, struct worker_measure *measure)
 {
-    struct message message;
+    struct worker_message message;
     *measure = (struct worker_measure){0};
-    if (!command(worker, &(struct message){.kind = MEASURE}) || !answer(worker, &message) ||
+    if (!command(worker, &(struct worker_message){.kind = MEASURE}) || !answer(worker, &message) ||
         !message.good)
         return false;
     *measure =
@@ -495,9 +510,9 @@ bool worker_measure(struct worker *worker, struct worker_measure *measure)
 
 void worker_close(struct worker *worker)
 {
-    struct message message;
+    struct worker_message message;
     bool finished = worker->process && worker->place.stop == WORKER_FINISHED && !worker->running;
-    if (finished && command(worker, &(struct message){.kind = END})) {
+    if (finished && command(worker, &(struct worker_message){.kind = END})) {
         while (receive_answer(worker, &message))
             continue;
         worker->spoke = true; /* else its end would be reported */

@@ -34,7 +34,8 @@ struct worker_info {
     uint32_t stops_before;       /* in an observed frame, it also stops before this many passes */
     /* also stop at the end of frames before first_observed, for worker_measure */
     bool stops_after_frames;
-    bool quiet; /* print warnings and errors only */
+    bool quiet;       /* print warnings and errors only */
+    uint32_t threads; /* of Mesa's software drivers; 0: as they choose */
 };
 
 struct worker {

@@ -60,7 +60,7 @@ __attribute__((format(printf, 2, 3))) static void report(const struct loading *l
 
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
-/* Linear RGBA, or what an image of codes or data takes for that; row 0 is the bottom. */
+/* Linear RGBA, or what an image of codes or data takes for that; row 0 is the image's. */
 struct picture_level {
     uint32_t width, height;
     float *texels;
@@ -87,7 +87,7 @@ static void hear(void *user, enum dt_level level, const char *message)
         heard->loading->console->log.message(heard->loading->console->log.user, level, message);
 }
 
-static bool write_picture(FILE *result, void *user, const struct dt_log *log)
+static bool write_input_picture(FILE *result, void *user, const struct dt_log *log)
 {
     const struct loading *loading = user;
     uint32_t size[2];
@@ -109,7 +109,7 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
 {
     struct heard heard = {loading, "out of memory"};
     const struct dt_log log = {.message = hear, .user = &heard};
-    FILE *result = child_run(write_picture, (void *)loading, &log);
+    FILE *result = child_run(write_input_picture, (void *)loading, &log);
     uint32_t size[2] = {0};
     bool good = result && fread(size, sizeof size, 1, result) == 1 && size[0] == level->width &&
                 size[1] == level->height;
@@ -120,11 +120,20 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
     size_t row = (size_t)CHANNELS * level->width;
     level->texels = good ? malloc(row * level->height * sizeof(float)) : NULL;
     good = level->texels;
-    for (uint32_t y = level->height; good && y-- > 0;) /* the file begins with the top */
+    for (uint32_t i = 0; good && i < level->height; i++) { /* the file begins with the top */
+        uint32_t y = loading->resource->top ? i : level->height - 1 - i;
         good = fread(level->texels + y * row, sizeof(float), row, result) == row;
+    }
     if (result)
         fclose(result);
     return good || refuse(loading, "%s", heard.reason);
+}
+
+static size_t row_from_top(const struct loading *loading, const struct picture_level *level,
+                           size_t texel)
+{
+    size_t row = texel / level->width;
+    return loading->resource->top ? row : level->height - 1 - row;
 }
 
 /* Codes to linear light, where the image has that. */
@@ -135,7 +144,7 @@ static bool decode(const struct loading *loading, const struct picture_level *le
         if (!isfinite(level->texels[i])) {
             size_t texel = i / CHANNELS;
             return refuse(loading, "its texel (%zu, %zu), from the top left, is not finite",
-                          texel % level->width, level->height - 1 - texel / level->width);
+                          texel % level->width, row_from_top(loading, level, texel));
         }
         if (holds_light(loading) && i % CHANNELS < 3)
             level->texels[i] = srgb_decode(level->texels[i]);
@@ -152,7 +161,7 @@ static double overlap(uint32_t from, uint32_t to, uint32_t source, uint32_t targ
 }
 
 /* The mean of the area under each texel of the next mip, also where a side is odd. */
-static bool shrink(const struct picture_level *from, struct picture_level *to)
+static bool shrink_input(const struct picture_level *from, struct picture_level *to)
 {
     to->width = from->width > 1 ? from->width / 2 : 1;
     to->height = from->height > 1 ? from->height / 2 : 1;
@@ -178,7 +187,8 @@ static bool shrink(const struct picture_level *from, struct picture_level *to)
 }
 
 /* Texels in the image's format. */
-static bool encode(const struct loading *loading, const struct picture_level *level, uint32_t mip)
+static bool encode_input(const struct loading *loading, const struct picture_level *level,
+                         uint32_t mip)
 {
     enum dt_format format = loading->resource->format;
     uint32_t channels = format_info(format)->channels, size = format_info(format)->bytes;
@@ -200,7 +210,7 @@ static bool encode(const struct loading *loading, const struct picture_level *le
                 return refuse(loading,
                               "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
                               "of %s",
-                              i % level->width, level->height - 1 - i / level->width, (double)value,
+                              i % level->width, row_from_top(loading, level, i), (double)value,
                               format_info(format)->name);
         }
     return true;
@@ -229,12 +239,12 @@ static bool load_image(const struct loading *loading)
     if (!picture_size(loading->file, &level.width, &level.height, &reason))
         return refuse(loading, "%s", reason);
     bool good = fits_image(loading, &level) && read_picture(loading, &level) &&
-                decode(loading, &level) && encode(loading, &level, 0);
+                decode(loading, &level) && encode_input(loading, &level, 0);
     for (uint32_t mip = 1; good && mip < loading->input->mips; mip++) {
-        good = shrink(&level, &next) || refuse(loading, "out of memory");
+        good = shrink_input(&level, &next) || refuse(loading, "out of memory");
         free(level.texels);
         level = next;
-        good = good && encode(loading, &level, mip);
+        good = good && encode_input(loading, &level, mip);
     }
     free(level.texels);
     return good;
@@ -326,20 +336,16 @@ static bool refuse_option(const struct dt_log *log, const struct dt_pipeline *in
     for (uint32_t i = 0; list && i < info->resource_count; i++)
         if (info->resources[i].input && !info->resources[i].file)
             list[count++] = info->resources[i].name;
-    const char *hint = list && name ? nearest_name(name, list, count) : NULL;
-    if (hint)
-        report_error(log, "input %s: %s has no such input; did you mean \"%s\"?", option,
-                     info->name, hint);
-    else
-        report_error(log, "input %s: %s has no such input", option, info->name);
+    report_error(log, "input %s: %s has no such input%s", option, info->name,
+                 name_hint('"', name, list, count, "").text);
     free(name);
     free(list);
     return false;
 }
 
 /* Every --input is of an input, once, that has no file in the spec. */
-static bool check_options(const struct pipeline *pipeline, const struct setup *setup,
-                          const struct dt_log *log)
+static bool check_input_options(const struct pipeline *pipeline, const struct setup *setup,
+                                const struct dt_log *log)
 {
     const struct dt_pipeline *info = pipeline->info;
     for (uint32_t i = 0; i < setup->inputs.count; i++) {
@@ -406,7 +412,7 @@ static void find_size(struct pipeline *pipeline, struct setup *setup)
 
 bool inputs_find_size(struct pipeline *pipeline, struct setup *setup, const struct dt_log *log)
 {
-    bool good = check_options(pipeline, setup, log);
+    bool good = check_input_options(pipeline, setup, log);
     if (good)
         find_size(pipeline, setup);
     return good;

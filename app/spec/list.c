@@ -2,6 +2,7 @@
  * backend. */
 #include "spec/list.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -12,15 +13,7 @@
 #include "console/options.h"
 #include "console/texels.h"
 #include "result/dump.h"
-
-static const char *pass_kind(enum dt_pass_kind kind)
-{
-    static const char *const names[] = {[DT_PASS_DRAW_SCENE] = "draw scene",
-                                        [DT_PASS_DRAW_FULLSCREEN] = "draw fullscreen",
-                                        [DT_PASS_DRAW_VERTICES] = "draw vertices",
-                                        [DT_PASS_DISPATCH] = "dispatch"};
-    return names[kind];
-}
+#include "verbs.h"
 
 static const char *shape_name(enum dt_shape shape)
 {
@@ -56,6 +49,29 @@ static uint32_t param_values(const struct pipeline *pipeline, const struct dt_pa
     for (uint32_t i = 0; i < 4 && type_info(param->type)->scalar == DT_TYPE_FLOAT; i++)
         values[i] = shortest(values[i]);
     return count < 4 ? count : 4;
+}
+
+/* What a pass calls: the verb that draws or dispatches, and its arguments. */
+struct call {
+    const struct dt_verb_info *verb;
+    char kind[32]; /* "draw vertices" */
+    int64_t arguments[4];
+    const char *names[4]; /* of arguments that are resources */
+};
+
+static struct call call_of(const struct pipeline *pipeline, uint32_t pass, const uint32_t size[2])
+{
+    struct call call = {0};
+    const struct dt_pipeline *info = pipeline->info;
+    call.verb = plan_work(pipeline->plan, pass, size, pipeline->live, call.arguments);
+    for (size_t i = 0; call.verb->name[i] && i + 1 < sizeof call.kind; i++)
+        call.kind[i] = (char)(call.verb->name[i] == '_' ? ' ' : call.verb->name[i]);
+    for (int i = 0; i < 4 && call.verb->arguments[i]; i++)
+        if (call.verb->arguments[i][0] == '%')
+            call.names[i] = call.arguments[i] < info->resource_count
+                                ? info->resources[call.arguments[i]].name
+                                : "scene.indices";
+    return call;
 }
 
 /* ---- Table ----------------------------------------------------------------------------------- */
@@ -169,12 +185,21 @@ static void print_names(const struct dt_pipeline *info, const char *head, const 
         printf("\n");
 }
 
-static void print_passes(const struct dt_pipeline *info, int width)
+static void print_passes(const struct pipeline *pipeline, const uint32_t size[2], int width)
 {
+    const struct dt_pipeline *info = pipeline->info;
     printf("\n%u passes, in order of execution\n", info->pass_count);
     for (uint32_t i = 0; i < info->pass_count; i++) {
         const struct dt_pass *pass = &info->passes[i];
-        print_line("  %-*s  %-15s  %-30s  %s", width, pass->name, pass_kind(pass->kind),
+        struct call call = call_of(pipeline, i, size);
+        char text[160];
+        int used = snprintf(text, sizeof text, "%s", call.kind);
+        for (int k = 0; k < 4 && call.verb->arguments[k] && used < (int)sizeof text; k++)
+            used += call.names[k]
+                        ? snprintf(text + used, sizeof text - (size_t)used, " %s", call.names[k])
+                        : snprintf(text + used, sizeof text - (size_t)used, " %" PRId64,
+                                   call.arguments[k]);
+        print_line("  %-*s  %-24s  %-30s  %s", width, pass->name, text,
                    pass->shader ? pass->shader : "", pass->doc ? pass->doc : "");
         print_names(info, "reads", pass->reads, pass->read_count, width);
         print_names(info, "writes", pass->writes, pass->write_count, width);
@@ -200,7 +225,7 @@ static void print_list(const struct pipeline *pipeline, const uint32_t size[2])
     printf("%s%s%s\n\n", info->name, told ? ": " : "", told ? info->doc : "");
     print_params(pipeline, width);
     print_resources(info, size, width);
-    print_passes(info, width);
+    print_passes(pipeline, size, width);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -269,10 +294,19 @@ static void add_names(cJSON *item, const char *key, const struct dt_pipeline *in
         cJSON_AddItemToArray(names, cJSON_CreateString(info->resources[list[i]].name));
 }
 
-static cJSON *pass_json(const struct dt_pipeline *info, const struct dt_pass *pass)
+static cJSON *pass_json(const struct pipeline *pipeline, uint32_t index, const uint32_t size[2])
 {
+    const struct dt_pipeline *info = pipeline->info;
+    const struct dt_pass *pass = &info->passes[index];
+    struct call call = call_of(pipeline, index, size);
     cJSON *item = named(pass->name, pass->doc);
-    cJSON_AddStringToObject(item, "kind", pass_kind(pass->kind));
+    cJSON_AddStringToObject(item, "kind", call.kind);
+    cJSON *arguments = cJSON_AddObjectToObject(item, "arguments");
+    for (int i = 0; i < 4 && call.verb->arguments[i]; i++)
+        if (call.names[i])
+            cJSON_AddStringToObject(arguments, call.verb->arguments[i] + 1, call.names[i]);
+        else
+            cJSON_AddNumberToObject(arguments, call.verb->arguments[i], (double)call.arguments[i]);
     if (pass->shader)
         cJSON_AddStringToObject(item, "shader", pass->shader);
     add_names(item, "reads", info, pass->reads, pass->read_count);
@@ -296,7 +330,7 @@ cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2])
         cJSON_AddItemToArray(resources, resource_json(info, i, size));
     cJSON *passes = cJSON_AddArrayToObject(root, "passes");
     for (uint32_t i = 0; i < info->pass_count; i++)
-        cJSON_AddItemToArray(passes, pass_json(info, &info->passes[i]));
+        cJSON_AddItemToArray(passes, pass_json(pipeline, i, size));
     cJSON *output = cJSON_AddObjectToObject(root, "output");
     if (info->linear_output >= 0)
         cJSON_AddStringToObject(output, "linear", info->resources[info->linear_output].name);

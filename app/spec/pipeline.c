@@ -12,6 +12,7 @@
 #include "console/live.h"
 #include "console/tool.h"
 #include "gen/plan/sanitize.h"
+#include "result/contracts.h"
 #include "spec/inputs.h"
 #include "base/nearest.h"
 
@@ -72,7 +73,7 @@ char *pipeline_cache(const char *tools)
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-static bool find(struct load *load, const struct setup *setup, const struct dt_log *log)
+static bool find_files(struct load *load, const struct setup *setup, const struct dt_log *log)
 {
     *load = (struct load){.tools = tools_folder(log)};
     load->spec = load->tools ? pipeline_spec_path(setup->spec, log) : NULL;
@@ -86,7 +87,7 @@ static bool find(struct load *load, const struct setup *setup, const struct dt_l
     return load->templates;
 }
 
-static void forget(struct load *load)
+static void load_forget(struct load *load)
 {
     free(load->cache);
     free(load->templates);
@@ -133,7 +134,8 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
     struct load load;
     *pipeline = (struct pipeline){0};
     unsigned sanitize;
-    bool good = find(&load, setup, &console->log) && read_kinds(setup, &sanitize, &console->log);
+    bool good =
+        find_files(&load, setup, &console->log) && read_kinds(setup, &sanitize, &console->log);
     if (good) {
         const struct plan_request request = {.spec = load.spec,
                                              .templates = load.templates,
@@ -141,13 +143,14 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
                                              .set_count = setup->set_count,
                                              .cache = load.cache,
                                              .root = setup->root,
+                                             .exact_twin = setup->exact_twin,
                                              .text = takes_text(setup),
                                              .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);
         pipeline->plan = plan_load(&request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);
     }
-    forget(&load);
+    load_forget(&load);
     if (!good)
         pipeline_unload(pipeline);
     return good;
@@ -186,8 +189,8 @@ static bool run_generator(const struct load *load, const struct setup *setup,
 bool pipeline_try(struct console *console, const struct setup *setup)
 {
     struct load load;
-    bool good = find(&load, setup, &console->log) && run_generator(&load, setup, console);
-    forget(&load);
+    bool good = find_files(&load, setup, &console->log) && run_generator(&load, setup, console);
+    load_forget(&load);
     return good;
 }
 
@@ -215,12 +218,8 @@ static void refuse_name(const struct dt_pipeline *info, const char *what, const 
     const char **names = calloc(count + 1, sizeof *names);
     for (uint32_t i = 0; names && i < count; i++)
         memcpy(&names[i], (const char *)first + i * stride, sizeof *names);
-    const char *hint = names ? nearest_name(name, names, count) : NULL;
-    if (hint)
-        report_error(log, "%s %s: %s has no such %s; did you mean \"%s\"?", what, name, info->name,
-                     kind, hint);
-    else
-        report_error(log, "%s %s: %s has no such %s", what, name, info->name, kind);
+    report_error(log, "%s %s: %s has no such %s%s", what, name, info->name, kind,
+                 name_hint('"', name, names, count, "").text);
     free(names);
 }
 
@@ -248,4 +247,66 @@ const struct dt_param *pipeline_find_live(const struct dt_pipeline *info, const 
         report_error(log, "%s %s: it is not live: give its value when the spec is read", what,
                      name);
     return param && param->live ? param : NULL;
+}
+
+/* ---- Contracts --------------------------------------------------------------------------------- */
+
+static bool is_drawn(const struct dt_pipeline *info, uint32_t resource)
+{
+    for (uint32_t i = 0; i < info->pass_count; i++)
+        for (uint32_t k = 0; k < info->passes[i].write_count; k++)
+            if (info->passes[i].kind == DT_PASS_DRAW_SCENE && info->passes[i].writes[k] == resource)
+                return true;
+    return false;
+}
+
+static bool find_margin(const struct dt_pipeline *info, const struct kept_contract *kept,
+                        struct dt_contract *contract)
+{
+    for (uint32_t i = 0; i < info->resource_count && kept->margin; i++) {
+        int16_t field = contracts_margin(kept, &info->resources[i]);
+        if (field >= 0) {
+            contract->margin_resource = (uint16_t)i;
+            contract->margin_field = field;
+            return true;
+        }
+    }
+    return !kept->margin;
+}
+
+static bool set_contract(const struct dt_pipeline *info, uint32_t index,
+                         const struct kept_contract *kept, const char *path,
+                         const struct dt_log *log)
+{
+    /* the plan, which the pipeline owns, has made them */
+    struct dt_resource *resource = (struct dt_resource *)&info->resources[index];
+    resource->contract = kept->contract;
+    const char *wrong = NULL;
+    if (kept->contract.kind == DT_CONTRACT_RASTER && !is_drawn(info, index))
+        wrong = "`raster` is for images that a draw of the scene writes";
+    else if (kept->contract.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
+        wrong = "`image` is for images";
+    else if (!find_margin(info, kept, &resource->contract))
+        wrong = "`margin` names no buffer of floats, and no float of a buffer";
+    if (wrong)
+        report_error(log, "%s: %s: %s", path, resource->name, wrong);
+    return !wrong;
+}
+
+bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct contracts *contracts,
+                        const struct dt_log *log)
+{
+    const struct dt_pipeline *info = pipeline->info;
+    const char **names = calloc(info->resource_count + 1, sizeof *names);
+    for (uint32_t i = 0; names && i < info->resource_count; i++)
+        names[i] = info->resources[i].name;
+    bool good = names && contracts_read(contracts, path, names, info->resource_count, log);
+    if (!names)
+        report_error(log, "out of memory");
+    for (uint32_t i = 0; i < info->resource_count && good; i++) {
+        const struct kept_contract *kept = contracts_find(contracts, "", info->resources[i].name);
+        good = !kept || set_contract(info, i, kept, path, log);
+    }
+    free(names);
+    return good;
 }

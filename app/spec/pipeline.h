@@ -34,6 +34,10 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
 /* Whether another process, which may crash or hang, takes the spec: it leaves the shaders in the cache, so
  * that pipeline_load has little left to do. Its messages are printed. */
 bool pipeline_try(struct console *console, const struct setup *setup);
+/* Puts the contracts of a file in place of the spec's; the file's live as long as the pipeline. Logs its error. */
+struct contracts;
+bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct contracts *contracts,
+                        const struct dt_log *log);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
 /* A resource or a live parameter by name. The error names `what` asks for it, and a similar name. */

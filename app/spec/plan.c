@@ -1,42 +1,24 @@
 /* The app's way into gen/; see plan.h. */
 #include "spec/plan.h"
 
+#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 #include "base/files.h"
-#include "console/tool.h"
 #include "spec/play.h"
 #include "gen/read/body_files.h"
 #include "gen/load.h"
 #include "gen/print/print.h"
 #include "gen/plan/sanitize.h"
-#include "gen/spirv/cross.h"
+#include "gen/model/cross.h"
 #include "gen/spirv/watchdog.h"
+#include "gen/vary.h"
 
 struct plan {
     struct spec spec;
 };
-
-/* ---- Messages -------------------------------------------------------------------------------- */
-
-/* They go where those of a child process would go: to the terminal, a window, or --json. */
-static void tell(struct diag *diag, bool failed, struct console *console)
-{
-    int file = memfd_create("messages", MFD_CLOEXEC);
-    int copy = file >= 0 ? dup(file) : -1;
-    FILE *out = copy >= 0 ? fdopen(copy, "w") : NULL;
-    diag_write(diag, out ? out : stderr);
-    if (out)
-        fclose(out);
-    else if (copy >= 0)
-        close(copy);
-    if (file >= 0)
-        tool_tell(file, failed, console);
-}
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
@@ -48,6 +30,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
                                         .templates = request->templates,
                                         .root = request->root,
                                         .cache = request->cache,
+                                        .exact_twin = request->exact_twin,
                                         .text = request->text,
                                         .sanitize = request->sanitize};
     struct plan *plan = calloc(1, sizeof *plan);
@@ -59,7 +42,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
         good = spec_load(&plan->spec, &wanted, true, diag);
         if (limited)
             watchdog_stop();
-        tell(diag, !good, console);
+        diag_report(diag, &console->log);
     } else {
         report_error(&console->log, "out of memory");
     }
@@ -70,6 +53,32 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
     }
     plan_free(plan);
     return NULL;
+}
+
+struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
+                              uint64_t bytes, struct console *console)
+{
+    const struct vary_request wanted = {.spec = request->spec,
+                                        .templates_dir = request->templates,
+                                        .sets = request->sets,
+                                        .set_count = request->set_count,
+                                        .count = count,
+                                        .seed = seed,
+                                        .bytes = bytes,
+                                        .cache = request->cache,
+                                        .arena = arena_create()};
+    struct diag *diag = diag_create();
+    struct text text = {0};
+    bool good = diag && wanted.arena && vary(&wanted, &text, diag);
+    struct cJSON *answer = good && !text.failed ? cJSON_Parse(text.data) : NULL;
+    if (diag)
+        diag_report(diag, &console->log);
+    if (!answer && (!diag || !diag_error_count(diag)))
+        report_error(&console->log, "out of memory");
+    text_free(&text);
+    diag_free(diag);
+    arena_free(wanted.arena);
+    return answer;
 }
 
 void plan_free(struct plan *plan)
@@ -113,6 +122,15 @@ bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage,
     return good;
 }
 
+const struct dt_verb_info *plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
+                                     const void *live, int64_t arguments[4])
+{
+    const struct step *work = steps_work(&plan->spec.tables->passes[pass].steps);
+    for (int i = 0; i < 4; i++)
+        arguments[i] = amount_value(&work->arguments[i], size[0], size[1], live);
+    return dt_verb_info(work->verb);
+}
+
 struct plan_input plan_input(const struct plan *plan, uint32_t resource)
 {
     const struct resource *of = &plan->spec.model.pipeline.resources[resource];
@@ -123,14 +141,7 @@ struct plan_input plan_input(const struct plan *plan, uint32_t resource)
 void plan_blame_file(const struct plan *plan, uint32_t resource, const char *text,
                      struct console *console)
 {
-    struct diag *diag = diag_create();
-    if (diag) {
-        diag_error(diag, plan->spec.model.pipeline.resources[resource].file_loc, "%s", text);
-        tell(diag, true, console);
-    } else {
-        report_error(&console->log, "out of memory");
-    }
-    diag_free(diag);
+    report_at(&console->log, plan->spec.model.pipeline.resources[resource].file_loc, "%s", text);
 }
 
 /* ---- Choices --------------------------------------------------------------------------------- */
@@ -204,16 +215,42 @@ bool plan_choices(const struct plan *plan,
     return good;
 }
 
+bool plan_is_bounded(const struct plan *plan, uint32_t pass)
+{
+    return plan->spec.model.pipeline.order[pass]->bounded;
+}
+
+uint32_t plan_group(const struct plan *plan, uint32_t pass)
+{
+    const struct pass *of = plan->spec.model.pipeline.order[pass];
+    return of->kind == DT_PASS_DISPATCH ? of->local[0] * of->local[1] * of->local[2] : 1;
+}
+
 uint32_t plan_reports(const struct plan *plan)
 {
-    const struct model *model = &plan->spec.model;
-    return model->pipeline.resource_count - (model->sanitize != 0);
+    const struct pipeline *pipeline = &plan->spec.model.pipeline;
+    uint32_t first = pipeline->resource_count;
+    while (first && pipeline->resources[first - 1].internal)
+        first--;
+    return first;
 }
 
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
                     struct sanitize_report **reports, uint32_t *count)
 {
     return sanitize_read(&plan->spec.model, bytes, size, reports, count);
+}
+
+void plan_warn_idle(const struct plan *plan, struct console *console)
+{
+    struct diag *diag = diag_create();
+    if (diag) {
+        sanitize_warn_idle(&plan->spec.model, diag);
+        diag_report(diag, &console->log);
+    } else {
+        report_error(&console->log, "out of memory");
+    }
+    diag_free(diag);
 }
 
 uint64_t plan_hash(const struct plan *plan)
@@ -237,13 +274,4 @@ uint64_t plan_hash(const struct plan *plan)
             hash_file(&hash, spec->model.pipeline.resources[i].file_path);
     text_free(&text);
     return hash;
-}
-
-char *plan_header(const struct plan *plan)
-{
-    struct text text = {0};
-    emit_header(&plan->spec.model, &text);
-    if (text.failed)
-        text_free(&text);
-    return text.data;
 }

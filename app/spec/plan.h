@@ -13,6 +13,7 @@ struct plan_request {
     uint32_t set_count;
     const char *cache; /* folder of compiled shaders; NULL: none */
     const char *root;  /* real path: files outside are not read; NULL: no limit */
+    bool exact_twin;   /* every pass is exact */
     bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
     unsigned sanitize; /* mask of enum sanitize_kind; 0: off */
 };
@@ -20,6 +21,10 @@ struct plan_request {
 /* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
 struct plan *plan_load(const struct plan_request *request, struct console *console);
 void plan_free(struct plan *plan); /* takes NULL */
+/* What vary() of gen/stages.h makes: `count` variations, in which resources take `bytes` at most, and the
+ * files of the spec; NULL: logged. */
+struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
+                              uint64_t bytes, struct console *console);
 
 const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
@@ -28,6 +33,10 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count);
 /* The GLSL of a pass for a backend ("gl", "vk"); stage: 0 compute, 1 vertex, 2 fragment. *glsl is
  * NULL where the pass has none, and belongs to the plan. False when out of memory. */
 bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
+
+/* The call of a pass that draws or dispatches, with its arguments in a frame of this size. */
+const struct dt_verb_info *plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
+                                     const void *live, int64_t arguments[4]);
 
 /* Of a resource with `input` or `file` in the spec. */
 struct plan_input {
@@ -47,16 +56,21 @@ bool plan_choices(const struct plan *plan,
                   bool (*take)(void *user, uint32_t pass, const char *path, const char *value),
                   void *user);
 
+/* Whether the pass's `exactness` leaves it free, so that it is judged against its exact twin. */
+bool plan_is_bounded(const struct plan *plan, uint32_t pass);
+
+/* Invocations of a workgroup of a pass; 1 of a draw. */
+uint32_t plan_group(const struct plan *plan, uint32_t pass);
+
 /* The buffer that --sanitize adds; its index is that of no resource without it. */
 uint32_t plan_reports(const struct plan *plan);
 /* What its content tells; see sanitize_read in gen/plan/sanitize.h. */
 struct sanitize_report;
+void plan_warn_idle(const struct plan *plan, struct console *console); /* sanitize_warn_idle */
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
                     struct sanitize_report **reports, uint32_t *count);
 
 /* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);
-/* NAME.h, for such a file; free(). */
-char *plan_header(const struct plan *plan);
 
 #endif

@@ -2,6 +2,7 @@
 #include "spec/play.h"
 
 #include "gen/model/expr.h"
+#include "gen/plan/shadow.h"
 
 /* The tables whose reflection this is. */
 static const struct lowered *tables_of(const struct dt_pipeline *pipeline)
@@ -12,14 +13,18 @@ static const struct lowered *tables_of(const struct dt_pipeline *pipeline)
 static void play_extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
                         uint32_t height, uint32_t extent[3])
 {
-    const struct pipeline *plan = &tables_of(pipeline)->model->pipeline;
+    const struct model *model = tables_of(pipeline)->model;
+    const struct pipeline *plan = &model->pipeline;
     int64_t size[3] = {1, 1, 1};
     for (int axis = 0; axis < 3 && resource < plan->resource_count; axis++) {
         const struct amount side = {.kind = AMOUNT_EXPR,
                                     .expr = resource_size(&plan->resources[resource], axis)};
         size[axis] = amount_value(&side, width, height, NULL);
     }
-    dt_set_extent(extent, size[0], size[1], size[2]);
+    uint64_t words = resource < plan->resource_count
+                         ? shadow_words(model, &plan->resources[resource], width, height)
+                         : 0;
+    dt_set_extent(extent, words ? (int64_t)words : size[0], size[1], size[2]);
 }
 
 static uint64_t play_runs(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t width,

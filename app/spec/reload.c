@@ -25,15 +25,18 @@ struct sight {
 
 struct reload {
     struct console *console;
-    const struct setup *setup;
+    struct setup setup;
     pthread_t thread;
     pthread_mutex_t lock; /* of what follows */
     bool stop;
+    char **asked; /* overrides of reload_again that were not taken yet; NULL: none; owned */
+    uint32_t asked_count;
     enum reload_news news;
     struct reload_result result;
     /* the thread's own */
     char *folders[MAX_FOLDERS];
     uint32_t folder_count;
+    char **sets; /* those of the last reload_again, owned; NULL: the caller's */
     bool broken; /* the last build failed */
 };
 
@@ -74,7 +77,7 @@ static bool is_source(const char *name)
     return false;
 }
 
-static void add_entry(struct sight *sight, int folder, const char *name)
+static void add_to_sight(struct sight *sight, int folder, const char *name)
 {
     struct stat info;
     if (name[0] == '.' || fstatat(folder, name, &info, 0) != 0)
@@ -99,7 +102,7 @@ static struct sight look(const struct reload *reload)
         for (struct dirent *entry = listing ? readdir(listing) : NULL; entry;
              entry = readdir(listing))
             if (entry->d_type != DT_REG || is_source(entry->d_name))
-                add_entry(&sight, dirfd(listing), entry->d_name);
+                add_to_sight(&sight, dirfd(listing), entry->d_name);
         if (listing)
             closedir(listing);
     }
@@ -113,7 +116,7 @@ static bool is_other(const struct reload *reload, struct sight seen, struct sigh
 
 /* ---- The thread ------------------------------------------------------------------------------ */
 
-static void forget(struct reload_result *result)
+static void result_forget(struct reload_result *result)
 {
     pipeline_unload(&result->pipeline);
     free(result->text);
@@ -121,26 +124,27 @@ static void forget(struct reload_result *result)
 }
 
 /* What nobody has asked for yet is outdated. */
-static void tell(struct reload *reload, enum reload_news news, const struct reload_result *result)
+static void tell_news(struct reload *reload, enum reload_news news,
+                      const struct reload_result *result)
 {
     pthread_mutex_lock(&reload->lock);
-    forget(&reload->result);
+    result_forget(&reload->result);
     reload->news = news;
     reload->result = *result;
     pthread_mutex_unlock(&reload->lock);
 }
 
-static void build(struct reload *reload, double start)
+static void build_pipeline(struct reload *reload, double start)
 {
     struct reload_result result = {0};
-    tell(reload, RELOAD_BEGUN, &result);
+    tell_news(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_try(reload->console, reload->setup);
+    bool good = pipeline_try(reload->console, &reload->setup);
     if (good) {
         /* The other process said the same. */
         free(capture ? console_captured(reload->console) : NULL);
         capture = console_capture(reload->console);
-        good = pipeline_load(&result.pipeline, reload->console, reload->setup);
+        good = pipeline_load(&result.pipeline, reload->console, &reload->setup);
     }
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
@@ -148,7 +152,31 @@ static void build(struct reload *reload, double start)
     if (good)
         watch(reload, &result.pipeline); /* it may be made from files of more folders */
     reload->broken = !good;
-    tell(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
+    tell_news(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
+}
+
+static void free_sets(char **sets, uint32_t count)
+{
+    for (uint32_t i = 0; sets && i < count; i++)
+        free(sets[i]);
+    free(sets);
+}
+
+/* Whether other overrides were asked for: from now on, they hold. */
+static bool take_sets(struct reload *reload)
+{
+    pthread_mutex_lock(&reload->lock);
+    char **asked = reload->asked;
+    uint32_t count = reload->asked_count;
+    reload->asked = NULL;
+    pthread_mutex_unlock(&reload->lock);
+    if (!asked)
+        return false;
+    free_sets(reload->sets, reload->setup.set_count);
+    reload->sets = asked;
+    reload->setup.sets = (const char **)asked;
+    reload->setup.set_count = count;
+    return true;
 }
 
 static bool is_stopped(struct reload *reload)
@@ -159,14 +187,15 @@ static bool is_stopped(struct reload *reload)
     return stop;
 }
 
-static void *run(void *user)
+static void *watch_files(void *user)
 {
     struct reload *reload = user;
     struct sight built = look(reload);
     while (!is_stopped(reload)) {
         nanosleep(&(struct timespec){.tv_nsec = LOOK_MS * 1000000L}, NULL);
         struct sight seen = look(reload);
-        if (!is_other(reload, seen, built))
+        bool asked = take_sets(reload);
+        if (!asked && !is_other(reload, seen, built))
             continue;
         double start = milliseconds_now();
         for (struct sight before = built; is_other(reload, seen, before);) {
@@ -175,7 +204,7 @@ static void *run(void *user)
             seen = look(reload);
         }
         uint32_t folders = reload->folder_count;
-        build(reload, start);
+        build_pipeline(reload, start);
         /* with more folders it is another number; else a file saved meanwhile has its turn next */
         built = reload->folder_count == folders ? seen : look(reload);
     }
@@ -190,10 +219,10 @@ struct reload *reload_start(struct console *console, const struct setup *setup,
     struct reload *reload = calloc(1, sizeof *reload);
     int error = ENOMEM;
     if (reload) {
-        *reload = (struct reload){.console = console, .setup = setup};
+        *reload = (struct reload){.console = console, .setup = *setup};
         pthread_mutex_init(&reload->lock, NULL);
         watch(reload, pipeline);
-        error = pthread_create(&reload->thread, NULL, run, reload);
+        error = pthread_create(&reload->thread, NULL, watch_files, reload);
         if (!error)
             return reload;
         for (uint32_t i = 0; i < reload->folder_count; i++)
@@ -203,6 +232,27 @@ struct reload *reload_start(struct console *console, const struct setup *setup,
     report_error(&console->log, "cannot watch the files of the pipeline: %s", strerror(error));
     free(reload);
     return NULL;
+}
+
+bool reload_again(struct reload *reload, const char *const *sets, uint32_t count)
+{
+    char **copy = calloc(count + 1, sizeof *copy);
+    bool good = copy;
+    for (uint32_t i = 0; good && i < count; i++)
+        good = (copy[i] = strdup(sets[i]));
+    if (!good) {
+        free_sets(copy, count);
+        report_error(&reload->console->log, "out of memory");
+        return false;
+    }
+    pthread_mutex_lock(&reload->lock);
+    char **before = reload->asked;
+    uint32_t before_count = reload->asked_count;
+    reload->asked = copy;
+    reload->asked_count = count;
+    pthread_mutex_unlock(&reload->lock);
+    free_sets(before, before_count);
+    return true;
 }
 
 enum reload_news reload_poll(struct reload *reload, struct reload_result *result)
@@ -224,9 +274,12 @@ void reload_stop(struct reload *reload)
     reload->stop = true;
     pthread_mutex_unlock(&reload->lock);
     pthread_join(reload->thread, NULL);
-    forget(&reload->result);
+    result_forget(&reload->result);
     for (uint32_t i = 0; i < reload->folder_count; i++)
         free(reload->folders[i]);
+    free_sets(reload->asked, reload->asked_count);
+    if (reload->sets)
+        free_sets(reload->sets, reload->setup.set_count);
     pthread_mutex_destroy(&reload->lock);
     free(reload);
 }

@@ -24,6 +24,9 @@ struct reload_result {
 /* Watches what `pipeline` was made from; NULL, logged, when it cannot. */
 struct reload *reload_start(struct console *console, const struct setup *setup,
                             const struct pipeline *pipeline);
+/* Makes the pipeline again, with these overrides instead of those of the setup; copies them. False when out of memory,
+ * logged. */
+bool reload_again(struct reload *reload, const char *const *sets, uint32_t count);
 /* Never waits. */
 enum reload_news reload_poll(struct reload *reload, struct reload_result *result);
 /* Waits for a build that is under way; takes NULL. */

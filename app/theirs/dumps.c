@@ -1,5 +1,4 @@
-/* `diptych compare A B`: dumps of two renderers, no spec. One resource of each is in memory at a
- * time. */
+/* Compares dumps of two renderers, no spec; see dumps.h. One resource of each is in memory at a time. */
 #include "theirs/dumps.h"
 
 #include <math.h>
@@ -7,8 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/options.h"
-#include "theirs/compare_dumps.h"
+#include "result/edges.h"
 #include "formats.h"
 
 /* ---- Matching ---------------------------------------------------------------------------------- */
@@ -18,8 +16,8 @@ static bool same_place(const struct their_entry *a, const struct their_entry *b)
     return !strcmp(a->pass, b->pass) && !strcmp(a->resource, b->resource) && a->mip == b->mip;
 }
 
-static struct their_entry *find_partner(const struct theirs *theirs,
-                                        const struct their_entry *entry, int frame_step)
+struct their_entry *dumps_partner(const struct theirs *theirs, const struct their_entry *entry,
+                                  int frame_step)
 {
     for (uint32_t i = 0; i < theirs->count; i++) {
         struct their_entry *other = &theirs->entries[i];
@@ -30,66 +28,50 @@ static struct their_entry *find_partner(const struct theirs *theirs,
     return NULL;
 }
 
-static bool match_all(struct dumps *dumps)
+/* "radiance", "radiance mip 2", "radiance mip 2 frame 7". */
+static char *name_of(const struct their_entry *entry)
 {
-    struct theirs *first = &dumps->sides[0], *second = &dumps->sides[1];
+    char again[24] = "", mip[24] = "", frame[24] = "";
+    if (entry->again)
+        snprintf(again, sizeof again, " #%u", entry->again + 1);
+    if (entry->mip)
+        snprintf(mip, sizeof mip, " mip %u", entry->mip);
+    if (entry->frame)
+        snprintf(frame, sizeof frame, " frame %u", entry->frame);
+    return format_string("%s%s%s%s", entry->resource, again, mip, frame);
+}
+
+bool dumps_match(struct dumps *dumps)
+{
+    struct theirs *first = dumps->sides[0], *second = dumps->sides[1];
     uint32_t matched = 0;
-    dumps->count = first->count;
+    bool good = true;
     dumps->matches = calloc(first->count + 1, sizeof *dumps->matches);
     for (uint32_t i = 0; dumps->matches && i < first->count; i++) {
-        struct match *match = &dumps->matches[i];
+        struct match *match = &dumps->matches[dumps->count++];
         match->sides[0] = &first->entries[i];
-        match->sides[1] = find_partner(second, match->sides[0], 0);
+        match->sides[1] = dumps_partner(second, match->sides[0], 0);
         match->place = format_string("%s.%s", match->sides[0]->pass, match->sides[0]->resource);
+        match->name = name_of(match->sides[0]);
         matched += !!match->sides[1];
+        good &= match->place && match->name;
     }
     dumps->alone[0] = first->count - matched;
     dumps->alone[1] = second->count - matched;
-    if (!dumps->matches)
+    if (!dumps->matches || !good)
         report_error(&dumps->console->log, "out of memory");
     else if (!matched)
         report_error(&dumps->console->log,
                      "%s, %s: no pass and resource have the same names in both; nothing to compare",
                      first->folder, second->folder);
-    return matched;
+    return good && matched;
 }
 
-/* ---- Judging ----------------------------------------------------------------------------------- */
+/* ---- Loading ----------------------------------------------------------------------------------- */
 
-static const struct dt_contract *find_contract(const struct dumps *dumps,
-                                               const struct their_entry *entry)
-{
-    const struct dt_contract *found = NULL;
-    size_t pass = strlen(entry->pass);
-    int best = 0;
-    for (uint32_t i = 0; i < dumps->contract_count; i++) {
-        const char *name = dumps->contracts[i].name;
-        int fit = !strncmp(name, entry->pass, pass) && name[pass] == '.' &&
-                          !strcmp(name + pass + 1, entry->resource)
-                      ? 3
-                  : !strcmp(name, entry->resource) ? 2
-                  : !strcmp(name, "default")       ? 1
-                                                   : 0;
-        if (fit > best) {
-            best = fit;
-            found = &dumps->contracts[i].contract;
-        }
-    }
-    return found;
-}
-
-static bool has_floats(const struct component *component)
-{
-    return !number_is_integer(component->kind);
-}
-
-static bool not_finite(const struct component *component, const uint8_t *place)
-{
-    return has_floats(component) && !isfinite(number_value(component->kind, place));
-}
-
-/* A number that is NaN in both copies, or the same infinity, becomes 0 in both. */
-static bool drop_not_finite(struct match *match, struct dt_bytes copies[2])
+/* A number that is NaN in both copies, or the same infinity, becomes 0 in both; so does a zero of two signs, which is no
+ * difference between two renderers. */
+static bool level(struct match *match, struct dt_bytes copies[2])
 {
     struct component *list = NULL;
     uint32_t count = resource_components(&match->what, &list);
@@ -99,17 +81,64 @@ static bool drop_not_finite(struct match *match, struct dt_bytes copies[2])
              number_is_float(list[c].kind) && at < copies[0].size && at < copies[1].size;
              at += stride) {
             uint8_t *a = copies[0].data + at, *b = copies[1].data + at;
-            double x = not_finite(&list[c], a) ? number_value(list[c].kind, a) : 0;
-            double y = x != 0 && not_finite(&list[c], b) ? number_value(list[c].kind, b) : 0;
-            if (y == 0 || (isnan(x) != isnan(y)) || (!isnan(x) && x != y))
+            double x = number_value(list[c].kind, a), y = number_value(list[c].kind, b);
+            bool finite = isfinite(x) || isfinite(y), same = x == y || (isnan(x) && isnan(y));
+            if (!same || (finite && x != 0))
                 continue;
             number_set_bits(list[c].kind, 0, a);
             number_set_bits(list[c].kind, 0, b);
-            match->not_finite++;
+            match->not_finite += !finite;
         }
     free(list);
     return count;
 }
+
+bool dumps_load(const struct theirs *const sides[2], struct match *match, struct dt_bytes copies[2],
+                bool *same)
+{
+    memset(copies, 0, 2 * sizeof *copies);
+    for (int i = 0; i < 2; i++)
+        if (!theirs_load(sides[i], match->sides[i], &copies[i]))
+            return false;
+    free(match->note);
+    match->note = NULL;
+    match->not_finite = 0;
+    *same = dumps_convert(match, copies);
+    if (!*same && match->note)
+        return true;
+    if (!*same || !level(match, copies)) {
+        report_error(sides[0]->log, "out of memory");
+        return false;
+    }
+    return true;
+}
+
+/* Both copies of another resource of the match's pass, of which `wanted` says whether it is one; false: there is none. Free the copies. */
+static bool load_beside(const struct dumps *dumps, const struct theirs *const sides[2],
+                        const struct match *match,
+                        bool (*wanted)(const struct match *match, const struct dt_resource *what),
+                        struct dt_resource *what, struct dt_bytes copies[2])
+{
+    for (uint32_t i = 0; i < dumps->count; i++) {
+        struct match beside = {.sides = {dumps->matches[i].sides[0],
+                                         dumps_partner(sides[1], dumps->matches[i].sides[0], 0)}};
+        const struct their_entry *entry = beside.sides[0];
+        bool same = false, found = false;
+        if (!beside.sides[1] || strcmp(entry->pass, match->sides[0]->pass) != 0 ||
+            entry->frame != match->sides[0]->frame || entry->mip != match->sides[0]->mip)
+            continue;
+        found = dumps_load(sides, &beside, copies, &same) && same && wanted(match, &beside.what);
+        *what = beside.what;
+        free(beside.note);
+        if (found)
+            return true;
+        free(copies[0].data);
+        free(copies[1].data);
+    }
+    return false;
+}
+
+/* ---- Judging ----------------------------------------------------------------------------------- */
 
 /* The fields of a buffer that are integers, or the others. Returns how many. */
 static uint32_t pick_fields(const struct dt_resource *resource, bool integers,
@@ -123,7 +152,8 @@ static uint32_t pick_fields(const struct dt_resource *resource, bool integers,
 }
 
 /* Integers and floats of one buffer have different contracts: integers first. */
-static bool measure_fields(struct match *match, const struct dt_bytes copies[2])
+static bool measure_fields(struct match *match, const struct dt_bytes copies[2],
+                           struct difference *difference)
 {
     struct dt_resource part = match->what;
     struct dt_field *fields = calloc(part.field_count, sizeof *fields);
@@ -134,72 +164,155 @@ static bool measure_fields(struct match *match, const struct dt_bytes copies[2])
         part.contract =
             integers ? (struct dt_contract){.kind = DT_CONTRACT_EXACT} : match->what.contract;
         if (part.field_count)
-            good = difference_measure(&match->difference, &part, match->sides[0]->frame, copies);
-        if (difference_verdict(&match->difference) == VERDICT_DIFFERS)
+            good = difference_measure(difference, &part, match->sides[0]->frame, copies);
+        if (difference_verdict(difference) == VERDICT_DIFFERS)
             break;
     }
     free(fields);
     return good;
 }
 
-static bool measure(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
+static bool is_numbers(const struct match *match, const struct dt_resource *what)
 {
-    const struct dt_contract *contract = find_contract(dumps, match->sides[0]);
-    struct dt_resource *what = &match->what;
-    bool integers = what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind);
-    what->contract = contract   ? *contract
-                     : integers ? (struct dt_contract){.kind = DT_CONTRACT_EXACT}
-                                : (struct dt_contract){.kind = DT_CONTRACT_ULP, .tolerance = 1};
-    if (what->kind == DT_BUFFER && !contract)
-        return measure_fields(match, copies);
-    return difference_measure(&match->difference, what, match->sides[0]->frame, copies);
+    return what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind) && match;
 }
 
-/* Both copies in one form; free them, also on false. *same: they could be compared. */
-static bool load_both(struct dumps *dumps, struct match *match, struct dt_bytes copies[2],
-                      bool *same)
+static bool is_depth(const struct match *match, const struct dt_resource *what)
 {
-    memset(copies, 0, 2 * sizeof *copies);
-    for (int i = 0; i < 2; i++)
-        if (!theirs_load(&dumps->sides[i], match->sides[i], &copies[i]))
-            return false;
-    free(match->note);
-    match->note = NULL;
-    match->not_finite = 0;
-    *same = dumps_convert(match, copies);
-    if (!*same && match->note)
-        return true;
-    if (!*same || !drop_not_finite(match, copies)) {
-        report_error(&dumps->console->log, "out of memory");
-        return false;
+    return what->kind == DT_IMAGE && what->format == DT_FORMAT_D32F && match;
+}
+
+/* `raster`: where a texel of the pass's triangle numbers, else of its depth, differs from one around it. */
+static bool measure_draw(const struct dumps *dumps, const struct theirs *const sides[2],
+                         struct match *match, const struct dt_bytes copies[2],
+                         struct difference *difference)
+{
+    struct dt_resource what;
+    struct dt_bytes found[2], depths[2];
+    bool *edges = NULL, good = true;
+    if (load_beside(dumps, sides, match, is_numbers, &what, found) ||
+        load_beside(dumps, sides, match, is_depth, &what, found)) {
+        good = edges_find(&edges, &what, found);
+        if (edges && what.format != DT_FORMAT_D32F &&
+            load_beside(dumps, sides, match, is_depth, &what, depths)) {
+            if (!memcmp(depths[0].extent, found[0].extent, sizeof depths[0].extent) &&
+                !memcmp(depths[1].extent, found[0].extent, sizeof depths[1].extent))
+                edges_add_coincident(edges, depths);
+            free(depths[0].data);
+            free(depths[1].data);
+        }
+        if (memcmp(found[0].extent, copies[0].extent, sizeof found[0].extent) != 0) {
+            free(edges); /* of another size: no texel is at an edge */
+            edges = NULL;
+        }
+        free(found[0].data);
+        free(found[1].data);
     }
-    return true;
+    good = good &&
+           difference_measure_draw(difference, &match->what, match->sides[0]->frame, copies, edges);
+    free(edges);
+    return good;
+}
+
+static bool has_margin(const struct match *match, const struct dt_resource *what)
+{
+    return contracts_margin(match->kept, what) >= 0;
+}
+
+/* `flips` with `margin`. */
+static void add_margins(const struct dumps *dumps, const struct theirs *const sides[2],
+                        const struct match *match, struct difference *difference)
+{
+    struct dt_resource margin, what = match->what;
+    struct dt_bytes copies[2];
+    if (!match->kept || !match->kept->margin || !difference->flip_count ||
+        !load_beside(dumps, sides, match, has_margin, &margin, copies))
+        return;
+    what.contract.margin_field = contracts_margin(match->kept, &margin);
+    difference_add_margins(difference, &what, &margin, copies);
+    free(copies[0].data);
+    free(copies[1].data);
+}
+
+bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
+                 struct match *match, const struct dt_bytes copies[2],
+                 struct difference *difference)
+{
+    struct dt_resource *what = &match->what;
+    bool integers = what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind);
+    bool good;
+    match->kept =
+        contracts_find(dumps->contracts, match->sides[0]->pass, match->sides[0]->resource);
+    what->contract = match->kept ? match->kept->contract
+                     : integers  ? (struct dt_contract){.kind = DT_CONTRACT_EXACT}
+                                 : (struct dt_contract){.kind = DT_CONTRACT_ULP, .tolerance = 1};
+    if (what->kind == DT_BUFFER && !match->kept)
+        good = measure_fields(match, copies, difference);
+    else if (what->contract.kind == DT_CONTRACT_RASTER)
+        good = measure_draw(dumps, sides, match, copies, difference);
+    else
+        good = difference_measure(difference, what, match->sides[0]->frame, copies);
+    if (good)
+        add_margins(dumps, sides, match, difference);
+    else
+        report_error(&dumps->console->log, "out of memory");
+    return good;
+}
+
+/* "03.light.radiance.mip1", as a dump names files, with the second side's label if there are several. */
+static char *stem_of(const struct dumps *dumps, const struct match *match)
+{
+    char *text = format_string("%02u.%s.%s%s%s", (unsigned)(match - dumps->matches),
+                               match->sides[0]->pass, match->name, dumps->several ? "." : "",
+                               dumps->several ? dumps->sides[1]->label : "");
+    char *stem = text ? sheet_word(text) : NULL;
+    if (!stem)
+        report_error(&dumps->console->log, "out of memory");
+    free(text);
+    return stem;
+}
+
+static bool draw(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
+{
+    struct sheet_files files = {.pictures = dumps->options->pictures, .html = dumps->options->html};
+    if (!sheet_shows(&files, &match->what, &match->difference))
+        return true;
+    char *stem = stem_of(dumps, match);
+    files.stem = stem;
+    bool good = stem && sheet_draw(&match->shown, &files, &match->what, &match->difference, copies,
+                                   &dumps->console->log);
+    free(stem);
+    return good;
 }
 
 static bool compare_match(struct dumps *dumps, struct match *match)
 {
+    const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     struct dt_bytes copies[2];
-    bool good = load_both(dumps, match, copies, &match->compared);
-    if (good && match->compared && !measure(dumps, match, copies)) {
-        report_error(&dumps->console->log, "out of memory");
-        good = false;
-    }
+    bool good = dumps_load(sides, match, copies, &match->compared);
+    if (good && match->compared)
+        good = dumps_judge(dumps, sides, match, copies, &match->difference) &&
+               draw(dumps, match, copies);
     free(copies[0].data);
     free(copies[1].data);
-    if (good && !dumps->guilty &&
+    if (good && !dumps->first &&
         (!match->compared || difference_verdict(&match->difference) == VERDICT_DIFFERS))
-        dumps->guilty = match;
+        dumps->first = dumps->guilty = match;
     return good;
 }
 
 /* ---- Why --------------------------------------------------------------------------------------- */
 
-/* The first copy of the resource in another frame or mip, for why; free(bytes->data). False where there is none. */
+struct asked_match {
+    const struct theirs *const *sides;
+    const struct match *match;
+};
+
+/* The copy of the resource in another frame or mip, for why; free(bytes->data). False where there is none. */
 static bool load_relative(void *user, enum why_relative relative, int side, struct dt_bytes *bytes)
 {
-    struct dumps *dumps = user;
-    const struct match *match = dumps->asked;
-    const struct theirs *theirs = &dumps->sides[side];
+    const struct asked_match *asked = user;
+    const struct match *match = asked->match;
     struct their_entry wanted = *match->sides[side], *found;
     int step = relative == WHY_FRAME_BEFORE ? -1 : relative == WHY_FRAME_AFTER ? 1 : 0;
     if (relative == WHY_MIP_FINER || relative == WHY_MIP_COARSER) {
@@ -207,8 +320,8 @@ static bool load_relative(void *user, enum why_relative relative, int side, stru
             return false;
         wanted.mip += relative == WHY_MIP_FINER ? UINT32_MAX : 1;
     }
-    found = find_partner(theirs, &wanted, step);
-    if (!found || !theirs_load(theirs, found, bytes))
+    found = dumps_partner(asked->sides[side], &wanted, step);
+    if (!found || !theirs_load(asked->sides[side], found, bytes))
         return false;
     bool same =
         found->what.kind == match->what.kind && found->what.kind == DT_IMAGE
@@ -219,16 +332,18 @@ static bool load_relative(void *user, enum why_relative relative, int side, stru
     return same;
 }
 
-static bool ask_why(struct dumps *dumps, struct match *match)
+bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
+                   struct match *match)
 {
     struct dt_bytes copies[2];
-    bool same, good = load_both(dumps, match, copies, &same);
-    dumps->asked = match;
-    const struct why_question question = {.resource = &match->what,
-                                          .copies = copies,
-                                          .labels = {dumps->sides[0].label, dumps->sides[1].label},
-                                          .relative = load_relative,
-                                          .user = dumps};
+    struct asked_match asked = {sides, match};
+    bool same, good = dumps_load(sides, match, copies, &same);
+    const struct why_question question = {
+        .resource = &match->what,
+        .copies = copies,
+        .labels = {dumps->sides[0]->label, dumps->sides[1]->label},
+        .relative = load_relative,
+        .user = &asked};
     if (good && same && !why_find(&match->why, &question)) {
         report_error(&dumps->console->log, "out of memory");
         good = false;
@@ -240,71 +355,39 @@ static bool ask_why(struct dumps *dumps, struct match *match)
 
 static bool explain(struct dumps *dumps)
 {
+    const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     for (uint32_t i = 0; i < dumps->count && dumps->guilty; i++) {
         struct match *match = &dumps->matches[i];
         if (match->compared && difference_verdict(&match->difference) == VERDICT_DIFFERS &&
             !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
-            match->sides[0]->frame == dumps->guilty->sides[0]->frame && !ask_why(dumps, match))
+            match->sides[0]->frame == dumps->guilty->sides[0]->frame &&
+            !dumps_ask_why(dumps, sides, match))
             return false;
     }
     return true;
 }
 
-/* ---- The verb ---------------------------------------------------------------------------------- */
-
-static void release(struct dumps *dumps)
+bool dumps_compare(struct dumps *dumps)
 {
-    for (uint32_t i = 0; dumps->matches && i < dumps->count; i++) {
-        free(dumps->matches[i].note);
-        free(dumps->matches[i].place);
-        why_free(&dumps->matches[i].why);
+    for (uint32_t i = 0; i < dumps->count; i++)
+        if (dumps->matches[i].sides[1] && !compare_match(dumps, &dumps->matches[i]))
+            return false;
+    if (dumps->first && dumps->options->run_second)
+        return dumps_run(dumps);
+    return explain(dumps) && (!dumps->options->repeats || dumps_measure(dumps));
+}
+
+void dumps_free(struct dumps *dumps)
+{
+    for (uint32_t i = 0; i < dumps->count; i++) {
+        struct match *match = &dumps->matches[i];
+        free(match->note);
+        free(match->place);
+        free(match->name);
+        sheet_free_shown(&match->shown);
+        why_free(&match->why);
     }
     free(dumps->matches);
-    free(dumps->contracts);
-    for (int i = 0; i < 2; i++)
-        theirs_close(&dumps->sides[i]);
-}
-
-/* Two folders of the same name, or two dumps of one backend, are "first" and "second". */
-static bool tell_apart(struct dumps *dumps)
-{
-    static const char *const names[2] = {"first", "second"};
-    if (strcmp(dumps->sides[0].label, dumps->sides[1].label) != 0)
-        return true;
-    for (int i = 0; i < 2; i++) {
-        free(dumps->sides[i].label);
-        dumps->sides[i].label = strdup(names[i]);
-        if (!dumps->sides[i].label)
-            report_error(&dumps->console->log, "out of memory");
-    }
-    return dumps->sides[0].label && dumps->sides[1].label;
-}
-
-int compare_dumps(struct console *console, const struct options *options)
-{
-    struct dumps dumps = {.console = console};
-    bool good = options->dumps[0] && options->dumps[1];
-    if (!good)
-        report_error(&console->log, "compare: two dumps are needed: compare A B");
-    else if (options->setup.spec || options->setup.scene || options->setup.against ||
-             options->golden || options->bisect || options->html || options->junit ||
-             options->pictures) {
-        report_error(&console->log, "compare: two dumps take --json and --contracts alone");
-        good = false;
-    }
-    for (int i = 0; i < 2 && good; i++)
-        good = theirs_open(&dumps.sides[i], options->dumps[i], &console->log);
-    good = good && tell_apart(&dumps) && match_all(&dumps) &&
-           (!options->contracts || dumps_contracts(&dumps, options->contracts));
-    for (uint32_t i = 0; i < dumps.count && good; i++)
-        if (dumps.matches[i].sides[1])
-            good = compare_match(&dumps, &dumps.matches[i]);
-    good = good && explain(&dumps);
-    if (good)
-        dumps_print(&dumps);
-    if (good && options->json)
-        console->result = dumps_json(&dumps);
-    bool differ = dumps.guilty;
-    release(&dumps);
-    return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
+    free(dumps->measured.rows);
+    *dumps = (struct dumps){0};
 }

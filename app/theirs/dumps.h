@@ -1,10 +1,11 @@
 /* Results of `compare A B`: dumps of two renderers. dumps.c fills them, dumps_print.c prints them and
- * makes the JSON. */
+ * makes JSON, page and XML. */
 #ifndef DIPTYCH_DUMPS_H
 #define DIPTYCH_DUMPS_H
 
-#include "console/console.h"
-#include "result/difference.h"
+#include "console/options.h"
+#include "result/measured.h"
+#include "result/sheet.h"
 #include "theirs/theirs.h"
 #include "theirs/why.h"
 
@@ -12,41 +13,76 @@
 struct match {
     struct their_entry *sides[2]; /* sides[1] NULL: it has no partner */
     char *place;                  /* PASS.RESOURCE; owned */
+    char *name;                   /* of the resource, with mip and frame; owned */
     bool compared;
     char *note; /* what was converted, or why nothing could be compared; owned; may be NULL */
     struct dt_resource what; /* both copies' common form; fields are borrowed of the first */
     struct difference difference;
     uint64_t
         not_finite; /* numbers that are NaN or the same infinity in both copies: they count as equal */
-    struct why why; /* of resources of the guilty pass */
+    const struct kept_contract *kept; /* NULL: the default */
+    struct shown shown;
+    struct why why;        /* of resources of the guilty pass */
+    bool ran;              /* --run: the pass ran again, */
+    struct difference own; /* and this is its own error */
 };
 
-/* A contract of a file of --contracts. */
-struct their_contract {
-    const char *name; /* a resource, PASS.RESOURCE, or "default"; owned by the dump or a literal */
-    struct dt_contract contract;
-};
-
+/* Two sides. */
 struct dumps {
     struct console *console;
-    struct theirs sides[2];
+    const struct options *options;
+    const struct contracts *contracts;
+    struct theirs *sides[2]; /* borrowed; with --measure the first of `runs` */
+    uint32_t runs;           /* dumps of each side */
+    enum measured_kind kind; /* of the difference */
+    bool several;            /* one of several pairs */
     struct match *matches;
     uint32_t count;
-    struct their_contract *contracts;
-    uint32_t contract_count;
-    const struct match *asked;  /* while its difference is explained */
-    const struct match *guilty; /* the first that differs; NULL: none */
+    const struct match *first;  /* that differs; NULL: none */
+    const struct match *guilty; /* the same, or with --run the first with an own error */
     uint32_t alone[2];          /* entries of each side without a partner */
+    struct measured measured;   /* --measure; rows are owned */
 };
 
 /* Brings both copies into one form: fields at the same places, the smaller format, one origin. Fills match->what
  * and match->note. False: they cannot be compared, and match->note says why. */
 bool dumps_convert(struct match *match, struct dt_bytes copies[2]);
+/* Brings a copy into the form of another entry of that resource. NULL, or why it cannot be. */
+const char *dumps_into(const struct their_entry *from, const struct their_entry *to,
+                       struct dt_bytes *bytes);
 
-/* Reads --contracts; logs its errors. */
-bool dumps_contracts(struct dumps *dumps, const char *path);
+/* The entry of a dump with that pass, resource, mip and place among its likes, in a frame that many later; NULL: none. */
+struct their_entry *dumps_partner(const struct theirs *theirs, const struct their_entry *entry,
+                                  int frame_step);
+
+/* All below log their errors. */
+
+/* Matches the entries of both sides; `sides` are open. dumps_free either way. */
+bool dumps_match(struct dumps *dumps);
+/* Judges all matches, and does what --run and --measure ask for. */
+bool dumps_compare(struct dumps *dumps);
+void dumps_free(struct dumps *dumps); /* takes a zeroed one */
+
+/* Loads both copies of a match in one form; free(copies[].data), also on false. *same: they can be compared. */
+bool dumps_load(const struct theirs *const sides[2], struct match *match, struct dt_bytes copies[2],
+                bool *same);
+/* Judges the copies by the contract of the match, which needs an integer image or depth of the same pass for `raster`, a buffer for
+ * `margin`: they are looked for in the matches. */
+bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
+                 struct match *match, const struct dt_bytes copies[2],
+                 struct difference *difference);
+bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
+                   struct match *match);
+
+/* --run: runs the passes that differ on the first side's resources, and finds the guilty one. */
+bool dumps_run(struct dumps *dumps);
+/* --measure: fills dumps->measured. */
+bool dumps_measure(struct dumps *dumps);
 
 void dumps_print(const struct dumps *dumps); /* on stdout */
-struct cJSON *dumps_json(const struct dumps *dumps);
+/* A single pair stands in the root; of several, each in "pairs". */
+struct cJSON *dumps_json(const struct dumps *pairs, uint32_t count);
+bool dumps_html(const struct dumps *pairs, uint32_t count);
+bool dumps_junit(const struct dumps *pairs, uint32_t count);
 
 #endif

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "scenes/srgb.h"
 #include "theirs/dumps.h"
 #include "formats.h"
 
@@ -29,7 +30,7 @@ static bool refuse(struct match *match, char *text)
 
 /* ---- Buffers ----------------------------------------------------------------------------------- */
 
-static const struct dt_field *find_field(const struct dt_resource *resource, const char *name)
+static const struct dt_field *find_their_field(const struct dt_resource *resource, const char *name)
 {
     for (uint32_t i = 0; i < resource->field_count; i++)
         if (!strcmp(resource->fields[i].name, name))
@@ -41,7 +42,7 @@ static bool same_layout(const struct dt_resource *a, const struct dt_resource *b
 {
     bool same = a->stride == b->stride && a->field_count == b->field_count;
     for (uint32_t i = 0; same && i < a->field_count; i++) {
-        const struct dt_field *f = &a->fields[i], *g = find_field(b, f->name);
+        const struct dt_field *f = &a->fields[i], *g = find_their_field(b, f->name);
         same = g && f->type == g->type && f->offset == g->offset &&
                f->array_count == g->array_count && f->array_stride == g->array_stride;
     }
@@ -69,7 +70,7 @@ static bool convert_buffers(struct match *match, struct dt_bytes copies[2])
     if (!moved)
         return refuse(match, NULL);
     for (uint32_t i = 0; i < a->field_count; i++) {
-        const struct dt_field *to = &a->fields[i], *from = find_field(b, to->name);
+        const struct dt_field *to = &a->fields[i], *from = find_their_field(b, to->name);
         if (!from || from->type != to->type || from->array_count != to->array_count) {
             free(moved);
             return refuse(match,
@@ -109,11 +110,6 @@ static bool find_format(uint32_t channels, enum number_kind kind, enum dt_format
     return false;
 }
 
-static double decoded(double code)
-{
-    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
-}
-
 static bool to_format(struct dt_bytes *bytes, const struct dt_resource *from,
                       const struct dt_resource *to)
 {
@@ -127,7 +123,7 @@ static bool to_format(struct dt_bytes *bytes, const struct dt_resource *from,
             struct component source = format_component(from->format, c);
             struct component target = format_component(to->format, c);
             double value = number_value(source.kind, bytes->data + i * strides[0] + source.offset);
-            their_store(target.kind, srgb && c < 3 ? decoded(value) : value,
+            their_store(target.kind, srgb && c < 3 ? srgb_light(value) : value,
                         data + i * strides[1] + target.offset);
         }
     if (!data)
@@ -235,4 +231,48 @@ bool dumps_convert(struct match *match, struct dt_bytes copies[2])
                                                     a[1], a[2], b[0], b[1], b[2], size_hint(a, b)));
     }
     return buffer ? convert_buffers(match, copies) : convert_images(match, copies);
+}
+
+/* ---- One copy ---------------------------------------------------------------------------------- */
+
+static const char *buffer_into(const struct their_entry *from, const struct their_entry *to,
+                               struct dt_bytes *bytes)
+{
+    uint8_t *moved = calloc(bytes->extent[0], to->what.stride);
+    const char *reason = moved ? NULL : "out of memory";
+    for (uint32_t i = 0; i < to->what.field_count && !reason; i++) {
+        const struct dt_field *field = &to->what.fields[i];
+        const struct dt_field *source = find_their_field(&from->what, field->name);
+        if (!source || source->type != field->type || source->array_count != field->array_count)
+            reason = "a field has no equal in the first dump";
+        else
+            move_field(source, field, from->what.stride, to->what.stride, bytes->extent[0],
+                       bytes->data, moved);
+    }
+    free(reason ? moved : bytes->data);
+    if (!reason) {
+        bytes->data = moved;
+        bytes->size = (size_t)bytes->extent[0] * to->what.stride;
+    }
+    return reason;
+}
+
+const char *dumps_into(const struct their_entry *from, const struct their_entry *to,
+                       struct dt_bytes *bytes)
+{
+    if (from->what.kind != to->what.kind)
+        return "a buffer here, an image there";
+    if (to->what.kind == DT_BUFFER)
+        return same_layout(&from->what, &to->what) ? NULL : buffer_into(from, to, bytes);
+    const struct format_info *source = format_info(from->what.format);
+    const struct format_info *target = format_info(to->what.format);
+    if (from->what.format != to->what.format &&
+        (source->channels < target->channels ||
+         number_is_integer(source->kind) != number_is_integer(target->kind)))
+        return "the formats have no common one";
+    if (from->what.format != to->what.format && !to_format(bytes, &from->what, &to->what))
+        return "out of memory";
+    if (from->origin && to->origin && from->origin != to->origin)
+        flip_rows(&to->what, bytes);
+    return NULL;
 }

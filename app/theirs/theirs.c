@@ -16,7 +16,7 @@
 enum { MOST_EXTENT = 1 << 24, MOST_FIELDS = 256, MOST_STRIDE = 65536, MOST_ENTRIES = 10000 };
 #define MOST_BYTES ((uint64_t)4 << 30)
 
-static struct their_entry *add_entry(struct theirs *theirs)
+static struct their_entry *add_their_entry(struct theirs *theirs)
 {
     struct their_entry *list = realloc(theirs->entries, (theirs->count + 1) * sizeof *list);
     if (!list) {
@@ -30,7 +30,7 @@ static struct their_entry *add_entry(struct theirs *theirs)
 
 /* ---- A manifest ------------------------------------------------------------------------------ */
 
-static const char *text_of(const cJSON *object, const char *key)
+static const char *their_text(const cJSON *object, const char *key)
 {
     return cJSON_GetStringValue(cJSON_GetObjectItem(object, key));
 }
@@ -74,10 +74,10 @@ static bool find_type(const char *name, enum dt_type *type)
 static bool take_field(const struct theirs *theirs, const struct their_entry *entry,
                        const cJSON *item, struct dt_field *field)
 {
-    field->name = text_of(item, "name");
+    field->name = their_text(item, "name");
     if (!field->name)
         return wrong(theirs, entry, "name", "of a field is missing");
-    if (!find_type(text_of(item, "type"), &field->type))
+    if (!find_type(their_text(item, "type"), &field->type))
         return wrong(theirs, entry, "type", "of a field is no type like float, uvec2 or mat4");
     uint32_t size = 4 * type_components(field->type), items = 1;
     if (!take_number(theirs, entry, item, "offset", 0, MOST_STRIDE, &field->offset) ||
@@ -118,7 +118,7 @@ static bool take_buffer(const struct theirs *theirs, struct their_entry *entry, 
 static bool take_image(const struct theirs *theirs, struct their_entry *entry, const cJSON *item)
 {
     static const char *const names[] = {"width", "height", "layers"};
-    const char *name = text_of(item, "format"), *origin = text_of(item, "origin");
+    const char *name = their_text(item, "format"), *origin = their_text(item, "origin");
     int format = 0;
     while (format < DT_FORMAT_COUNT &&
            (!name || !format_info((enum dt_format)format)->name ||
@@ -137,7 +137,7 @@ static bool take_image(const struct theirs *theirs, struct their_entry *entry, c
     uint32_t stride = format_info(entry->what.format)->bytes;
     if (!take_number(theirs, entry, item, "stride", stride, stride, &stride))
         return false;
-    origin = origin ? origin : text_of(theirs->manifest, "origin");
+    origin = origin ? origin : their_text(theirs->manifest, "origin");
     if (origin && strcmp(origin, "top") != 0 && strcmp(origin, "bottom") != 0)
         return wrong(theirs, entry, "origin", "is neither \"top\" nor \"bottom\"");
     entry->origin = !origin ? ORIGIN_UNKNOWN : *origin == 't' ? ORIGIN_TOP : ORIGIN_BOTTOM;
@@ -146,13 +146,13 @@ static bool take_image(const struct theirs *theirs, struct their_entry *entry, c
 
 static bool take_entry(struct theirs *theirs, const cJSON *item)
 {
-    struct their_entry *entry = add_entry(theirs);
-    const char *names[] = {"pass", "resource", "file"}, *kind = text_of(item, "kind");
+    struct their_entry *entry = add_their_entry(theirs);
+    const char *names[] = {"pass", "resource", "file"}, *kind = their_text(item, "kind");
     if (!entry)
         return false;
     char **places[] = {&entry->pass, &entry->resource, &entry->file};
     for (int i = 0; i < 3; i++) {
-        const char *text = text_of(item, names[i]);
+        const char *text = their_text(item, names[i]);
         *places[i] = text ? strdup(text) : NULL;
         if (!*places[i])
             return wrong(theirs, entry, names[i], "is missing");
@@ -224,7 +224,7 @@ static bool cut_number(char *name, const char *word, uint32_t *number)
  * pass and resource. */
 static bool take_file(struct theirs *theirs, const char *file)
 {
-    struct their_entry *entry = add_entry(theirs);
+    struct their_entry *entry = add_their_entry(theirs);
     if (!entry)
         return false;
     entry->file = strdup(file);
@@ -280,9 +280,9 @@ static void number_repeats(struct theirs *theirs)
         }
 }
 
-static char *name_of(const struct theirs *theirs)
+static char *theirs_name(const struct theirs *theirs)
 {
-    const char *backend = text_of(theirs->manifest, "backend");
+    const char *backend = their_text(theirs->manifest, "backend");
     if (backend && *backend)
         return strdup(backend);
     char *name = text_printable(theirs->folder);
@@ -302,7 +302,7 @@ bool theirs_open(struct theirs *theirs, const char *folder, const struct dt_log 
     if (described ? !theirs->manifest || !take_manifest(theirs) : !list_files(theirs))
         return false;
     number_repeats(theirs);
-    theirs->label = name_of(theirs);
+    theirs->label = theirs_name(theirs);
     if (!theirs->label)
         report_error(log, "out of memory");
     return theirs->label;

@@ -76,7 +76,7 @@ static const char *read_header(struct array *array, const char *header)
     return shape ? NULL : "is no .npy file: its header has no shape";
 }
 
-static const char *parse(struct array *array, const uint8_t *file, size_t size)
+static const char *parse_header(struct array *array, const uint8_t *file, size_t size)
 {
     char header[MOST_HEADER + 1];
     if (size < 12 || memcmp(file, "\x93NUMPY", 6) != 0 || file[6] < 1 || file[6] > 3)
@@ -138,8 +138,9 @@ static bool shape_buffer(struct their_entry *entry, const struct array *array)
     uint32_t numbers = 1;
     for (uint32_t i = 1; i < array->dimensions; i++)
         numbers *= array->shape[i];
-    free(entry->fields);
-    struct dt_field *field = entry->fields = calloc(1, sizeof *field);
+    if (!entry->fields) /* else what was made of an earlier load may point to it */
+        entry->fields = calloc(1, sizeof *entry->fields);
+    struct dt_field *field = entry->fields;
     if (!field)
         return false;
     *field = (struct dt_field){.name = "", .type = vectors[kind][numbers <= 4 ? numbers - 1 : 0]};
@@ -225,7 +226,7 @@ bool their_npy(const struct theirs *theirs, struct their_entry *entry, struct dt
         (uint8_t *)foreign_read(theirs->folder, entry->file, MOST_FILE, &size, theirs->log);
     if (!file)
         return false;
-    const char *reason = parse(&array, file, size);
+    const char *reason = parse_header(&array, file, size);
     uint32_t each = 0;
     if (!reason && is_buffer(&array))
         each = shape_buffer(entry, &array) ? entry->what.stride / 4 : 0;

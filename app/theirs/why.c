@@ -1,4 +1,4 @@
-/* Tries the faults of why_table.c on samples, and counts the best ones on all elements; see why.h. */
+/* Tries the faults of why_at.c, why_map.c and why_where.c on samples, and counts the best ones on all elements; see why.h. */
 #include "theirs/why.h"
 
 #include <cjson/cJSON.h>
@@ -32,7 +32,7 @@ struct trial {
         *inner;  /* a map of what `fault` gives, or an order of its channels; may be NULL */
     bool colour; /* a map leaves alpha as it is */
     int side;
-    double fit[FAULT_NUMBERS];
+    double p[FAULT_NUMBERS]; /* given or found */
     double cost;
     uint64_t after;
 };
@@ -63,6 +63,26 @@ double copy_number(const struct asked *asked, const struct copy *copy, struct pl
     return number_value(component->kind, copy->data + element * asked->stride + component->offset);
 }
 
+double from_at(const struct asked *asked, struct place place, int64_t x, int64_t y, int64_t z,
+               uint32_t component)
+{
+    place.x = x;
+    place.y = y;
+    place.z = z;
+    place.component = component;
+    return copy_number(asked, asked->from, place);
+}
+
+double same_from(const struct asked *asked, struct place place, uint32_t component)
+{
+    return from_at(asked, place, place.x, place.y, place.z, component);
+}
+
+double to_number(const struct asked *asked, struct place place)
+{
+    return copy_number(asked, asked->to, place);
+}
+
 /* What the fault makes of `from`. *slack: how far a code's rounding carries. */
 static double predict(const struct asked *asked, const struct trial *trial, struct place place,
                       double *slack)
@@ -75,17 +95,17 @@ static double predict(const struct asked *asked, const struct trial *trial, stru
         place.component = (uint32_t)map->p[place.component % FAULT_NUMBERS];
         map = NULL;
     }
-    double value =
-        fault->at ? fault->at(asked, fault, place) : copy_number(asked, asked->from, place);
+    double value = fault->at ? fault->at(asked, place) : copy_number(asked, asked->from, place);
     uint32_t one = number_one(asked->components[place.component].kind);
     *slack = 0;
     map = map ? map : fault->map ? fault : NULL;
     if (!map || kept)
         return value;
+    const double *p = map == fault ? asked->p : map->p;
     double step = one ? 0.5 / one : fabs(value) * 0x1p-23;
-    *slack = fabs(map->map(asked, map, value + step) - map->map(asked, map, value - step));
+    *slack = fabs(map->map(p, value + step) - map->map(p, value - step));
     *slack = fmin(*slack, one ? MOST_SLACK / one : 1e-3 * asked->range);
-    return map->map(asked, map, value);
+    return map->map(p, value);
 }
 
 /* As far as the format holds it. */
@@ -138,10 +158,9 @@ static void try_where(const struct asked *asked, struct trial *trial, const stru
 {
     uint32_t outside = 0, inside = 0;
     for (uint32_t i = 0; i < asked->differing_count; i++)
-        outside +=
-            !trial->fault->where(asked, trial->fault, place_of(asked, asked->differing[i], 0));
+        outside += !trial->fault->where(asked, place_of(asked, asked->differing[i], 0));
     for (uint32_t i = 0; i < asked->all_count; i++)
-        inside += trial->fault->where(asked, trial->fault, place_of(asked, asked->all[i], 0));
+        inside += trial->fault->where(asked, place_of(asked, asked->all[i], 0));
     double left = (double)outside / asked->differing_count;
     double share = (double)inside / asked->all_count;
     trial->after = (uint64_t)ceil(left * (double)tally->before);
@@ -190,20 +209,20 @@ static void run_trial(struct asked *asked, struct trial *trial, const struct tal
     const struct fault *fault = trial->fault;
     trial->cost = 9;
     set_side(asked, trial->side);
-    memcpy(asked->fit, fault->p, sizeof asked->fit);
-    if ((fault->applies && !fault->applies(asked, fault)) ||
-        (trial->inner && trial->inner->applies && !trial->inner->applies(asked, trial->inner)) ||
-        (fault->fit && !fault->fit(asked, fault)))
+    memcpy(asked->p, fault->p, sizeof asked->p);
+    if ((fault->applies && !fault->applies(asked)) ||
+        (trial->inner && trial->inner->applies && !trial->inner->applies(asked)) ||
+        (fault->fit && !fault->fit(asked)))
         return;
     if (!fault->share && tally->few)
         return; /* much explains a number or two */
     if (!fault->share && !fault->where && tally->constant[!trial->side])
         return; /* and one value everywhere */
-    memcpy(trial->fit, asked->fit, sizeof trial->fit);
+    memcpy(trial->p, asked->p, sizeof trial->p);
     if (fault->where) {
         try_where(asked, trial, tally);
     } else if (fault->share) {
-        double left = fault->share(asked, fault);
+        double left = fault->share(asked);
         trial->after = (uint64_t)ceil(left * (double)tally->before);
         trial->cost = left > 0.05 ? 9 : left;
     } else {
@@ -215,7 +234,7 @@ static void run_trial(struct asked *asked, struct trial *trial, const struct tal
 /* ---- All faults -------------------------------------------------------------------------------- */
 
 /* Keeps the cheapest; of one fault the better side. */
-static void keep(struct trial best[WHY_MOST], const struct trial *trial)
+static void keep_best(struct trial best[WHY_MOST], const struct trial *trial)
 {
     int at = 0;
     if (!(trial->cost < 0.75))
@@ -244,7 +263,7 @@ static void try_both(struct asked *asked, struct trial best[WHY_MOST], struct tr
     for (int colour = 0; colour < (map && asked->image && asked->count == 4 ? 2 : 1); colour++) {
         trial->colour = colour;
         run_trial(asked, trial, tally);
-        keep(best, trial);
+        keep_best(best, trial);
     }
 }
 
@@ -253,24 +272,28 @@ static bool is_inner(const struct fault *fault)
     return (fault->map && !fault->fit) || fault->channels;
 }
 
-static void try_all(struct asked *asked, struct trial best[WHY_MOST], const struct tally *tally)
+static void try_list(struct asked *asked, struct trial best[WHY_MOST], const struct tally *tally,
+                     const struct fault_list *faults)
 {
-    for (uint32_t i = 0; i < fault_count; i++)
-        for (int side = 0; side < (faults[i].symmetric ? 1 : 2); side++) {
-            struct trial trial = {.fault = &faults[i], .side = side};
+    for (uint32_t i = 0; i < faults->count; i++)
+        for (int side = 0; side < (faults->list[i].symmetric ? 1 : 2); side++) {
+            struct trial trial = {.fault = &faults->list[i], .side = side};
             try_both(asked, best, &trial, tally);
         }
 }
 
-/* A fault of place and one of value together, where none alone is enough. */
-static void try_pairs(struct asked *asked, struct trial best[WHY_MOST], const struct tally *tally)
+/* All of place with those of a list. */
+static void try_pairs_with(struct asked *asked, struct trial best[WHY_MOST],
+                           const struct tally *tally, const struct fault_list *inner)
 {
-    for (uint32_t i = 0; i < fault_count; i++)
-        for (uint32_t k = 0; faults[i].at && !faults[i].fit && k < fault_count; k++)
-            for (int side = 0; is_inner(&faults[k]) && !faults[i].channels && side < 2; side++) {
-                struct trial trial = {.fault = &faults[i], .inner = &faults[k], .side = side};
+    for (uint32_t i = 0; i < faults_at.count; i++) {
+        const struct fault *fault = &faults_at.list[i];
+        for (uint32_t k = 0; !fault->fit && !fault->channels && k < inner->count; k++)
+            for (int side = 0; is_inner(&inner->list[k]) && side < 2; side++) {
+                struct trial trial = {.fault = fault, .inner = &inner->list[k], .side = side};
                 try_both(asked, best, &trial, tally);
             }
+    }
 }
 
 /* ---- Samples ----------------------------------------------------------------------------------- */
@@ -331,7 +354,7 @@ static void sample_all(struct asked *asked, uint64_t elements, uint64_t *samples
 }
 
 /* Of the differing samples, at least nine of ten as the first or the last. */
-static bool is_constant(const struct asked *asked, const struct copy *copy)
+static bool copy_is_constant(const struct asked *asked, const struct copy *copy)
 {
     uint32_t count = asked->differing_count, like[2] = {0};
     for (int k = 0; k < 2; k++)
@@ -408,32 +431,31 @@ static void find_transposed(const struct asked *asked, uint32_t *transposed)
 
 /* ---- Words ------------------------------------------------------------------------------------- */
 
-static void write_slot(FILE *out, const char *slot, const struct asked *asked,
-                       const struct why_question *question, const struct trial *trial)
+static void write_slot(FILE *out, const char *slot, const struct why_question *question,
+                       const struct trial *trial)
 {
-    (void)asked;
     if (!strncmp(slot, "from}", 5))
         fputs(question->labels[trial->side], out);
     else if (!strncmp(slot, "to}", 3))
         fputs(question->labels[!trial->side], out);
     else
-        fprintf(out, "%.6g", trial->fit[(*slot - '0') % FAULT_NUMBERS]);
+        fprintf(out, "%.6g", trial->p[(*slot - '0') % FAULT_NUMBERS]);
 }
 
-static void write_text(FILE *out, const char *text, const struct asked *asked,
-                       const struct why_question *question, const struct trial *trial)
+static void write_text(FILE *out, const char *text, const struct why_question *question,
+                       const struct trial *trial)
 {
     for (; *text; text++)
         if (*text == '{') {
-            write_slot(out, text + 1, asked, question, trial);
+            write_slot(out, text + 1, question, trial);
             text += strcspn(text, "}");
         } else {
             fputc(*text, out);
         }
 }
 
-static char *describe(const struct asked *asked, const struct why_question *question,
-                      const struct trial *trial, const struct tally *tally)
+static char *describe_trial(const struct asked *asked, const struct why_question *question,
+                            const struct trial *trial, const struct tally *tally)
 {
     char *text = NULL;
     size_t size;
@@ -448,10 +470,10 @@ static char *describe(const struct asked *asked, const struct why_question *ques
         fputs(code ? "equal (to a code) " : "equal ", out);
     else
         fputs(trial->after * 20 < tally->before ? "nearly equal " : "far nearer ", out);
-    write_text(out, trial->fault->text, asked, question, trial);
+    write_text(out, trial->fault->text, question, trial);
     if (trial->inner) {
         fputs(", and ", out);
-        write_text(out, trial->inner->text, asked, question, trial);
+        write_text(out, trial->inner->text, question, trial);
     }
     fprintf(out, " (%llu %s before, %llu %s)", (unsigned long long)tally->before,
             tally->before == 1 ? "differs" : "differ", (unsigned long long)trial->after,
@@ -469,18 +491,17 @@ static uint64_t count_left(struct asked *asked, const struct trial *trial,
     if (trial->fault->share)
         return trial->after;
     set_side(asked, trial->side);
-    memcpy(asked->fit, trial->fit, sizeof asked->fit);
+    memcpy(asked->p, trial->p, sizeof asked->p);
     for (uint64_t i = 0; i < tally->elements; i += step) {
         const struct trial *taken = trial->fault->where ? NULL : trial;
         bool wrong = is_wrong(asked, taken, i, tally->fine, &error, &unknown);
-        left +=
-            wrong && (taken || !trial->fault->where(asked, trial->fault, place_of(asked, i, 0)));
+        left += wrong && (taken || !trial->fault->where(asked, place_of(asked, i, 0)));
     }
     return left * step;
 }
 
-static bool tell(struct why *why, struct asked *asked, const struct why_question *question,
-                 struct trial *best, const struct tally *tally)
+static bool tell_reason(struct why *why, struct asked *asked, const struct why_question *question,
+                        struct trial *best, const struct tally *tally)
 {
     for (int i = 0; i < WHY_MOST && best[i].fault; i++) {
         if (i && best[i].cost > 0.05 + 1.3 * best[0].cost)
@@ -490,7 +511,7 @@ static bool tell(struct why *why, struct asked *asked, const struct why_question
         best[i].after = count_left(asked, &best[i], tally);
         struct why_reason *reason = &why->reasons[why->count];
         *reason = (struct why_reason){.name = best[i].fault->name,
-                                      .text = describe(asked, question, &best[i], tally),
+                                      .text = describe_trial(asked, question, &best[i], tally),
                                       .before = tally->before,
                                       .after = best[i].after};
         if (!reason->text)
@@ -527,11 +548,16 @@ static bool look(struct why *why, struct asked *asked, const struct why_question
     }
     tally.few = differing_numbers(asked) < FEW;
     for (int i = 0; i < 2; i++)
-        tally.constant[i] = is_constant(asked, &asked->copies[i]);
-    try_all(asked, best, &tally);
-    if (!tally.few && (!best[0].fault || best[0].cost > 0.15))
-        try_pairs(asked, best, &tally);
-    return tell(why, asked, question, best, &tally);
+        tally.constant[i] = copy_is_constant(asked, &asked->copies[i]);
+    try_list(asked, best, &tally, &faults_at);
+    try_list(asked, best, &tally, &faults_map);
+    try_list(asked, best, &tally, &faults_where);
+    /* a fault of place and one of value together, where none alone is enough */
+    if (!tally.few && (!best[0].fault || best[0].cost > 0.15)) {
+        try_pairs_with(asked, best, &tally, &faults_at);
+        try_pairs_with(asked, best, &tally, &faults_map);
+    }
+    return tell_reason(why, asked, question, best, &tally);
 }
 
 static void load_relatives(struct asked *asked, const struct why_question *question)

@@ -1,5 +1,5 @@
 /* Why two copies of a resource differ: tries what usually is wrong between two renderers. why.c
- * tries, why_table.c has the faults. */
+ * tries, why_at.c, why_map.c and why_where.c have the faults. */
 #ifndef DIPTYCH_WHY_H
 #define DIPTYCH_WHY_H
 

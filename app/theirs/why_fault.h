@@ -25,7 +25,7 @@ struct asked {
     const struct copy *from, *to;
     struct copy copies[2], relatives[2][WHY_RELATIVES];
     int side;                        /* index of `from` in copies */
-    double fit[FAULT_NUMBERS];       /* what a fault's `fit` has found */
+    double p[FAULT_NUMBERS];         /* of the fault in question, and what its `fit` has found */
     const uint64_t *differing, *all; /* samples: elements that differ; elements of any kind */
     uint32_t differing_count, all_count;
     double range; /* mean magnitude of the numbers */
@@ -46,24 +46,34 @@ struct fault {
     /* One of these: a number of `to` by the same number of `from`; by anything of `from`, NAN: not known;
      * whether the element is where the fault shows; the share of differing elements that it leaves
      * unexplained, above 1: it does not apply. */
-    double (*map)(const struct asked *asked, const struct fault *fault, double value);
-    double (*at)(const struct asked *asked, const struct fault *fault, struct place place);
-    bool (*where)(const struct asked *asked, const struct fault *fault, struct place place);
-    double (*share)(const struct asked *asked, const struct fault *fault);
-    bool (*applies)(struct asked *asked, const struct fault *fault); /* NULL: always */
-    bool (*fit)(struct asked *asked, const struct fault *fault);     /* false: it does not apply */
+    double (*map)(const double *p, double value);
+    double (*at)(const struct asked *asked, struct place place);
+    bool (*where)(const struct asked *asked, struct place place);
+    double (*share)(const struct asked *asked);
+    bool (*applies)(const struct asked *asked); /* NULL: always */
+    bool (*fit)(struct asked *asked);           /* fills asked->p; false: it does not apply */
     double p[FAULT_NUMBERS];
     bool channels;  /* p is the channel of `from` that each of `to` has */
     bool symmetric; /* the same from either copy */
     double doubt;   /* 0 to 0.5: added to its cost, for faults that fit much */
 };
 
-extern const struct fault faults[];
-extern const uint32_t fault_count;
+enum { SIDED, SAME }; /* for `symmetric` */
+
+/* why_at.c, why_map.c, why_where.c. Of two that explain as much the first is named. */
+struct fault_list {
+    const struct fault *list;
+    uint32_t count;
+};
+extern const struct fault_list faults_at, faults_map, faults_where;
 
 /* A number of the copy; NAN outside. */
 double copy_number(const struct asked *asked, const struct copy *copy, struct place place);
 struct place place_of(const struct asked *asked, uint64_t element, uint32_t component);
-double median(double *numbers, uint32_t count); /* sorts them; 0 of none */
+/* The same number of `from` or of `to`, or one of another place or component of `from`. */
+double same_from(const struct asked *asked, struct place place, uint32_t component);
+double to_number(const struct asked *asked, struct place place);
+double from_at(const struct asked *asked, struct place place, int64_t x, int64_t y, int64_t z,
+               uint32_t component);
 
 #endif

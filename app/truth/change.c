@@ -92,9 +92,9 @@ struct block {
     double pixels, test[3], reference[3];
 };
 
-static void add_pixel(struct change *change, struct block *block, const struct taps *taps,
-                      size_t pixel, const struct rgb_image test[2],
-                      const struct rgb_image reference[2])
+static void add_changed_pixel(struct change *change, struct block *block, const struct taps *taps,
+                              size_t pixel, const struct rgb_image test[2],
+                              const struct rgb_image reference[2])
 {
     double before[2][3] = {{0}}, now[2][3] = {{0}};
     if (!taps->count || !values_of(test, taps, pixel, before[0], now[0]) ||
@@ -125,8 +125,8 @@ bool change_measure(struct change *change, const struct seen seen[2],
             size_t pixel = (size_t)y * now->width + x;
             const struct taps taps = reproject(&seen[0], &now->points[pixel]);
             change->surfaces += now->points[pixel].depth > 0;
-            add_pixel(change, &blocks[y / block * columns + x / block], &taps, pixel, test,
-                      reference);
+            add_changed_pixel(change, &blocks[y / block * columns + x / block], &taps, pixel, test,
+                              reference);
         }
     for (size_t i = 0; i < columns * rows; i++)
         for (int channel = 0; channel < 3; channel++) { /* mean times weight is the sum */

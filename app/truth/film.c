@@ -120,7 +120,7 @@ static char *next_line(char **rest, const char *end)
     return line;
 }
 
-static bool is_whole(const char *data, size_t size)
+static bool film_is_whole(const char *data, size_t size)
 {
     uint64_t kept, hash = FILE_HASH_START;
     if (size < sizeof kept)
@@ -137,7 +137,7 @@ bool film_load(struct film *film, const char *path, const char *settings, const 
     if (!data)
         return false;
     const char *end = data + size;
-    bool whole = is_whole(data, size), good = false;
+    bool whole = film_is_whole(data, size), good = false;
     const char *title = whole ? next_line(&rest, end) : NULL;
     const char *made_with = title && strcmp(title, magic) == 0 ? next_line(&rest, end) : NULL;
     const char *samples = made_with ? next_line(&rest, end) : NULL;

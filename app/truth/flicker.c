@@ -142,7 +142,7 @@ static bool take_frame(const struct flicker *flicker, uint32_t index,
     return see_all(flicker, index, frame);
 }
 
-static bool measure(struct flicker *flicker)
+static bool measure_pair(struct flicker *flicker)
 {
     struct flicker_frame before = {0}, now = {0};
     bool good = take_frame(flicker, 0, NULL, &before);
@@ -220,7 +220,8 @@ static cJSON *flicker_json(const struct flicker *flicker)
     return root;
 }
 
-static void print_row(const struct flicker *flicker, const char *name, const struct change *change)
+static void print_change(const struct flicker *flicker, const char *name,
+                         const struct change *change)
 {
     printf("%-6s  %8.1f %%  %9.5f  %7.3f %%", name,
            change->surfaces ? 100 * (double)change->compared / (double)change->surfaces : 0,
@@ -233,7 +234,7 @@ static void print_row(const struct flicker *flicker, const char *name, const str
     putchar('\n');
 }
 
-static void print_table(const struct flicker *flicker)
+static void print_changes(const struct flicker *flicker)
 {
     const struct change all = change_mean(flicker->changes, flicker->frames - 1);
     char name[16];
@@ -243,14 +244,14 @@ static void print_table(const struct flicker *flicker)
     putchar('\n');
     for (uint32_t i = 1; i < flicker->frames; i++) {
         snprintf(name, sizeof name, "%u", i);
-        print_row(flicker, name, &flicker->changes[i - 1]);
+        print_change(flicker, name, &flicker->changes[i - 1]);
     }
-    print_row(flicker, "all", &all);
+    print_change(flicker, "all", &all);
 }
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
-static bool prepare(struct flicker *flicker)
+static bool flicker_prepare(struct flicker *flicker)
 {
     const struct options *options = flicker->options;
     const struct dt_log *log = &flicker->console->log;
@@ -274,10 +275,10 @@ int verb_flicker(struct console *console, const struct options *options)
     struct flicker flicker = {.console = console, .options = options};
     if (!check_patterns(&flicker))
         return EXIT_USAGE;
-    bool good = prepare(&flicker) && measure(&flicker);
+    bool good = flicker_prepare(&flicker) && measure_pair(&flicker);
     console_status(console, "%s", "");
     if (good) {
-        print_table(&flicker);
+        print_changes(&flicker);
         console->result = flicker_json(&flicker);
     }
     ray_scene_close(flicker.rays);

@@ -265,7 +265,7 @@ static bool evaluation_begin(struct evaluation *evaluation, const struct rgb_ima
     return true;
 }
 
-static void load(struct evaluation *evaluation, int which, const struct rgb_image *image)
+static void flip_load(struct evaluation *evaluation, int which, const struct rgb_image *image)
 {
     for (size_t i = 0; i < evaluation->count; i++) {
         const float *texel = image->texels + 3 * i;
@@ -334,7 +334,7 @@ bool flip_ldr(const struct rgb_image *reference, const struct rgb_image *test,
     struct evaluation *evaluation = calloc(1, sizeof *evaluation);
     bool good = evaluation && evaluation_begin(evaluation, reference, pixels_per_degree);
     for (int which = 0; which < 2 && good; which++) {
-        load(evaluation, which, images[which]);
+        flip_load(evaluation, which, images[which]);
         detect(evaluation, which, 1);
         detect(evaluation, which, 2);
         for (int channel = 0; channel < 3; channel++)

@@ -37,7 +37,7 @@ double image_number_of(const struct image_errors *errors, const struct image_num
 }
 
 /* Adds a pixel to the sums; returns the sum of its squared errors. */
-static double add_pixel(struct image_errors *sums, const float *right, const float *given)
+static double add_squared_errors(struct image_errors *sums, const float *right, const float *given)
 {
     const double epsilon = 0.01, factor = 5;
     double squares = 0;
@@ -65,7 +65,7 @@ struct image_errors image_errors_measure(const struct rgb_image *reference,
     for (uint64_t i = 0; i < count; i++) {
         const float *right = reference->texels + 3 * i, *given = test->texels + 3 * i;
         if (is_finite_pixel(right) && is_finite_pixel(given))
-            squares += add_pixel(&sums, right, given);
+            squares += add_squared_errors(&sums, right, given);
         else
             sums.not_finite++;
     }

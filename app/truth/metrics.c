@@ -64,7 +64,7 @@ static bool holds_light(const char *path)
     return false;
 }
 
-static bool check_options(struct metrics *metrics)
+static bool check_metrics_options(struct metrics *metrics)
 {
     const struct options *options = metrics->options;
     const struct dt_log *log = &metrics->console->log;
@@ -99,7 +99,7 @@ static bool check_options(struct metrics *metrics)
 
 /* Reads a picture, multiplies it by the exposure, and maps its tones. The exposure is taken from the
  * reference, which comes first, unless given. */
-static bool read_image(struct metrics *metrics, int which, const char *path)
+static bool load_pictures(struct metrics *metrics, int which, const char *path)
 {
     const struct dt_log *log = &metrics->console->log;
     struct rgb_image *image = &metrics->images[which];
@@ -144,7 +144,7 @@ static bool read_test(struct metrics *metrics, const char *path)
 {
     const struct rgb_image *a = &metrics->images[REFERENCE], *b = &metrics->images[TEST];
     free_image(metrics, TEST);
-    if (!read_image(metrics, TEST, path))
+    if (!load_pictures(metrics, TEST, path))
         return false;
     if (a->width == b->width && a->height == b->height)
         return true;
@@ -182,7 +182,7 @@ static bool measure_flip(struct metrics *metrics, int which, struct distribution
 }
 
 /* The test picture that was read last. */
-static bool measure(struct metrics *metrics, struct measured *measured)
+static bool measure_picture(struct metrics *metrics, struct measured *measured)
 {
     const struct rgb_image *images = metrics->images, *mapped = metrics->mapped;
     struct console *console = metrics->console;
@@ -221,7 +221,7 @@ static bool measure_all(struct metrics *metrics)
         report_error(&metrics->console->log, "out of memory");
     for (uint32_t i = 0; i < metrics->pictures && good; i++) {
         char *path = metrics->numbered ? numbered_path(options->test, i) : strdup(options->test);
-        good = path && read_test(metrics, path) && measure(metrics, &metrics->list[i]);
+        good = path && read_test(metrics, path) && measure_picture(metrics, &metrics->list[i]);
         free(path);
     }
     return good;
@@ -244,14 +244,14 @@ static void average(struct metrics *metrics)
 
 /* ---- Output ---------------------------------------------------------------------------------- */
 
-static uint8_t encode(float linear)
+static uint8_t encode_error(float linear)
 {
     return (uint8_t)(255 * fminf(fmaxf(srgb_encode(linear), 0), 1) + 0.5f);
 }
 
 /* Writes errors as colours, or a picture as the LDR metrics used it. */
-static bool write_picture(const struct metrics *metrics, const char *name, const float *errors,
-                          const struct rgb_image *picture)
+static bool write_error_picture(const struct metrics *metrics, const char *name,
+                                const float *errors, const struct rgb_image *picture)
 {
     const struct rgb_image *image = &metrics->images[0];
     uint64_t count = (uint64_t)image->width * image->height;
@@ -264,7 +264,7 @@ static bool write_picture(const struct metrics *metrics, const char *name, const
     for (uint64_t i = 0; i < count && good && errors; i++)
         magma(errors[i], codes + 3 * i);
     for (uint64_t i = 0; i < 3 * count && good && picture; i++)
-        codes[i] = encode(picture->texels[i]);
+        codes[i] = encode_error(picture->texels[i]);
     if (good) {
         console_hold(metrics->console);
         good = image_write_png(path, image->width, image->height, 3, codes, log);
@@ -281,11 +281,11 @@ static bool write_maps(const struct metrics *metrics)
     if (!metrics->options->output)
         return true;
     return file_make_folders(metrics->options->output, log) &&
-           write_picture(metrics, "reference", NULL, &metrics->mapped[REFERENCE]) &&
-           write_picture(metrics, "test", NULL, &metrics->mapped[TEST]) &&
-           write_picture(metrics, "flip_ldr", metrics->flip_map[LDR], NULL) &&
+           write_error_picture(metrics, "reference", NULL, &metrics->mapped[REFERENCE]) &&
+           write_error_picture(metrics, "test", NULL, &metrics->mapped[TEST]) &&
+           write_error_picture(metrics, "flip_ldr", metrics->flip_map[LDR], NULL) &&
            (!measures_hdr_flip(metrics) ||
-            write_picture(metrics, "flip_hdr", metrics->flip_map[HDR], NULL));
+            write_error_picture(metrics, "flip_hdr", metrics->flip_map[HDR], NULL));
 }
 
 static cJSON *flip_json(const struct distribution *flip)
@@ -355,7 +355,7 @@ static cJSON *metrics_json(const struct metrics *metrics)
 }
 
 /* A row: of the linear picture, where it is known, and of the tone-mapped one. */
-static void print_row(const struct metrics *metrics, const char *title, size_t hdr, size_t ldr)
+static void print_metric(const struct metrics *metrics, const char *title, size_t hdr, size_t ldr)
 {
     const size_t offsets[] = {hdr, ldr};
     printf("%-24s", title);
@@ -375,7 +375,7 @@ static void print_row(const struct metrics *metrics, const char *title, size_t h
 }
 
 #define AT(member) offsetof(struct measured, member)
-static void print_table(const struct metrics *metrics)
+static void print_metrics(const struct metrics *metrics)
 {
     const struct rgb_image *image = &metrics->images[0];
     uint64_t count = (uint64_t)image->width * image->height;
@@ -389,10 +389,10 @@ static void print_table(const struct metrics *metrics)
         printf("  %11s%*s", "linear", several ? 11 : 0, "");
     printf("  %11s\n", "tone-mapped");
     for (int i = 0; i < IMAGE_NUMBERS; i++)
-        print_row(metrics, image_numbers[i].title, AT(hdr) + image_numbers[i].offset,
-                  AT(ldr) + image_numbers[i].offset);
-    print_row(metrics, "FLIP, 95th percentile", AT(hdr_flip.p95), AT(ldr_flip.p95));
-    print_row(metrics, "FLIP, largest", AT(hdr_flip.most), AT(ldr_flip.most));
+        print_metric(metrics, image_numbers[i].title, AT(hdr) + image_numbers[i].offset,
+                     AT(ldr) + image_numbers[i].offset);
+    print_metric(metrics, "FLIP, 95th percentile", AT(hdr_flip.p95), AT(ldr_flip.p95));
+    print_metric(metrics, "FLIP, largest", AT(hdr_flip.most), AT(ldr_flip.most));
     if (metrics->options->yee)
         printf("\nYee: %.6g of %llu pixels can be told apart\n", metrics->mean.yee_failing,
                (unsigned long long)count);
@@ -405,12 +405,13 @@ static void print_table(const struct metrics *metrics)
 int verb_metrics(struct console *console, const struct options *options)
 {
     struct metrics metrics = {.console = console, .options = options};
-    bool good = check_options(&metrics) && read_image(&metrics, REFERENCE, options->reference) &&
-                measure_all(&metrics) && write_maps(&metrics);
+    bool good = check_metrics_options(&metrics) &&
+                load_pictures(&metrics, REFERENCE, options->reference) && measure_all(&metrics) &&
+                write_maps(&metrics);
     console_status(console, "%s", "");
     if (good) {
         average(&metrics);
-        print_table(&metrics);
+        print_metrics(&metrics);
         console->result = metrics_json(&metrics);
     }
     for (int i = 0; i < 2; i++) {

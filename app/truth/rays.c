@@ -61,22 +61,23 @@ static void sample_texture(const struct ray_scene *rays, int32_t layer, const fl
 }
 
 /* A point of a triangle by its barycentric coordinates, with what is interpolated there. */
-struct place {
+struct surface_place {
     const struct dt_vertex *corner[3];
     float weight[3];
 };
 
-static struct place place_of(const struct ray_scene *rays, unsigned geometry, unsigned primitive,
-                             float u, float v)
+static struct surface_place find_surface(const struct ray_scene *rays, unsigned geometry,
+                                         unsigned primitive, float u, float v)
 {
     uint32_t triangle = geometry == SOLID ? primitive : rays->solid_count + primitive;
-    struct place place = {.weight = {1 - u - v, u, v}};
+    struct surface_place place = {.weight = {1 - u - v, u, v}};
     for (int k = 0; k < 3; k++)
         place.corner[k] = &rays->data->vertices[rays->indices[(size_t)triangle * 3 + k]];
     return place;
 }
 
-static void surface_texel(const struct ray_scene *rays, const struct place *place, float texel[4])
+static void surface_texel(const struct ray_scene *rays, const struct surface_place *place,
+                          float texel[4])
 {
     const struct dt_material *material = &rays->data->materials[place->corner[0]->material];
     float uv[2] = {0, 0};
@@ -92,7 +93,7 @@ static void pass_holes(const struct RTCFilterFunctionNArguments *arguments)
 {
     const struct ray_scene *rays = arguments->geometryUserPtr;
     const struct RTCHit *hit = (const struct RTCHit *)arguments->hit;
-    struct place place = place_of(rays, WITH_HOLES, hit->primID, hit->u, hit->v);
+    struct surface_place place = find_surface(rays, WITH_HOLES, hit->primID, hit->u, hit->v);
     float texel[4];
     surface_texel(rays, &place, texel);
     if (texel[3] < rays->data->materials[place.corner[0]->material].alpha_cutoff)
@@ -152,7 +153,7 @@ static void attach(struct ray_scene *rays, unsigned id, uint32_t first, uint32_t
     rtcReleaseGeometry(geometry);
 }
 
-static bool build(struct ray_scene *rays)
+static bool build_scene(struct ray_scene *rays)
 {
     uint32_t count = rays->data->index_count / 3;
     rays->device = rtcNewDevice("threads=1");
@@ -182,7 +183,7 @@ struct ray_scene *ray_scene_open(const struct dt_scene *scene, const struct dt_l
     }
     if (!rays || !sort_triangles(rays))
         report_error(log, "out of memory for %u triangles", scene->index_count / 3);
-    else if (build(rays))
+    else if (build_scene(rays))
         return rays;
     ray_scene_close(rays);
     return NULL;
@@ -202,8 +203,8 @@ void ray_scene_close(struct ray_scene *rays)
 
 /* ---- Queries --------------------------------------------------------------------------------- */
 
-static void describe(const struct ray_scene *rays, const struct place *place, struct vec3 direction,
-                     struct ray_hit *hit)
+static void describe_hit(const struct ray_scene *rays, const struct surface_place *place,
+                         struct vec3 direction, struct ray_hit *hit)
 {
     const struct dt_material *material = &rays->data->materials[place->corner[0]->material];
     const struct vec3 zero = {0, 0, 0}, back = scale(direction, -1);
@@ -261,9 +262,9 @@ bool ray_closest(const struct ray_scene *rays, struct vec3 origin, struct vec3 d
 #endif
     if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
         return false;
-    struct place place =
-        place_of(rays, query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v);
-    describe(rays, &place, direction, hit);
+    struct surface_place place =
+        find_surface(rays, query.hit.geomID, query.hit.primID, query.hit.u, query.hit.v);
+    describe_hit(rays, &place, direction, hit);
     return true;
 }
 

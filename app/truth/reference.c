@@ -94,7 +94,7 @@ static bool check_goal(struct reference *reference)
     return false;
 }
 
-static bool check_options(struct reference *reference)
+static bool check_reference_options(struct reference *reference)
 {
     const struct options *options = reference->options;
     const struct dt_log *log = &reference->console->log;
@@ -320,7 +320,7 @@ static bool filters_pixel(const struct reference *reference)
                   : textured && reference->info.output == TRACER_RADIANCE;
 }
 
-static bool prepare(struct reference *reference)
+static bool reference_prepare(struct reference *reference)
 {
     const struct options *options = reference->options;
     const struct dt_log *log = &reference->console->log;
@@ -350,9 +350,9 @@ static bool prepare(struct reference *reference)
 int verb_reference(struct console *console, const struct options *options)
 {
     struct reference reference = {.console = console, .options = options};
-    if (!check_options(&reference))
+    if (!check_reference_options(&reference))
         return EXIT_USAGE;
-    bool good = prepare(&reference) && trace(&reference) && write_results(&reference);
+    bool good = reference_prepare(&reference) && trace(&reference) && write_results(&reference);
     tracer_close(reference.tracer);
     film_free(&reference.film);
     scene_free(&reference.scene);

@@ -5,7 +5,7 @@
 
 /* A permutation of 32 bit integers in which every bit of the result depends on every bit of x:
  * C. Wellons' lowbias32, found by search. */
-static uint32_t mix(uint32_t x)
+static uint32_t mix_bits(uint32_t x)
 {
     x = (x ^ x >> 16) * 0x7feb352du;
     x = (x ^ x >> 15) * 0x846ca68bu;
@@ -54,20 +54,20 @@ static float fraction(uint32_t x)
 
 uint32_t sequence_seed(uint32_t seed, uint32_t pixel)
 {
-    return mix(mix(seed + 0x9e3779b9u) ^ pixel);
+    return mix_bits(mix_bits(seed + 0x9e3779b9u) ^ pixel);
 }
 
 void sequence_pair(const struct sequence *sequence, uint32_t pair, float out[2])
 {
-    uint32_t seed = mix(sequence->seed ^ mix(pair + 1));
+    uint32_t seed = mix_bits(sequence->seed ^ mix_bits(pair + 1));
     if (sequence->kind == SEQUENCE_RANDOM) {
-        uint32_t first = mix(seed + mix(sequence->sample ^ 0x68bc21ebu));
+        uint32_t first = mix_bits(seed + mix_bits(sequence->sample ^ 0x68bc21ebu));
         out[0] = fraction(first);
-        out[1] = fraction(mix(first ^ 0x02e5be93u));
+        out[1] = fraction(mix_bits(first ^ 0x02e5be93u));
         return;
     }
     uint32_t number = reverse_bits(scramble_reversed(reverse_bits(sequence->sample), seed));
     uint32_t second = second_reversed(number);
-    out[0] = fraction(reverse_bits(scramble_reversed(number, mix(seed ^ 0x68bc21ebu))));
-    out[1] = fraction(reverse_bits(scramble_reversed(second, mix(seed ^ 0x02e5be93u))));
+    out[0] = fraction(reverse_bits(scramble_reversed(number, mix_bits(seed ^ 0x68bc21ebu))));
+    out[1] = fraction(reverse_bits(scramble_reversed(second, mix_bits(seed ^ 0x02e5be93u))));
 }

@@ -325,7 +325,7 @@ static struct vec3 first_light(struct tracer_thread *thread, const struct ray_hi
     return info->emission ? add(radiance, hit->emission) : radiance;
 }
 
-static void add_pixel(struct tracer_thread *thread, uint32_t x, uint32_t y)
+static void add_traced_pixel(struct tracer_thread *thread, uint32_t x, uint32_t y)
 {
     const struct tracer_info *info = &thread->tracer->info;
     struct film *film = thread->film;
@@ -370,7 +370,7 @@ static void *work(void *user)
         uint32_t left = tile % columns * TILE, top = tile / columns * TILE;
         for (uint32_t y = top; y < top + TILE && y < film->height; y++)
             for (uint32_t x = left; x < left + TILE && x < film->width; x++)
-                add_pixel(thread, x, y);
+                add_traced_pixel(thread, x, y);
     }
 }
 

@@ -1,6 +1,6 @@
-/* `diptych view`: a window on one backend, or on two side by side, with a camera that flies. Frames
- * run one after the other on this thread, which owns the window; only the first frame of two
- * backends uses a second thread. Keys and mouse leave wishes, carried out between frames. */
+/* `diptych view`: a window on up to three backends, with a camera that flies. Frames run one after
+ * the other on this thread, which owns the window; only the first frame of several backends uses more
+ * threads. Keys and mouse leave wishes, carried out between frames. */
 #include "view/view.h"
 
 #include <math.h>
@@ -10,8 +10,9 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "scenes/motion.h"
 #include "spec/inputs.h"
-#include "view/camera.h"
+#include "run/camera.h"
 
 /* ---- Opening --------------------------------------------------------------------------------- */
 
@@ -19,13 +20,14 @@ static bool read_sides(struct view *view)
 {
     struct options options = *view->options;
     const struct dt_log *log = &view->console->log;
-    const char *given = options.setup.backend ? options.setup.backend : "gl";
+    const char *given = options.setup.backend ? options.setup.backend : "both";
     options.setup.backend = strcmp(given, "both") == 0 ? "gl,vk" : given;
+    view->own.setup.backend = options.setup.backend;
     if (!sides_read_each(&view->sides, &options.setup, log))
         return false;
     struct side *first = &view->sides.list[0];
     if (view->sides.count > VIEW_SIDES) {
-        report_error(log, "--backend %s: a window shows one backend, or two of them", given);
+        report_error(log, "--backend %s: a window shows at most %d backends", given, VIEW_SIDES);
         return false;
     }
     if (first->context) {
@@ -37,6 +39,17 @@ static bool read_sides(struct view *view)
     return true;
 }
 
+/* A planted fault, to try the window with. */
+static bool read_fault(struct view *view)
+{
+    const char *labels[VIEW_SIDES];
+    for (uint32_t i = 0; i < view->side_count; i++)
+        labels[i] = view->sides.list[i].label;
+    return !view->options->fault ||
+           fault_parse(&view->fault, &view->faulty, view->options->fault, view->pipeline.info,
+                       labels, view->side_count, &view->console->log);
+}
+
 bool view_open_side(struct view *view, uint32_t index)
 {
     const struct session_info info = {.side = &view->sides.list[index],
@@ -45,25 +58,34 @@ bool view_open_side(struct view *view, uint32_t index)
                                       .pipeline = &view->pipeline,
                                       .scene = &view->scene,
                                       .timing = true,
+                                      .keep_history = true,
                                       .name_in_log = view->side_count > 1};
-    struct view_side *side = &view->side[index];
-    struct session *session = &side->session;
+    struct session *session = &view->side[index].session;
     return session_open(session, &info) &&
            session->runtime->set_scene(session->handle, &view->scene.data) &&
-           session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline));
+           session_create(session, &view->pipeline);
+}
+
+/* Letters in the size of the user's settings, on a screen of this density. */
+static bool set_fonts(struct view *view)
+{
+    const struct session *window = &view->side[0].session;
+    float density[2] = {1, 1};
+    uint32_t width, height;
+    glfwGetWindowContentScale(view->window, &density[0], &density[1]);
+    const uint8_t *atlas = overlay_atlas(
+        view->overlay, roundf(view->settings.font * fmaxf(density[0], 1)), &width, &height);
+    return !atlas || window->runtime->window_upload(window->handle, 0, width, height, atlas);
 }
 
 static bool open_overlay(struct view *view)
 {
-    const struct session *window = &view->side[0].session;
-    uint32_t width, height;
     view->overlay = overlay_open(view->window);
     if (!view->overlay) {
         report_error(&view->console->log, "out of memory for the overlay");
         return false;
     }
-    const uint8_t *atlas = overlay_atlas(view->overlay, &width, &height);
-    return window->runtime->window_upload(window->handle, 0, width, height, atlas);
+    return set_fonts(view);
 }
 
 bool view_open_window(struct view *view, int width, int height)
@@ -80,27 +102,65 @@ bool view_open_window(struct view *view, int width, int height)
     return open_overlay(view);
 }
 
+/* As the options say, else as the last one was, if the screen has that room. */
+static void choose_window(const struct view *view, int size[2])
+{
+    const uint32_t *given = view->options->window;
+    int place[2] = {0}, room[2] = {0};
+    GLFWmonitor *monitor = glfwGetPrimaryMonitor();
+    if (monitor)
+        glfwGetMonitorWorkarea(monitor, &place[0], &place[1], &room[0], &room[1]);
+    for (int i = 0; i < 2; i++) {
+        size[i] = given[i] ? (int)given[i] : view->settings.window[i];
+        if (!given[i] && room[i] > 0 && size[i] > room[i])
+            size[i] = room[i];
+    }
+}
+
+/* Without any option, the Cornell Box and both backends, if there are two. */
+static bool open_sides(struct view *view)
+{
+    bool chosen = view->options->setup.backend && view->backend_given;
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        if (view_open_side(view, i))
+            continue;
+        if (i == 0 || chosen)
+            return false;
+        report_message(&view->console->log, DT_WARNING, "%s does not open: %s is shown alone",
+                       view->sides.list[i].label, view->sides.list[0].label);
+        view_close_side(view, i);
+        view->side_count = i;
+    }
+    return true;
+}
+
 static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
-    int width = (int)options->setup.size[0], height = (int)options->setup.size[1];
-    view->own.setup.default_size = true; /* --size is the window's; an input may set the frame's */
-    if ((options->screenshot && !file_can_write(options->screenshot, log)) || !read_sides(view) ||
+    int size[2];
+    view_settings_read(&view->settings);
+    view->backend_given = options->setup.backend;
+    if (!options->setup.spec && !options->setup.scene)
+        view->own.setup.scene = "cornell";
+    if ((options->screenshot && !file_can_write(options->screenshot, log)) ||
+        (options->present && !file_can_write(options->present, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, &options->setup) || !view_find_home(view) ||
-        !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
+        !read_fault(view) || !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
         !view_outline_read(view) ||
         !session_load_scene(&view->scene, view->console, view->pipeline.info, &options->setup))
         return false;
-    for (uint32_t i = 0; i < view->side_count; i++)
-        if (!view_open_side(view, i))
-            return false;
-    int panels = view->side_count > 1 ? 2 : 1;
-    if (!view_open_window(view, width * panels, height))
+    view->moving = view->scene.motion;
+    memcpy(view->size, options->setup.size, sizeof view->size);
+    if (!open_sides(view))
+        return false;
+    choose_window(view, size);
+    if (!view_open_window(view, size[0], size[1]))
         return false;
     view->reload = reload_start(view->console, &options->setup, &view->pipeline);
     console_status(view->console, "%s", "");
-    return view->reload && view_times_create(view);
+    return view->reload && view_times_create(view) && view_params_create(view) &&
+           view_verdict_create(view);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -111,24 +171,41 @@ struct watch {
 };
 
 /* Resources may share memory: read the shown one after the pass that wrote it. */
-static bool after_pass(void *user, uint32_t pass)
+static bool view_after_pass(void *user, uint32_t pass)
 {
     const struct watch *watch = user;
-    return view_take(watch->view, watch->side, pass);
+    struct view *view = watch->view;
+    uint32_t index = (uint32_t)(watch->side - view->side);
+    return view_take(view, watch->side, pass) &&
+           (!view->verdict.checking || view_verdict_take(view, index, pass));
 }
 
 static bool render_side(struct view *view, struct view_side *side, const struct dt_frame *frame)
 {
     struct watch watch = {view, side};
+    const struct session *session = &side->session;
     const struct dt_pipeline *info = view->pipeline.info;
-    bool output = (int)view->resource == info->display_output; /* lives on after the frame */
-    bool takes = !output || view->shown_points;
-    const struct dt_observer observer = {.after_pass = after_pass, .user = &watch};
+    bool output =
+        (int)view->shown.resource == info->display_output && /* lives on after the frame */
+        view->shown.pass == view_last_writer(info, view->shown.resource, 0);
+    bool takes = !output || view->shown_points || view->verdict.checking;
+    const struct dt_observer own = {.after_pass = view_after_pass, .user = &watch};
+    const struct dt_observer *observer = takes ? &own : NULL;
+    struct fault_run fault = {.fault = &view->fault,
+                              .runtime = session->runtime,
+                              .handle = session->handle,
+                              .pipeline = info,
+                              .log = &view->quiet,
+                              .observer = observer,
+                              .size = {view->size[0], view->size[1]},
+                              .frame = frame->index};
+    const struct dt_observer spoiling = fault_observer(&fault);
+    if (view->fault.kind != FAULT_NONE && side == &view->side[view->faulty])
+        observer = &spoiling;
     double start = milliseconds_now();
     view_forget(side);
-    return side->session.runtime->render(side->session.handle, frame, view->pipeline.live,
-                                         takes ? &observer : NULL) &&
-           view_times_take(side, milliseconds_now() - start);
+    return session->runtime->render(session->handle, frame, view->pipeline.live, observer) &&
+           view_times_take(side, view->verdict.checking ? (double)NAN : milliseconds_now() - start);
 }
 
 /* One side's frame on a thread of its own. */
@@ -151,125 +228,135 @@ static void *render_apart(void *user)
 /* The first frame mostly compiles shaders in the drivers, each on one thread: Vulkan does that on
  * another thread than OpenGL, whose context belongs to this one. Later frames take turns, since
  * their times are shown. */
-static bool render_both(struct view *view, const struct dt_frame *frame)
-{
-    struct view_side *second = &view->side[1];
-    struct side_frame work = {view, second, frame, pthread_self(), false};
-    pthread_t thread;
-    bool apart = frame->index == 0 && strcmp(second->session.runtime->name, "vk") == 0 &&
-                 pthread_create(&thread, NULL, render_apart, &work) == 0;
-    bool good = render_side(view, &view->side[0], frame);
-    if (!apart)
-        return good && render_side(view, second, frame);
-    pthread_join(thread, NULL);
-    return good && work.good;
-}
-
 static bool render_sides(struct view *view, const struct dt_frame *frame)
 {
-    return view->side_count == 1 ? render_side(view, &view->side[0], frame)
-                                 : render_both(view, frame);
+    struct side_frame work[VIEW_SIDES];
+    pthread_t threads[VIEW_SIDES];
+    bool apart[VIEW_SIDES] = {false}, good = true;
+    for (uint32_t i = 1; i < view->side_count && frame->index == 0 && !view->verdict.checking;
+         i++) {
+        struct view_side *side = &view->side[i];
+        work[i] = (struct side_frame){view, side, frame, pthread_self(), false};
+        apart[i] = i == 1 && strcmp(side->session.runtime->name, "vk") == 0 &&
+                   pthread_create(&threads[i], NULL, render_apart, &work[i]) == 0;
+    }
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (!apart[i])
+            good = good && render_side(view, &view->side[i], frame);
+    for (uint32_t i = 1; i < view->side_count; i++)
+        if (apart[i]) {
+            pthread_join(threads[i], NULL);
+            good = good && work[i].good;
+        }
+    return good;
 }
 
+/* The frame is as large as --size or an input says, else as the room for the picture was when the window got its size. */
 static bool fit_to_window(struct view *view)
 {
-    uint32_t size[2];
-    view_panel_size(view, size);
-    if (view->pipeline.frame_size[0]) /* shown as large as fits */
+    uint32_t size[2] = {view->options->setup.size[0], view->options->setup.size[1]};
+    bool same_window =
+        view->fitted[0] == view->window_size[0] && view->fitted[1] == view->window_size[1];
+    if (view->pipeline.frame_size[0])
         memcpy(size, view->pipeline.frame_size, sizeof size);
-    if (size[0] == view->size[0] && size[1] == view->size[1])
+    else if (view->options->setup.default_size &&
+             (same_window || overlay_is_editing(view->overlay)))
+        memcpy(size, view->size, sizeof size);
+    else if (view->options->setup.default_size) {
+        for (int i = 0; i < 2; i++) /* the first finds how high the lines above the picture are */
+            if (!view_overlay_build(view))
+                return false;
+        overlay_room(view->overlay, size);
+    }
+    memcpy(view->fitted, view->window_size, sizeof view->fitted);
+    if (size[0] == view->size[0] && size[1] == view->size[1] && view->frames)
         return true;
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!session_resize(&view->side[i].session, size))
             return false;
-    memcpy(view->size, size, sizeof size);
+    memcpy(view->size, size, sizeof view->size);
+    view->shown.marked = false;
     view->step = true;
     return true;
+}
+
+/* Camera and light of the motion's present frame. */
+static void move(struct view *view)
+{
+    uint32_t count = motion_frames(view->scene.motion);
+    motion_at(view->scene.motion, view->moment, &view->scene.camera, &view->scene.light);
+    view->present_moment = view->moment;
+    if (!view->paused)
+        view->moment = (view->moment + 1) % count;
 }
 
 bool view_render(struct view *view)
 {
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
+    view_verdict_begin(view);
+    if (view->moving)
+        move(view);
     scene_frame(&view->scene, view->size[0], view->size[1], &frame);
     frame.index = view->frame++;
     if (frame.index == 0)
         view->start = milliseconds_now();
-    frame.time = (float)((milliseconds_now() - view->start) * 1e-3);
+    frame.time = view->moving ? (float)view->present_moment / 60
+                              : (float)((milliseconds_now() - view->start) * 1e-3);
     view->frames++;
     view->camera = frame.camera;
-    return render_sides(view, &frame) && view_pictures(view);
+    return render_sides(view, &frame) && view_verdict_end(view) && view_pictures(view);
 }
 
-/* The overlay's triangles behind those of the pictures. */
-static bool join(const struct view *view, struct dt_window_vertex **vertices,
-                 struct dt_window_draw **draws, struct dt_window_frame *frame)
+bool view_present(struct view *view, struct dt_bytes *photo)
 {
-    struct dt_window_vertex own[6 * VIEW_MAX_DRAWS];
-    struct dt_window_draw own_draws[VIEW_MAX_DRAWS];
-    uint32_t count = view_layout(view, own, own_draws);
-    const struct dt_window_frame over = overlay_frame(view->overlay);
-    *vertices = malloc((6 * count + over.vertex_count) * sizeof **vertices);
-    *draws = malloc((count + over.draw_count) * sizeof **draws);
-    if (!*vertices || !*draws) {
-        report_error(&view->console->log, "window: out of memory");
-        return false;
-    }
-    memcpy(*vertices, own, 6 * count * sizeof *own);
-    memcpy(*draws, own_draws, count * sizeof *own_draws);
-    if (over.draw_count) {
-        memcpy(*vertices + 6 * (size_t)count, over.vertices,
-               over.vertex_count * sizeof *over.vertices);
-        memcpy(*draws + count, over.draws, over.draw_count * sizeof *over.draws);
-    }
-    for (uint32_t i = 0; i < over.draw_count; i++)
-        (*draws)[count + i].first += 6 * count;
-    *frame = (struct dt_window_frame){*vertices, 6 * count + over.vertex_count, *draws,
-                                      count + over.draw_count};
-    return true;
-}
-
-static bool present(struct view *view)
-{
-    struct dt_window_vertex *vertices = NULL;
-    struct dt_window_draw *draws = NULL;
-    struct dt_window_frame frame;
     const struct session *window = &view->side[0].session;
-    bool good = view_overlay_build(view) && join(view, &vertices, &draws, &frame) &&
-                window->runtime->present(window->handle, &frame);
-    free(vertices);
-    free(draws);
-    return good;
+    struct dt_window_frame frame;
+    if (!set_fonts(view) || !view_overlay_build(view))
+        return false;
+    frame = overlay_frame(view->overlay);
+    frame.photo = photo;
+    return window->runtime->present(window->handle, &frame);
 }
 
-/* Writes diptych-NNN.png with the first free number. */
-static bool take_screenshot(struct view *view)
+static void fit_range(struct view *view)
 {
-    char *path = NULL;
-    for (int i = 0; i < 1000 && (!path || access(path, F_OK) == 0); i++) {
-        free(path);
-        path = format_string("diptych-%03d.png", i);
-        if (!path)
-            return false;
-    }
-    bool good = view_write_png(view, path);
-    if (good)
-        report_message(&view->console->log, DT_INFO, "wrote %s", path);
-    free(path);
-    return good;
-}
-
-/* Carries out wishes that need a finished frame. Errors are logged and ignored. */
-static void fulfil_wishes(struct view *view)
-{
-    const struct dt_log *log = &view->console->log;
-    if (view->step)
+    struct view_side *side = &view->side[0];
+    struct picture_look *look = &view->shown.look;
+    const struct dt_resource *resource = &view->pipeline.info->resources[view->shown.resource];
+    if (resource->kind != DT_IMAGE || !view_read(view, side))
         return;
-    if (view->screenshot)
-        take_screenshot(view);
-    if (view->save_camera && camera_save(&view->scene.camera, view->scene.path, log))
-        report_message(log, DT_INFO, "saved the camera into %s", view->scene.path);
-    view->screenshot = view->save_camera = false;
+    const struct dt_bytes part = view_layer(view, side);
+    picture_range(resource, &part, look->channel, look->range);
+    look->exposure = 0;
+    look->ranged = true;
+}
+
+/* Carries out wishes that need a finished frame. */
+static bool fulfil_wishes(struct view *view)
+{
+    const unsigned wishes = view->wishes;
+    if (view->step)
+        return true;
+    view->wishes = 0;
+    view_save(view, wishes);
+    if (wishes & OVERLAY_BISECT)
+        view_bisect(view);
+    if (wishes & OVERLAY_UNDO)
+        view_params_undo(view);
+    if (wishes & OVERLAY_SWAP)
+        view_params_swap(view);
+    if (wishes & OVERLAY_FIRST)
+        view_show_first(view);
+    if (wishes & OVERLAY_PAUSE)
+        view->paused = !view->paused;
+    if (wishes & OVERLAY_STEP) {
+        view->paused |= (wishes & OVERLAY_ALONE) != 0;
+        view->step = true;
+    }
+    if (wishes & OVERLAY_FIT)
+        fit_range(view);
+    return view->step || !(wishes & (OVERLAY_REDRAW | OVERLAY_FIT)) || view_pictures(view);
 }
 
 static bool is_over(const struct view *view)
@@ -298,10 +385,7 @@ static bool run_frame(struct view *view)
             return false;
         view->step = view->gave_up = false;
     }
-    if (!present(view))
-        return false;
-    fulfil_wishes(view);
-    return true;
+    return view_present(view, NULL) && fulfil_wishes(view);
 }
 
 /* Some window systems give a minimised window no pixels, others let it keep its size. */
@@ -319,9 +403,12 @@ static void measure_window(struct view *view)
     view->window_size[1] = height > 0 ? (uint32_t)height : 0;
 }
 
-static bool run(struct view *view)
+static bool run_window(struct view *view)
 {
     view->time = glfwGetTime();
+    measure_window(view);
+    if (!view_present(view, NULL)) /* the panes, while drivers compile for the first frame */
+        return false;
     while (!is_over(view)) {
         if (rests(view))
             glfwWaitEventsTimeout(0.02);
@@ -361,22 +448,40 @@ static void close_sides(struct view *view)
     }
 }
 
+/* A fault tells its place in every frame: once is known from --fault. */
+static void drop_message(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    (void)level;
+    (void)message;
+}
+
 int verb_view(struct console *console, const struct options *options)
 {
     struct view view = {.console = console,
                         .own = *options,
                         .options = &view.own,
-                        .gain = 16,
+                        .shown.gain = 16,
                         .speed = 0.5f,
-                        .reload_ms = (double)NAN};
-    bool good = open_view(&view) && run(&view);
+                        .reload_ms = (double)NAN,
+                        .quiet = {.message = drop_message}};
+    view_log_open(&view);
+    bool good = open_view(&view) && run_window(&view);
     if (good && options->screenshot)
         good = view_write_png(&view, options->screenshot);
-    if (good)
+    if (good && options->present)
+        good = view_photograph(&view, options->present);
+    if (good) {
         view_tell(&view);
+        view_settings_write(&view);
+    }
+    view_bisect_end(&view);
     reload_stop(view.reload);
     close_sides(&view);
     view_outline_forget(&view);
+    view_params_free(&view.params);
+    view_verdict_free(&view.verdict);
+    view_log_close(&view);
     free(view.error);
     scene_free(&view.scene);
     sides_free(&view.sides);

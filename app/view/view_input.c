@@ -4,9 +4,7 @@
 
 #include <math.h>
 
-#include "console/live.h"
-#include "console/texels.h"
-#include "view/camera.h"
+#include "run/camera.h"
 
 static struct view *view_of(GLFWwindow *window)
 {
@@ -17,101 +15,178 @@ static struct view *view_of(GLFWwindow *window)
 static void cycle(struct view *view, int way)
 {
     const struct dt_pipeline *info = view->pipeline.info;
-    uint32_t count = info->resource_count, next = view->resource;
+    uint32_t count = info->resource_count, next = view->shown.resource;
     do {
         next = (next + count + (uint32_t)way) % count;
-    } while (next != view->resource && !view_can_show(info, next));
+    } while (next != view->shown.resource &&
+             !(info->resources[next].kind == DT_IMAGE && view_can_show(info, next)));
     view_show(view, next);
 }
 
 static void change_layer(struct view *view, int way)
 {
-    int layers = (int)view_layers(view);
-    view->layer += way;
-    view->layer = view->layer < -1 ? layers - 1 : view->layer >= layers ? -1 : view->layer;
+    int layers = (int)view_layers(view), *layer = &view->shown.layer;
+    *layer += way;
+    *layer = *layer < -1 ? layers - 1 : *layer >= layers ? -1 : *layer;
 }
 
 static void change_mip(struct view *view, int way)
 {
     uint32_t mips = view_mips(view);
-    view->mip = (view->mip + mips + (uint32_t)way) % mips;
-    if (view->layer >= (int)view_layers(view)) /* mips of a 3D image have fewer */
-        view->layer = -1;
+    struct overlay_shown *shown = &view->shown;
+    if (mips < 2)
+        return;
+    shown->mip = (shown->mip + mips + (uint32_t)way) % mips;
+    uint32_t pass = view_last_writer(view->pipeline.info, shown->resource, shown->mip);
+    shown->pass = pass < view->pipeline.info->pass_count ? pass : shown->pass;
+    shown->marked = false;
+    if (shown->layer >= (int)view_layers(view)) /* mips of a 3D image have fewer */
+        shown->layer = -1;
 }
 
-/* Sets the outline's live parameter, if the number is valid for it. */
-static void set_digit(struct view *view, int digit)
+static void change_font(struct view *view, float by)
 {
-    const struct dt_param *param = view->digits;
-    char text[2] = {(char)('0' + digit), 0};
-    if (param && type_components(param->type) == 1 && digit >= param->min && digit <= param->max)
-        live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
+    view->settings.font = fminf(fmaxf(view->settings.font + by, 8), 48);
 }
 
-static void press(struct view *view, int key, int modifiers)
+static bool press_command(struct view *view, int key)
 {
-    bool shift = modifiers & GLFW_MOD_SHIFT;
-    view->step = true; /* most of them change the picture */
-    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9)
-        set_digit(view, key - GLFW_KEY_0);
+    switch (key) {
+    case GLFW_KEY_S:
+        view->wishes |= OVERLAY_SAVE_CAMERA;
+        return true;
+    case GLFW_KEY_Z:
+        view->wishes |= OVERLAY_UNDO;
+        return true;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+        change_font(view, 1);
+        return true;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+        change_font(view, -1);
+        return true;
+    default:
+        return false;
+    }
+}
+
+/* Keys that choose what is shown; most need a frame, since resources share memory. */
+static bool press_shown(struct view *view, int key, bool shift)
+{
+    struct overlay_shown *shown = &view->shown;
+    switch (key) {
+    case GLFW_KEY_TAB:
+        cycle(view, shift ? -1 : 1);
+        return true;
+    case GLFW_KEY_RIGHT:
+        cycle(view, 1);
+        return true;
+    case GLFW_KEY_LEFT:
+        cycle(view, -1);
+        return true;
+    case GLFW_KEY_HOME:
+        view_show(view, view->home);
+        return true;
+    case GLFW_KEY_UP:
+        change_layer(view, 1);
+        return true;
+    case GLFW_KEY_DOWN:
+        change_layer(view, -1);
+        return true;
+    case GLFW_KEY_PAGE_UP:
+        change_mip(view, 1);
+        return true;
+    case GLFW_KEY_PAGE_DOWN:
+        change_mip(view, -1);
+        return true;
+    case GLFW_KEY_V:
+        view->shown_points = (view->shown_points + 1) % (view->points_count + 1);
+        return true;
+    case GLFW_KEY_C:
+        shown->mode = (shown->mode + 1) % OVERLAY_MODES;
+        return true;
+    case GLFW_KEY_EQUAL:
+    case GLFW_KEY_KP_ADD:
+        shown->gain = fminf(shown->gain * 2, 65536);
+        return true;
+    case GLFW_KEY_MINUS:
+    case GLFW_KEY_KP_SUBTRACT:
+        shown->gain = fmaxf(shown->gain / 2, 1);
+        return true;
+    case GLFW_KEY_T:
+        shown->look.tinted = !shown->look.tinted;
+        return true;
+    default:
+        return false;
+    }
+}
+
+static bool press_wish(struct view *view, int key)
+{
+    static const struct {
+        int key;
+        unsigned wishes;
+    } keys[] = {{GLFW_KEY_G, OVERLAY_FIRST},
+                {GLFW_KEY_R, OVERLAY_FIT},
+                {GLFW_KEY_B, OVERLAY_SWAP},
+                {GLFW_KEY_P, OVERLAY_SAVE_PNG},
+                {GLFW_KEY_PERIOD, OVERLAY_STEP | OVERLAY_ALONE}};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
+        if (keys[i].key == key) {
+            view->wishes ^= keys[i].wishes; /* twice A or B between two frames is none */
+            return true;
+        }
+    return false;
+}
+
+/* The panes, and the window itself. */
+static void press_window(struct view *view, int key)
+{
+    struct overlay_settings *settings = &view->settings;
     switch (key) {
     case GLFW_KEY_ESCAPE:
         view->quit = true;
         break;
-    case GLFW_KEY_TAB:
-        cycle(view, shift ? -1 : 1);
-        break;
-    case GLFW_KEY_RIGHT:
-        cycle(view, 1);
-        break;
-    case GLFW_KEY_LEFT:
-        cycle(view, -1);
-        break;
-    case GLFW_KEY_HOME:
-        view_show(view, view->home);
-        break;
-    case GLFW_KEY_UP:
-        change_layer(view, 1);
-        break;
-    case GLFW_KEY_DOWN:
-        change_layer(view, -1);
-        break;
-    case GLFW_KEY_PAGE_UP:
-        change_mip(view, 1);
-        break;
-    case GLFW_KEY_PAGE_DOWN:
-        change_mip(view, -1);
-        break;
     case GLFW_KEY_SPACE:
         view->paused = !view->paused;
-        break;
-    case GLFW_KEY_V:
-        view->shown_points = (view->shown_points + 1) % (view->points_count + 1);
-        break;
-    case GLFW_KEY_C:
-        view->mode = (view->mode + 1) % VIEW_MODES;
-        break;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-        view->gain = fminf(view->gain * 2, 256);
-        break;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-        view->gain = fmaxf(view->gain / 2, 1);
+        view->step = true;
         break;
     case GLFW_KEY_H:
-        view->overlay_hidden = !view->overlay_hidden;
+        settings->hidden = !settings->hidden;
         break;
-    case GLFW_KEY_P:
-        view->screenshot = true;
+    case GLFW_KEY_F:
+        overlay_whole_picture(view->overlay);
         break;
-    case GLFW_KEY_S:
-        view->save_camera |= modifiers & GLFW_MOD_CONTROL;
+    case GLFW_KEY_F1:
+        settings->hidden = settings->bottom_folded = false;
+        overlay_keys(view->overlay);
+        break;
+    case GLFW_KEY_F2:
+        settings->left_folded = !settings->left_folded;
+        break;
+    case GLFW_KEY_F3:
+        settings->right_folded = !settings->right_folded;
+        break;
+    case GLFW_KEY_F4:
+        settings->bottom_folded = !settings->bottom_folded;
         break;
     default:
-        view->step = key >= GLFW_KEY_0 && key <= GLFW_KEY_9;
         break;
     }
+}
+
+static void press(struct view *view, int key, int modifiers)
+{
+    char digit = (char)(key - GLFW_KEY_0);
+    if (modifiers & GLFW_MOD_CONTROL && press_command(view, key))
+        return;
+    if (digit >= 0 && digit <= 9 && view->digits)
+        view_params_set(view, view->digits->name, digit);
+    else if (press_shown(view, key, modifiers & GLFW_MOD_SHIFT))
+        view->step = true;
+    else if (!press_wish(view, key))
+        press_window(view, key);
 }
 
 static void on_key(GLFWwindow *window, int key, int scancode, int action, int modifiers)
@@ -133,9 +208,10 @@ static void on_key(GLFWwindow *window, int key, int scancode, int action, int mo
 static void on_button(GLFWwindow *window, int button, int action, int modifiers)
 {
     struct view *view = view_of(window);
-    (void)button;
     (void)modifiers;
-    view->looking = action == GLFW_PRESS && !overlay_takes_mouse(view->overlay);
+    bool begins = action == GLFW_PRESS && !overlay_takes_mouse(view->overlay);
+    view->looking = begins && button == GLFW_MOUSE_BUTTON_LEFT;
+    view->orbiting = begins && button == GLFW_MOUSE_BUTTON_RIGHT;
 }
 
 /* Half a turn across the window. */
@@ -143,22 +219,29 @@ static void on_motion(GLFWwindow *window, double x, double y)
 {
     struct view *view = view_of(window);
     double scale = M_PI / (view->window_size[0] ? view->window_size[0] : 1);
-    double way[2] = {x - view->mouse[0], y - view->mouse[1]};
+    float right = (float)((x - view->mouse[0]) * scale);
+    float up = (float)((view->mouse[1] - y) * scale);
     view->mouse[0] = x;
     view->mouse[1] = y;
-    if (!view->looking)
+    if (view->looking)
+        camera_turn(&view->scene.camera, right, up);
+    else if (view->orbiting)
+        camera_orbit(&view->scene.camera, -right, -up);
+    else
         return;
-    camera_turn(&view->scene.camera, (float)(way[0] * scale), (float)(-way[1] * scale));
+    view->moving = false;
     view->step = true;
 }
 
+/* Without Ctrl, it zooms: see point of overlay_picture.cpp. */
 static void on_scroll(GLFWwindow *window, double x, double y)
 {
     struct view *view = view_of(window);
     (void)x;
-    if (overlay_takes_mouse(view->overlay))
-        return;
-    view->speed = fminf(fmaxf(view->speed * powf(1.2f, (float)y), 0.001f), 100);
+    bool control =
+        glfwGetKey(window, GLFW_KEY_LEFT_CONTROL) || glfwGetKey(window, GLFW_KEY_RIGHT_CONTROL);
+    if (control && !overlay_takes_mouse(view->overlay))
+        view->speed = fminf(fmaxf(view->speed * powf(1.2f, (float)y), 0.001f), 100);
 }
 
 void view_input_open(struct view *view)
@@ -193,6 +276,7 @@ void view_input_fly(struct view *view, double seconds)
     if (overlay_takes_keys(view->overlay) || (right == 0 && up == 0 && forward == 0))
         return;
     float way = view->scene.radius * view->speed * (fast ? 4 : 1) * (float)fmin(seconds, longest);
+    view->moving = false;
     camera_move(&view->scene.camera, right * way, up * way, forward * way);
     view->step = true;
 }

@@ -16,16 +16,17 @@
 #include "scenes/reader.h"
 
 /* NULL where the key is not there, or holds something else. */
-static const char *text_of(const struct key *key)
+static const char *key_text_of(const struct key *key)
 {
     return key->node && fy_node_is_scalar(key->node) ? fy_node_get_scalar0(key->node) : NULL;
 }
 
 /* The buffer that the key names; 0 after an error. */
-static uint32_t find_buffer(struct reader *reader, const struct view *view, const struct key *key)
+static uint32_t find_point_buffer(struct reader *reader, const struct view *view,
+                                  const struct key *key)
 {
     const struct dt_pipeline *info = view->pipeline.info;
-    const char *name = text_of(key);
+    const char *name = key_text_of(key);
     for (uint32_t i = 0; name && i < info->resource_count; i++)
         if (info->resources[i].kind == DT_BUFFER && strcmp(info->resources[i].name, name) == 0)
             return i;
@@ -36,11 +37,11 @@ static uint32_t find_buffer(struct reader *reader, const struct view *view, cons
 
 /* The offset of the field of that buffer that the key names; -1: it names none. `wide`: of three
  * numbers, else of one. */
-static int find_field(struct reader *reader, const struct view *view, uint32_t buffer,
-                      const struct key *key, bool wide)
+static int find_point_field(struct reader *reader, const struct view *view, uint32_t buffer,
+                            const struct key *key, bool wide)
 {
     const struct dt_resource *resource = &view->pipeline.info->resources[buffer];
-    const char *name = text_of(key);
+    const char *name = key_text_of(key);
     for (uint32_t i = 0; name && i < resource->field_count; i++) {
         const struct dt_field *field = &resource->fields[i];
         if (strcmp(field->name, name) != 0)
@@ -61,14 +62,14 @@ static int find_field(struct reader *reader, const struct view *view, uint32_t b
 static void read_label(struct reader *reader, const struct view *view, const struct key *key,
                        struct point_source *source)
 {
-    const char *name = text_of(key);
+    const char *name = key_text_of(key);
     source->label = POINT_UNLABELLED;
     if (!name)
         return;
     source->label = strcmp(name, "index") == 0 ? POINT_INDEX : POINT_BUFFER;
     if (source->label == POINT_INDEX)
         return;
-    source->label_buffer = find_buffer(reader, view, key);
+    source->label_buffer = find_point_buffer(reader, view, key);
     if (view->pipeline.info->resources[source->label_buffer].stride != sizeof(int32_t))
         reader_report(reader, key->node, "`label` takes a buffer of int");
 }
@@ -89,11 +90,11 @@ static void read_source(struct reader *reader, const struct view *view, struct f
     reader_mapping(reader, node, first ? fy_node_pair_key(first) : node, "a kind of point", keys,
                    COUNT);
     reader_range(reader, &keys[RADIUS]);
-    source->buffer = find_buffer(reader, view, &keys[BUFFER]);
-    int position = find_field(reader, view, source->buffer, &keys[POSITION], true);
+    source->buffer = find_point_buffer(reader, view, &keys[BUFFER]);
+    int position = find_point_field(reader, view, source->buffer, &keys[POSITION], true);
     source->position = position < 0 ? 0 : (uint32_t)position;
-    source->color = find_field(reader, view, source->buffer, &keys[COLOR], true);
-    source->where = find_field(reader, view, source->buffer, &keys[WHERE], false);
+    source->color = find_point_field(reader, view, source->buffer, &keys[COLOR], true);
+    source->where = find_point_field(reader, view, source->buffer, &keys[WHERE], false);
     source->radius = (float)keys[RADIUS].number[0];
     read_label(reader, view, &keys[LABEL], source);
 }
@@ -126,13 +127,13 @@ static void read_points(struct reader *reader, const struct view *view, struct f
     void *position = NULL;
     reader_mapping(reader, node, first ? fy_node_pair_key(first) : node, "an item of `points`",
                    keys, DT_ARRAY_COUNT(keys));
-    const char *name = text_of(&keys[0]);
+    const char *name = key_text_of(&keys[0]);
     points->name = strdup(name ? name : "");
     while ((item = next_item(reader, &keys[1], &position, points->count, VIEW_MAX_SOURCES)))
         read_source(reader, view, item, &points->sources[points->count++]);
 }
 
-static void read_outline(struct reader *reader, struct fy_node *root, void *user)
+static void read_view_outline(struct reader *reader, struct fy_node *root, void *user)
 {
     struct view *view = user;
     struct key keys[] = {{.name = "digits", .type = KEY_TEXT},
@@ -142,7 +143,7 @@ static void read_outline(struct reader *reader, struct fy_node *root, void *user
     void *position = NULL;
     reader_mapping(reader, root, first ? fy_node_pair_key(first) : root, "the outline", keys,
                    DT_ARRAY_COUNT(keys));
-    const char *digits = text_of(&keys[0]);
+    const char *digits = key_text_of(&keys[0]);
     view->digits = digits ? live_param(view->pipeline.info, digits) : NULL;
     if (digits && !(view->digits && view->digits->live))
         reader_report(reader, keys[0].node, "%s has no live parameter `%s`",
@@ -163,7 +164,7 @@ void view_outline_forget(struct view *view)
 bool view_outline_read(struct view *view)
 {
     static const struct file_kind outline_file = {"view outline", "`digits` or `points`",
-                                                  read_outline};
+                                                  read_view_outline};
     const struct dt_log *log = &view->console->log;
     const char *spec = view->pipeline.spec, *dot = strrchr(spec, '.');
     char *path =

@@ -1,5 +1,4 @@
-/* Content of the overlay, and the summary at the end: times of every pass, live parameters, the
- * shown image, and errors of a reload. */
+/* What the overlay is told and what it answers, times of every pass, and the summary at the end. */
 #include "view/view.h"
 
 #include <cjson/cJSON.h>
@@ -9,9 +8,9 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/live.h"
 #include "console/spread.h"
 #include "console/texels.h"
+#include "scenes/motion.h"
 
 /* ---- Times ----------------------------------------------------------------------------------- */
 
@@ -67,149 +66,149 @@ static double median_of(const struct view_times *times, uint32_t pass)
 
 /* ---- The model ------------------------------------------------------------------------------- */
 
-struct texts {
-    char *title, *shown, *state, *points;
-};
-
-static char *shown_text(const struct view *view)
-{
-    const struct dt_resource *resource = &view->pipeline.info->resources[view->resource];
-    uint32_t layers = view_layers(view);
-    char layer[64] = "", mip[64] = "";
-    if (layers > 1 && view->layer >= 0)
-        snprintf(layer, sizeof layer, ", layer %d of %u", view->layer, layers);
-    else if (layers > 1)
-        snprintf(layer, sizeof layer, ", all %u layers", layers);
-    if (resource->mips > 1)
-        snprintf(mip, sizeof mip, ", mip %u of %u", view->mip, resource->mips);
-    const char *skipped =
-        view_is_skipped(view, &view->side[0], view->resource) ? "\n(its pass does not run)" : "";
-    return format_string("%s  %s%s%s%s", resource->name, format_info(resource->format)->name, layer,
-                         mip, skipped);
-}
-
 static char *state_text(const struct view *view)
 {
-    static const char *const modes[] = {"side by side", "left half | right half", "difference"};
     const char *paused = !view->paused   ? ""
                          : view->gave_up ? "the device was lost again; Space tries once more  "
                                          : "paused  ";
-    const char *busy = view->reloading ? "reloading" : "";
-    if (view->side_count == 1)
-        return format_string("%s%s", paused, busy);
-    if (view->mode == VIEW_DIFFERENCE)
-        return format_string("%s x %g  %s%s", modes[view->mode], (double)view->gain, paused, busy);
-    return format_string("%s  %s%s", modes[view->mode], paused, busy);
+    return format_string("%s%s%s", paused, view->reloading ? "reloading  " : "",
+                         view->bisecting ? "bisecting" : "");
 }
 
-static char *points_text(const struct view *view)
+static char *title_text(const struct view *view)
 {
-    if (!view->shown_points)
-        return strdup("");
-    return strdup(view->points[view->shown_points - 1].name);
+    const char *scene = view->options->setup.scene, *slash = scene ? strrchr(scene, '/') : NULL;
+    return format_string("%s%s%s   %ux%u", view->pipeline.info->name, scene ? ", " : "",
+                         slash   ? slash + 1
+                         : scene ? scene
+                                 : "",
+                         view->size[0], view->size[1]);
 }
 
-/* Live parameters of up to four numbers; returns how many. */
-static uint32_t fill_params(const struct view *view, struct overlay_param *params)
+/* The last frame that was not checked. */
+static double last_frame_ms(const struct view_times *times)
 {
-    const struct dt_pipeline *info = view->pipeline.info;
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < info->param_count; i++) {
-        const struct dt_param *param = &info->params[i];
-        if (!param->live || type_components(param->type) > 4)
-            continue;
-        struct overlay_param *out = &params[count++];
-        *out = (struct overlay_param){.name = param->name,
-                                      .doc = param->doc ? param->doc : "",
-                                      .is_bool = type_info(param->type)->scalar == DT_TYPE_BOOL,
-                                      .is_whole = type_info(param->type)->scalar != DT_TYPE_FLOAT,
-                                      .count = type_components(param->type),
-                                      .min = param->min,
-                                      .max = param->max,
-                                      .step = param->step};
-        live_get(view->pipeline.live, param, out->value);
-        for (uint32_t k = 0; k < out->count; k++) /* as the live block rounds it */
-            out->initial[k] = out->is_whole ? param->value[k] : (double)(float)param->value[k];
+    for (uint32_t i = 1; i <= timed_frames(times); i++) {
+        double ms = times->frame_ms[(times->frames - i) % VIEW_TIMED_FRAMES];
+        if (!isnan(ms))
+            return ms;
     }
-    return count;
+    return (double)NAN;
 }
 
-static void take_params(struct view *view, const struct overlay_param *params, uint32_t count)
+static void fill_side(const struct view *view, uint32_t index, struct overlay_side *side)
 {
-    for (uint32_t i = 0; i < count; i++) {
-        if (!params[i].changed)
-            continue;
-        view_set_live(view, live_param(view->pipeline.info, params[i].name), params[i].value);
-        view->step = true;
+    const struct view_side *from = &view->side[index];
+    const struct session *session = &from->session;
+    const struct view_times *times = &from->times;
+    uint32_t last = times->frames ? (times->frames - 1) % VIEW_TIMED_FRAMES : 0;
+    *side = (struct overlay_side){
+        .label = view->sides.list[index].label,
+        .device = session->runtime->device_name(session->handle),
+        .pass_ms = times->frames ? times->pass_ms + (size_t)last * times->passes : NULL,
+        .frame_ms = last_frame_ms(times),
+        .bytes = &from->shown,
+        .flipped = view->direct && index == 0 &&
+                   !view->pipeline.info->resources[view->shown.resource].top};
+}
+
+static void fill_log(struct view *view, struct overlay_model *model)
+{
+    struct view_log *log = &view->log;
+    pthread_mutex_lock(&log->lock);
+    if (log->lines != log->seen_lines) {
+        free(log->seen);
+        log->seen = strdup(log->text);
+        log->seen_lines = log->lines;
     }
+    pthread_mutex_unlock(&log->lock);
+    model->log = log->seen ? log->seen : "";
+    model->log_size = log->seen_lines;
 }
 
-static void fill_passes(const struct view *view, struct overlay_pass *passes)
+/* The texel under the pointer is read, even where the picture stays on the device. */
+static bool read_pointed(struct view *view)
 {
-    const struct dt_pipeline *info = view->pipeline.info;
-    for (uint32_t i = 0; i < info->pass_count; i++) {
-        passes[i] = (struct overlay_pass){.name = info->passes[i].name,
-                                          .doc = info->passes[i].doc ? info->passes[i].doc : ""};
-        for (uint32_t k = 0; k < view->side_count; k++) {
-            const struct view_times *times = &view->side[k].times;
-            uint32_t last = times->frames ? (times->frames - 1) % VIEW_TIMED_FRAMES : 0;
-            passes[i].ms[k] =
-                times->frames ? times->pass_ms[(size_t)last * times->passes + i] : (double)NAN;
-        }
-    }
+    bool wanted = overlay_is_pointing(view->overlay) || view->shown.marked ||
+                  view->pipeline.info->resources[view->shown.resource].kind == DT_BUFFER;
+    for (uint32_t i = 0; wanted && view->frames && i < view->side_count; i++)
+        if (!view_read(view, &view->side[i]))
+            return false;
+    return true;
 }
 
-static void describe(struct view *view, const struct texts *texts, struct overlay_param *params,
-                     struct overlay_pass *passes)
+/* A mip is shown after the last pass that writes it; a row of the list, after its own. */
+static void heed_choice(struct view *view, const struct overlay_shown *before)
 {
-    const struct dt_pipeline *info = view->pipeline.info;
-    const char *doc = info->resources[view->resource].doc;
-    const char *names[OVERLAY_SIDES] = {NULL};
+    struct overlay_shown *shown = &view->shown;
+    uint32_t pass = view_last_writer(view->pipeline.info, shown->resource, shown->mip);
+    if (shown->mip != before->mip && shown->resource == before->resource &&
+        shown->pass == before->pass && pass < view->pipeline.info->pass_count)
+        shown->pass = pass;
+    if (shown->layer >= (int)view_layers(view)) /* mips of a 3D image have fewer */
+        shown->layer = -1;
+}
+
+static bool describe(struct view *view, const char *title, const char *state, const char *changes)
+{
+    const struct view_verdict *verdict = &view->verdict;
+    const struct overlay_shown before = view->shown;
+    bool judged = verdict->known && view->side_count > 1;
+    uint32_t moment = view->present_moment;
     struct overlay_model model = {
-        .hidden = view->overlay_hidden,
-        .title = texts->title,
-        .shown = texts->shown,
-        .doc = doc ? doc : "",
-        .state = texts->state,
-        .points = texts->points,
+        .settings = &view->settings,
+        .shown = &view->shown,
+        .params = view->params.list,
+        .param_count = view->params.count,
+        .title = title,
+        .verdict = view->side_count < 2 ? "one backend: nothing to compare with"
+                   : verdict->known     ? verdict->text
+                                        : "comparing ...",
+        .mark = judged ? verdict->worst : OVERLAY_UNKNOWN,
+        .stale = judged && verdict->stale,
+        .row_mark = judged ? verdict->marks : NULL,
+        .info = view->pipeline.info,
+        .rows = &verdict->rows,
+        .side_count = view->side_count,
+        .state = state,
+        .points = view->shown_points ? view->points[view->shown_points - 1].name : "",
         .error = view->error,
         .error_title = view->outline_wrong ? "view.yaml is wrong; the pipeline runs"
                                            : "reload failed; what was good before runs on",
-        .sides = names,
-        .side_count = view->side_count,
-        .passes = passes,
-        .pass_count = info->pass_count,
-        .params = params};
-    for (uint32_t i = 0; i < view->side_count; i++) {
-        const struct view_times *times = &view->side[i].times;
-        names[i] = view->sides.list[i].label;
-        model.frame_ms[i] =
-            times->frames ? times->frame_ms[(times->frames - 1) % VIEW_TIMED_FRAMES] : (double)NAN;
-    }
-    model.param_count = fill_params(view, params);
-    fill_passes(view, passes);
+        .undefined =
+            view->options->setup.sanitize ? (verdict->undefined ? verdict->undefined : "") : NULL,
+        .changes = changes,
+        .slot = view->params.slot,
+        .paused = view->paused,
+        .moments = view->scene.motion ? motion_frames(view->scene.motion) : 0,
+        .moment = &moment,
+        .moving = &view->moving};
+    for (uint32_t i = 0; i < view->side_count; i++)
+        fill_side(view, i, &model.sides[i]);
+    fill_log(view, &model);
+    resource_extent(view->pipeline.info, view->shown.resource, view->size, view->shown.mip,
+                    model.extent);
     overlay_build(view->overlay, &model);
-    take_params(view, params, model.param_count);
+    heed_choice(view, &before);
+    if (moment != view->present_moment) {
+        view->moment = moment;
+        view->moving = true;
+    }
+    view->wishes |= model.wishes;
+    return view_params_apply(view);
 }
 
 bool view_overlay_build(struct view *view)
 {
-    const struct dt_pipeline *info = view->pipeline.info;
-    struct texts texts = {format_string("diptych: %s###panel", info->name), shown_text(view),
-                          state_text(view), points_text(view)};
-    struct overlay_param *params = calloc(info->param_count + 1, sizeof *params);
-    struct overlay_pass *passes = calloc(info->pass_count + 1, sizeof *passes);
-    bool good = texts.title && texts.shown && texts.state && texts.points && params && passes;
-    if (good)
-        describe(view, &texts, params, passes);
-    else
+    char *title = title_text(view), *state = state_text(view);
+    char *changes = view_params_text(view, "--set ", " ", true, true);
+    bool good = title && state && changes;
+    if (!good)
         report_error(&view->console->log, "out of memory for the overlay");
-    free(passes);
-    free(params);
-    free(texts.title);
-    free(texts.shown);
-    free(texts.state);
-    free(texts.points);
+    good = good && read_pointed(view) && describe(view, title, state, changes);
+    free(title);
+    free(state);
+    free(changes);
     return good;
 }
 
@@ -249,7 +248,16 @@ void view_tell(const struct view *view)
     cJSON_AddNumberToObject(root, "width", view->size[0]);
     cJSON_AddNumberToObject(root, "height", view->size[1]);
     cJSON_AddNumberToObject(root, "frames", view->frames);
-    cJSON_AddStringToObject(root, "shown", view->pipeline.info->resources[view->resource].name);
+    cJSON_AddStringToObject(root, "shown",
+                            view->pipeline.info->resources[view->shown.resource].name);
+    char *changes = view_params_text(view, "", " ", true, true);
+    if (changes)
+        cJSON_AddStringToObject(root, "changes", changes);
+    free(changes);
+    if (view->verdict.undefined)
+        cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
+    if (view->verdict.known && view->side_count > 1)
+        cJSON_AddStringToObject(root, "verdict", view->verdict.text);
     cJSON_AddNumberToObject(root, "reloads", view->reloads);
     cJSON_AddItemToObject(root, "reload_ms", number_or_null(view->reload_ms));
     for (uint32_t i = 0; i < view->side_count; i++)

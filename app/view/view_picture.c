@@ -1,9 +1,7 @@
-/* Pictures of a frame: read from each side, converted to codes if necessary, and laid out in the
- * window. The display output of a single side, or of the first of two side by side, stays on the
+/* Pictures of a frame: read from each side, and converted to codes if necessary. The display output of a single side, or of the first of two side by side, stays on the
  * device that has the window. */
 #include "view/view.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +20,7 @@ uint32_t view_last_writer(const struct dt_pipeline *info, uint32_t resource, uin
 
 bool view_can_show(const struct dt_pipeline *info, uint32_t resource)
 {
-    return info->resources[resource].kind == DT_IMAGE &&
+    return info->resources[resource].input ||
            view_last_writer(info, resource, 0) < info->pass_count;
 }
 
@@ -31,7 +29,7 @@ bool view_find_home(struct view *view)
     const struct dt_pipeline *info = view->pipeline.info;
     int output = info->display_output >= 0 ? info->display_output : info->linear_output;
     for (uint32_t i = 0; i < info->resource_count && output < 0; i++)
-        if (view_can_show(info, i))
+        if (info->resources[i].kind == DT_IMAGE && view_can_show(info, i))
             output = (int)i;
     if (output < 0) {
         report_error(&view->console->log, "%s has no image that could be shown", info->name);
@@ -44,31 +42,51 @@ bool view_find_home(struct view *view)
 
 uint32_t view_mips(const struct view *view)
 {
-    return view->pipeline.info->resources[view->resource].mips;
+    return view->pipeline.info->resources[view->shown.resource].mips;
 }
 
 uint32_t view_layers(const struct view *view)
 {
     uint32_t extent[3];
-    resource_extent(view->pipeline.info, view->resource, view->size, view->mip, extent);
-    return extent[2];
+    resource_extent(view->pipeline.info, view->shown.resource, view->size, view->shown.mip, extent);
+    return view->pipeline.info->resources[view->shown.resource].kind == DT_IMAGE ? extent[2] : 1;
 }
 
 void view_show(struct view *view, uint32_t resource)
 {
-    view->resource = resource;
-    view->layer = -1;
-    view->mip = 0;
+    const struct dt_pipeline *info = view->pipeline.info;
+    struct overlay_shown *shown = &view->shown;
+    uint32_t pass = view_last_writer(info, resource, 0);
+    if (resource != shown->resource)
+        shown->look = (struct picture_look){0};
+    shown->pass = pass < info->pass_count ? pass : info->pass_count - 1;
+    shown->resource = resource;
+    shown->layer = -1;
+    shown->mip = 0;
+    shown->marked = false;
+}
+
+static bool is_image(const struct view *view)
+{
+    return view->pipeline.info->resources[view->shown.resource].kind == DT_IMAGE;
+}
+
+static bool is_difference(const struct view *view)
+{
+    return view->side_count > 1 && view->shown.mode == OVERLAY_DIFFERENCE;
 }
 
 /* Whether the pipeline's display output is shown from device memory. */
 static bool is_direct(const struct view *view)
 {
     const struct dt_pipeline *info = view->pipeline.info;
-    const struct dt_resource *resource = &info->resources[view->resource];
-    return (int)view->resource == info->display_output && resource->format == DT_FORMAT_RGBA8 &&
-           !resource->layered && view->mip == 0 && !view->shown_points &&
-           (view->side_count == 1 || view->mode != VIEW_DIFFERENCE);
+    const struct dt_resource *resource = &info->resources[view->shown.resource];
+    const struct picture_look *look = &view->shown.look;
+    return (int)view->shown.resource == info->display_output &&
+           view->shown.pass == view_last_writer(info, view->shown.resource, 0) &&
+           resource->format == DT_FORMAT_RGBA8 && !resource->layered && view->shown.mip == 0 &&
+           !view->shown_points && !look->channel && look->exposure == 0 && !look->ranged &&
+           !look->tinted && !is_difference(view);
 }
 
 /* ---- From resources to codes ----------------------------------------------------------------- */
@@ -89,26 +107,29 @@ void view_forget(struct view_side *side)
     picture_free(&side->picture);
 }
 
-static bool take(const struct view *view, const struct view_side *side, uint32_t pass,
-                 uint32_t resource, uint32_t mip, struct dt_bytes *bytes)
+static bool take_picture(const struct view *view, const struct view_side *side, uint32_t pass,
+                         uint32_t resource, struct dt_bytes *bytes)
 {
     const struct session *session = &side->session;
-    return view_last_writer(view->pipeline.info, resource, mip) != pass || bytes->data ||
-           session->runtime->read(session->handle, resource, mip, bytes);
+    return view_last_writer(view->pipeline.info, resource, 0) != pass || bytes->data ||
+           session->runtime->read(session->handle, resource, 0, bytes);
 }
 
 bool view_take(const struct view *view, struct view_side *side, uint32_t pass)
 {
-    if (!take(view, side, pass, view->resource, view->mip, &side->shown))
+    const struct session *session = &side->session;
+    if (pass == view->shown.pass && !side->shown.data &&
+        !session->runtime->read(session->handle, view->shown.resource, view->shown.mip,
+                                &side->shown))
         return false;
     if (!view->shown_points)
         return true;
     const struct view_points *points = &view->points[view->shown_points - 1];
     for (uint32_t i = 0; i < points->count; i++) {
         const struct point_source *source = &points->sources[i];
-        if (!take(view, side, pass, source->buffer, 0, &side->elements[i]) ||
+        if (!take_picture(view, side, pass, source->buffer, &side->elements[i]) ||
             (source->label == POINT_BUFFER &&
-             !take(view, side, pass, source->label_buffer, 0, &side->labels[i])))
+             !take_picture(view, side, pass, source->label_buffer, &side->labels[i])))
             return false;
     }
     return true;
@@ -127,42 +148,51 @@ static void draw_points(const struct view *view, const struct view_side *side)
                         &side->elements[i], &side->labels[i]);
 }
 
-/* The bytes of one layer, or of all, in `shown`. */
-static struct dt_bytes chosen_layer(const struct view *view, const struct dt_bytes *shown)
+struct dt_bytes view_layer(const struct view *view, const struct view_side *side)
 {
-    struct dt_bytes part = *shown;
-    if (view->layer < 0 || (uint32_t)view->layer >= shown->extent[2])
+    struct dt_bytes part = side->shown;
+    if (!is_image(view) || view->shown.layer < 0 || (uint32_t)view->shown.layer >= part.extent[2])
         return part;
-    part.size = shown->size / shown->extent[2];
-    part.data += part.size * (size_t)view->layer;
+    part.size /= part.extent[2];
+    part.data += part.size * (size_t)view->shown.layer;
     part.extent[2] = 1;
     return part;
+}
+
+bool view_read(const struct view *view, struct view_side *side)
+{
+    const struct session *session = &side->session;
+    return side->shown.data || session->runtime->read(session->handle, view->shown.resource,
+                                                      view->shown.mip, &side->shown);
 }
 
 /* Makes the side's picture from the bytes read in the frame, or reads an output now, which stays
  * valid. */
 static bool make_picture(struct view *view, struct view_side *side)
 {
-    const struct session *session = &side->session;
-    if (!side->shown.data &&
-        !session->runtime->read(session->handle, view->resource, view->mip, &side->shown))
+    if (!view_read(view, side))
         return false;
-    struct dt_bytes part = chosen_layer(view, &side->shown);
+    if (!is_image(view))
+        return true;
+    struct dt_bytes part = view_layer(view, side);
     picture_free(&side->picture);
-    if (!picture_codes(&side->picture, &view->pipeline.info->resources[view->resource], &part,
-                       &session->log))
+    if (!picture_look(&side->picture, &view->pipeline.info->resources[view->shown.resource], &part,
+                      &view->shown.look, &side->session.log))
         return false;
     draw_points(view, side);
     return true;
 }
 
-/* The first picture becomes the difference of both. */
-static void make_difference(struct view *view)
+/* The pictures but the first become differences from it. */
+static void make_differences(struct view *view)
 {
-    struct picture *a = &view->side[0].picture, *b = &view->side[1].picture;
-    for (size_t i = 0; i < (size_t)a->width * a->height * 3; i++) {
-        float apart = (float)abs(a->codes[i] - b->codes[i]) * view->gain;
-        a->codes[i] = apart < 255 ? (uint8_t)apart : 255;
+    const struct picture *a = &view->side[0].picture;
+    for (uint32_t k = 1; k < view->side_count; k++) {
+        struct picture *b = &view->side[k].picture;
+        for (size_t i = 0; i < (size_t)a->width * a->height * 3; i++) {
+            float apart = (float)abs(a->codes[i] - b->codes[i]) * view->shown.gain;
+            b->codes[i] = apart < 255 ? (uint8_t)apart : 255;
+        }
     }
 }
 
@@ -171,8 +201,8 @@ static bool make_pictures(struct view *view)
     for (uint32_t i = 0; i < view->side_count; i++)
         if (!make_picture(view, &view->side[i]))
             return false;
-    if (view->side_count > 1 && view->mode == VIEW_DIFFERENCE)
-        make_difference(view);
+    if (is_difference(view) && is_image(view))
+        make_differences(view);
     return true;
 }
 
@@ -205,88 +235,20 @@ bool view_pictures(struct view *view)
     view->direct = first > 0;
     if (view->direct) {
         view_forget(&view->side[0]);
-        if (!window->runtime->window_copy(window->handle, 1, view->resource))
+        if (!window->runtime->window_copy(window->handle, 1, view->shown.resource))
             return false;
     }
     for (uint32_t i = first; i < view->side_count; i++)
         if (!make_picture(view, &view->side[i]))
             return false;
-    if (view->side_count > 1 && view->mode == VIEW_DIFFERENCE)
-        make_difference(view);
+    if (!is_image(view))
+        return true;
+    if (is_difference(view))
+        make_differences(view);
     for (uint32_t i = first; i < view->side_count; i++)
         if (!upload(view, i))
             return false;
     return true;
-}
-
-/* ---- Layout ---------------------------------------------------------------------------------- */
-
-static bool has_panels(const struct view *view)
-{
-    return view->side_count > 1 && view->mode == VIEW_PANELS;
-}
-
-void view_panel_size(const struct view *view, uint32_t size[2])
-{
-    size[0] = has_panels(view) ? view->window_size[0] / 2 : view->window_size[0];
-    size[1] = view->window_size[1];
-    size[0] = size[0] ? size[0] : 1;
-    size[1] = size[1] ? size[1] : 1;
-}
-
-/* As large as fits, with a black border. In a texture copied on the device the bottom row comes
- * first. */
-static void fit(const struct view *view, uint32_t index, float left, float quad[4])
-{
-    const struct picture *picture = &view->side[index].picture;
-    bool direct = view->direct && index == 0;
-    uint32_t panel[2];
-    view_panel_size(view, panel);
-    float width = (float)(direct ? view->size[0] : picture->width);
-    float height = (float)(direct ? view->size[1] : picture->height);
-    float factor = fminf((float)panel[0] / width, (float)panel[1] / height);
-    quad[0] = left + floorf(((float)panel[0] - width * factor) / 2);
-    quad[1] = floorf(((float)panel[1] - height * factor) / 2);
-    quad[2] = quad[0] + width * factor;
-    quad[3] = quad[1] + height * factor;
-}
-
-/* From `from` to `to`, parts of the picture's width. */
-static void add_quad(const struct view *view, uint32_t index, const float quad[4], float from,
-                     float to, struct dt_window_vertex *vertices, struct dt_window_draw *draw,
-                     uint32_t first)
-{
-    static const uint8_t corners[6] = {0, 1, 2, 2, 1, 3};
-    bool flipped = view->direct && index == 0;
-    float x[2] = {quad[0] + (quad[2] - quad[0]) * from, quad[0] + (quad[2] - quad[0]) * to};
-    float y[2] = {quad[1], quad[3]}, u[2] = {from, to};
-    float v[2] = {flipped ? 1 : 0, flipped ? 0 : 1};
-    for (int i = 0; i < 6; i++) {
-        int right = corners[i] & 1, low = corners[i] >> 1;
-        vertices[i] =
-            (struct dt_window_vertex){{x[right], y[low]}, {u[right], v[low]}, {255, 255, 255, 255}};
-    }
-    *draw = (struct dt_window_draw){
-        .texture = 1 + index,
-        .first = first,
-        .count = 6,
-        .clip = {0, 0, (int32_t)view->window_size[0], (int32_t)view->window_size[1]}};
-}
-
-uint32_t view_layout(const struct view *view, struct dt_window_vertex vertices[6 * VIEW_MAX_DRAWS],
-                     struct dt_window_draw draws[VIEW_MAX_DRAWS])
-{
-    float quad[4];
-    bool curtain = view->side_count > 1 && view->mode == VIEW_CURTAIN;
-    uint32_t count = has_panels(view) || curtain ? 2 : 1;
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t panel[2];
-        view_panel_size(view, panel);
-        fit(view, i, has_panels(view) ? (float)(i * panel[0]) : 0, quad);
-        add_quad(view, i, quad, curtain && i == 1 ? 0.5f : 0, curtain && i == 0 ? 0.5f : 1,
-                 vertices + 6 * (size_t)i, &draws[i], 6 * i);
-    }
-    return count;
 }
 
 /* ---- Screenshots ----------------------------------------------------------------------------- */
@@ -305,21 +267,23 @@ bool view_write_png(struct view *view, const char *path)
     const struct dt_log *log = &view->console->log;
     if (!make_pictures(view))
         return false;
-    const struct picture *a = &view->side[0].picture, *b = &view->side[1].picture;
-    bool panels = has_panels(view), curtain = view->side_count > 1 && view->mode == VIEW_CURTAIN;
-    uint32_t width = panels ? a->width + b->width : a->width;
-    uint8_t *out = calloc((size_t)width * a->height + 1, 3);
+    uint32_t first = is_difference(view) ? 1 : 0, count = view->side_count;
+    bool curtain = count > 1 && view->shown.mode == OVERLAY_CURTAIN;
+    const struct picture *picture = &view->side[0].picture;
+    uint32_t width = picture->width * (curtain ? 1 : count - first), left = 0;
+    uint8_t *out = calloc((size_t)width * picture->height + 1, 3);
     if (!out) {
         report_error(log, "%s: out of memory for a picture", path);
         return false;
     }
-    paste(out, width, 0, a, 0, curtain ? a->width / 2 : a->width);
-    if (panels)
-        paste(out, width, a->width, b, 0, b->width);
-    if (curtain)
-        paste(out, width, a->width / 2, b, b->width / 2, b->width);
+    for (uint32_t i = first; i < count; i++) {
+        uint32_t from = curtain ? picture->width * i / count : 0;
+        uint32_t to = curtain ? picture->width * (i + 1) / count : picture->width;
+        paste(out, width, left, &view->side[i].picture, from, to);
+        left += to - from;
+    }
     console_hold(view->console);
-    bool good = image_write_png(path, width, a->height, 3, out, log);
+    bool good = image_write_png(path, width, picture->height, 3, out, log);
     console_release(view->console);
     free(out);
     return good;

@@ -10,12 +10,6 @@
 #include "console/texels.h"
 #include "spec/inputs.h"
 
-const struct dt_shaders *view_shaders_of(const struct view_side *side,
-                                         const struct pipeline *pipeline)
-{
-    return strcmp(side->session.runtime->name, "gl") == 0 ? pipeline->gl : pipeline->vk;
-}
-
 void view_set_live(struct view *view, const struct dt_param *param, const double values[4])
 {
     char text[160] = "[";
@@ -28,17 +22,6 @@ void view_set_live(struct view *view, const struct dt_param *param, const double
         return;
     memcpy(text + used, "]", 2);
     live_set(view->pipeline.info, view->pipeline.live, param, text, &view->console->log);
-}
-
-/* Whether --set gave its initial value. */
-static bool is_set(const struct options *options, const char *name)
-{
-    size_t length = strlen(name);
-    for (uint32_t i = 0; i < options->setup.set_count; i++)
-        if (strncmp(options->setup.sets[i], name, length) == 0 &&
-            options->setup.sets[i][length] == '=')
-            return true;
-    return false;
 }
 
 /* Keeps values that the user changed, if the new pipeline accepts them. */
@@ -56,37 +39,54 @@ static void keep_live(struct view *view, const struct pipeline *old)
         bool fits = true;
         for (uint32_t k = 0; k < type_components(was->type); k++)
             fits = fits && value[k] >= is->min && value[k] <= is->max;
-        if (fits && (is_set(view->options, was->name) ||
+        if (fits && (setup_sets(&view->options->setup, was->name) ||
                      memcmp(value, initial, type_components(was->type) * sizeof *value) != 0))
             view_set_live(view, is, value);
     }
 }
 
-/* The same image as before, by name. */
-static bool keep_shown(struct view *view, const char *name)
+/* What was shown of the old pipeline; borrowed names. */
+struct kept_shown {
+    const char *resource, *pass;
+    struct overlay_shown shown;
+};
+
+static struct kept_shown shown_of(const struct view *view, const struct dt_pipeline *info)
+{
+    return (struct kept_shown){.resource = info->resources[view->shown.resource].name,
+                               .pass = info->passes[view->shown.pass].name,
+                               .shown = view->shown};
+}
+
+/* The same as before, by name. */
+static bool keep_shown(struct view *view, const struct kept_shown *kept)
 {
     const struct dt_pipeline *info = view->pipeline.info;
-    int layer = view->layer;
-    uint32_t mip = view->mip;
+    const struct overlay_shown *was = &kept->shown;
+    struct overlay_shown *shown = &view->shown;
     if (!view_find_home(view))
         return false;
     for (uint32_t i = 0; i < info->resource_count; i++) {
-        if (strcmp(info->resources[i].name, name) != 0 || !view_can_show(info, i))
+        if (strcmp(info->resources[i].name, kept->resource) != 0 || !view_can_show(info, i))
             continue;
         view_show(view, i);
-        view->mip = mip < view_mips(view) ? mip : 0;
-        view->layer = layer < (int)view_layers(view) ? layer : -1;
+        shown->look = was->look;
+        shown->mip = was->mip < view_mips(view) ? was->mip : 0;
+        shown->layer = was->layer < (int)view_layers(view) ? was->layer : -1;
+        shown->marked = was->marked;
+        for (uint32_t k = 0; k < info->pass_count; k++)
+            for (uint32_t w = 0; w < info->passes[k].write_count; w++)
+                if (strcmp(info->passes[k].name, kept->pass) == 0 && info->passes[k].writes[w] == i)
+                    shown->pass = k;
     }
     return true;
 }
 
-static bool create(const struct view *view)
+static bool create(struct view *view)
 {
     for (uint32_t i = 0; i < view->side_count; i++) {
-        const struct view_side *side = &view->side[i];
-        const struct session *session = &side->session;
-        if (!session->runtime->create(session->handle, view_shaders_of(side, &view->pipeline)) ||
-            !session_resize(session, view->size))
+        struct session *session = &view->side[i].session;
+        if (!session_create(session, &view->pipeline) || !session_resize(session, view->size))
             return false;
     }
     return true;
@@ -103,12 +103,11 @@ static void set_error(struct view *view, char *text)
 
 /* Starts view->pipeline, up to its first picture. With a wrong outline it runs, with no points and
  * keys. */
-static bool start(struct view *view, const char *shown, bool *offered)
+static bool start_pipeline(struct view *view, const struct kept_shown *shown, bool *offered)
 {
     uint32_t points = view->shown_points;
     *offered = view_outline_read(view);
     view->shown_points = points <= view->points_count ? points : 0;
-    view->frame = 0; /* history starts anew */
     double begun = milliseconds_now();
     bool created =
         (view->options->setup.scene ||
@@ -118,7 +117,8 @@ static bool start(struct view *view, const char *shown, bool *offered)
         memcpy(view->size, view->pipeline.frame_size, sizeof view->size);
     created = created && create(view);
     view->device_ms = milliseconds_now() - begun;
-    return created && keep_shown(view, shown) && view_times_create(view) && view_render(view);
+    return created && keep_shown(view, shown) && view_times_create(view) &&
+           view_params_create(view) && view_verdict_create(view) && view_render(view);
 }
 
 /* Errors of a driver or runtime for the new pipeline are shown like the generator's, and the old
@@ -126,11 +126,11 @@ static bool start(struct view *view, const char *shown, bool *offered)
 static bool swap(struct view *view, struct pipeline *next)
 {
     struct pipeline old = view->pipeline;
-    const char *shown = old.info->resources[view->resource].name;
+    const struct kept_shown shown = shown_of(view, old.info);
     bool offered, capture = console_capture(view->console);
     view->pipeline = *next;
     keep_live(view, &old);
-    bool good = start(view, shown, &offered);
+    bool good = start_pipeline(view, &shown, &offered);
     char *text = capture ? console_captured(view->console) : NULL;
     view->outline_wrong = good && !offered;
     if (!good || !offered) {
@@ -146,13 +146,13 @@ static bool swap(struct view *view, struct pipeline *next)
     }
     struct pipeline refused = view->pipeline;
     view->pipeline = old;
-    good = start(view, shown, &offered);
+    good = start_pipeline(view, &shown, &offered);
     pipeline_unload(&refused); /* its panels were in use until now */
     return good;
 }
 
 /* Reloads the outline of the same pipeline; its errors are shown like the pipeline's. */
-static void read_outline(struct view *view)
+static void reread_outline(struct view *view)
 {
     uint32_t points = view->shown_points;
     bool capture = console_capture(view->console);
@@ -181,7 +181,7 @@ static void tell_times(const struct view *view, bool same, double made_ms, doubl
         view->reload_ms, made_ms, view->device_ms, taken_ms - view->device_ms);
 }
 
-static bool take(struct view *view, struct reload_result *result)
+static bool take_reload(struct view *view, struct reload_result *result)
 {
     double start_ms = milliseconds_now();
     if (result->text && *result->text)
@@ -191,7 +191,7 @@ static bool take(struct view *view, struct reload_result *result)
     bool same = plan_hash(result->pipeline.plan) == plan_hash(view->pipeline.plan);
     if (same) { /* only its outline, or nothing */
         pipeline_unload(&result->pipeline);
-        read_outline(view);
+        reread_outline(view);
     } else if (!swap(view, &result->pipeline)) {
         return false;
     }
@@ -212,7 +212,7 @@ bool view_reload(struct view *view)
         return true;
     case RELOAD_DONE:
         view->reloading = false;
-        return take(view, &result);
+        return take_reload(view, &result);
     case RELOAD_FAILED:
         view->reloading = view->outline_wrong = false;
         set_error(view, result.text ? result.text : strdup("out of memory\n"));

@@ -5,13 +5,13 @@
 /* Fewest frames between two unrelated losses; with fewer, the pipeline is the likely cause. */
 enum { PATIENCE = 60 };
 
-struct place {
+struct window_place {
     int left, top, width, height;
 };
 
-static struct place place_of(GLFWwindow *window)
+static struct window_place find_window_place(GLFWwindow *window)
 {
-    struct place place;
+    struct window_place place;
     glfwGetWindowPos(window, &place.left, &place.top);
     glfwGetWindowSize(window, &place.width, &place.height);
     return place;
@@ -25,7 +25,7 @@ static bool is_lost(const struct view_side *side)
 
 static bool reopen(struct view *view, uint32_t index)
 {
-    struct place place = place_of(view->window);
+    struct window_place place = find_window_place(view->window);
     report_message(&view->side[index].session.log, DT_WARNING,
                    "reopening the device; resources with history start from zero");
     view_close_side(view, index);
@@ -59,7 +59,7 @@ static bool has_patience(struct view *view)
     if (!soon)
         return true;
     view->paused = view->gave_up = true;
-    view->overlay_hidden = false;
+    view->settings.hidden = false;
     view->step = false;
     if (hopeless || view->options->run_frames) {
         report_error(&view->console->log,

@@ -48,11 +48,8 @@ struct pass *find_pass(const struct checker *c, const char *name)
 void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
                     const char *const *names, size_t count)
 {
-    const char *nearest = nearest_name(name, names, count);
-    if (nearest)
-        diag_error(c->diag, loc, "no %s `%s`; did you mean `%s`?", what, name, nearest);
-    else
-        diag_error(c->diag, loc, "no %s `%s`", what, name);
+    diag_error(c->diag, loc, "no %s `%s`%s", what, name,
+               name_hint('`', name, names, count, "").text);
 }
 
 /* Removes a pass's name from every `after`. */

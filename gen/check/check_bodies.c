@@ -29,15 +29,17 @@ static const struct source *read_body(struct checker *c, const char *key, const 
     return source;
 }
 
-/* Two files, one after the other, as one that includes both. */
+/* Two files, one after the other, as one that includes both; of whole shaders each is a stage. */
 static const struct source *join_bodies(struct checker *c, const struct pass *pass)
 {
     struct source *body = arena_alloc(c->model->arena, sizeof *body);
+    bool whole = source_is_whole(pass->body);
     if (!read_body(c, "shader", pass->more, pass->shader_loc) || !body)
         return NULL;
     body->path = pass->shader_loc.source->path;
-    body->text = arena_printf(c->model->arena, "#include \"%s\"\n#include \"%s\"\n", pass->shader,
-                              pass->more);
+    body->text = arena_printf(c->model->arena, "%s#include \"%s\"\n%s#include \"%s\"\n%s",
+                              whole ? "#ifdef VERTEX\n" : "", pass->shader, whole ? "#else\n" : "",
+                              pass->more, whole ? "#endif\n" : "");
     body->length = body->text ? strlen(body->text) : 0;
     return body->text ? body : NULL;
 }
@@ -262,15 +264,29 @@ static bool is_named(const struct weight *weight, const char *name)
     return weight->param && !strcmp(weight->param, name);
 }
 
+static bool in_values(const struct value *values, uint32_t count, const char *name)
+{
+    for (uint32_t i = 0; i < count; i++)
+        if (text_mentions(values[i].text, name))
+            return true;
+    return false;
+}
+
 static bool in_expressions(const struct checker *c, const char *name)
 {
+    if (in_values(c->pipeline->values, c->pipeline->value_count, name))
+        return true;
     for (size_t i = 0; i < c->expr_count; i++)
         if (expr_mentions(c->exprs[i], name))
             return true;
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        for (uint32_t k = 0; k < c->pipeline->passes[i].range_count; k++)
-            if (text_mentions(c->pipeline->passes[i].ranges[k].first, name))
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct pass *pass = &c->pipeline->passes[i];
+        for (uint32_t k = 0; k < pass->range_count; k++)
+            if (text_mentions(pass->ranges[k].first, name))
                 return true;
+        if (in_values(pass->values, pass->value_count, name))
+            return true;
+    }
     for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
         const struct metric *metric = &c->pipeline->metrics[i];
         if (is_named(&metric->position, name) || is_named(&metric->normal, name))

@@ -78,8 +78,8 @@ static struct resource *find_margin(struct checker *c, const struct contract *co
 }
 
 /* Index of the struct's field with that name; -1 after an error. */
-static int find_field(struct checker *c, const struct resource *margin, const char *name,
-                      struct loc loc)
+static int find_contract_field(struct checker *c, const struct resource *margin, const char *name,
+                               struct loc loc)
 {
     const struct structure *structure = margin->structure;
     const char **names = arena_alloc(c->model->arena, (structure->field_count + 1) * sizeof *names);
@@ -92,10 +92,8 @@ static int find_field(struct checker *c, const struct resource *margin, const ch
         if (!strcmp(names[i], name))
             return (int)i;
     }
-    const char *nearest = nearest_name(name, names, structure->field_count);
-    diag_error(c->diag, loc,
-               nearest ? "`%s` has no field `%s`; did you mean `%s`?" : "`%s` has no field `%s`",
-               structure->name, name, nearest);
+    diag_error(c->diag, loc, "`%s` has no field `%s`%s", structure->name, name,
+               name_hint('`', name, names, structure->field_count, "").text);
     return -1;
 }
 
@@ -118,7 +116,7 @@ static int margin_field(struct checker *c, const struct resource *margin,
                    margin->of);
         return -1;
     }
-    int field = structure ? find_field(c, margin, dot + 1, contract->margin_loc) : 0;
+    int field = structure ? find_contract_field(c, margin, dot + 1, contract->margin_loc) : 0;
     if (field < 0)
         return -1;
     enum dt_type type = structure ? structure->fields[field].type : margin->type;
@@ -189,10 +187,32 @@ static bool is_drawn(const struct checker *c, const struct resource *resource)
     return false;
 }
 
+/* Whether a pass writes the resource that its `exactness` leaves free. */
+static bool is_bounded(const struct checker *c, const struct resource *resource)
+{
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        if (c->pipeline->passes[i].bounded && pass_writes(&c->pipeline->passes[i], resource))
+            return true;
+    return false;
+}
+
+static void resolve_of_exact(struct checker *c, const struct resource *resource,
+                             struct dt_contract *contract)
+{
+    static const double default_tolerance = 1e-3;
+    bool bounded = is_bounded(c, resource);
+    if (bounded && contract->kind == DT_CONTRACT_EXACT)
+        *contract = (struct dt_contract){
+            .kind = DT_CONTRACT_OF_EXACT, .tolerance = default_tolerance, .margin_field = -1};
+    else if (!bounded && contract->kind == DT_CONTRACT_OF_EXACT)
+        *contract = (struct dt_contract){.kind = DT_CONTRACT_EXACT, .margin_field = -1};
+}
+
 void check_contracts(struct checker *c)
 {
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
         struct resource *resource = &c->pipeline->resources[i];
+        resolve_of_exact(c, resource, &resource->contract.allowed);
         if (resource->contract.allowed.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
             diag_error(c->diag, resource->contract.loc,
                        "`image` is for images, and `%s` is a buffer; use `abs`", resource->name);

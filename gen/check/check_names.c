@@ -129,28 +129,38 @@ static bool is_windows_macro(const char *name)
     return in_words(windows_words, name);
 }
 
+enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
+
+/* What is wrong with a name, as a format for it; NULL: nothing. */
+static const char *refusal_of(const char *name, bool scoped)
+{
+    return !strncmp(name, "gl_", 3) ? "`%s`: names that start with gl_ belong to GLSL"
+           : strstr(name, "__") ? "`%s`: names with two underscores in a row are reserved in GLSL"
+           : in_words(reserved_words, name) || is_glsl_type(name)
+               ? "`%s` is a reserved word of GLSL, C or C++; choose another name"
+           : is_macro(name) ? "`%s` may be a macro of a C header; choose another name"
+           : *name == '_' && isupper((unsigned char)name[1])
+               ? "`%s`: C reserves names that start with _ and a capital"
+           : !scoped && in_words(function_words, name)
+               ? "`%s` is a function of GLSL; choose another name"
+           : !scoped && in_words(taken_words, name)
+               ? "`%s` is already a name in every pass body; choose another"
+               : NULL;
+}
+
+bool name_is_free(const char *name)
+{
+    return strlen(name) <= MOST_NAME && !refusal_of(name, false) && !is_windows_macro(name);
+}
+
 static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
 {
-    enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
+    const char *refusal = refusal_of(name, scoped);
     if (strlen(name) > MOST_NAME)
         diag_error(c->diag, loc, "the name `%.20s...` has %zu characters; at most %d", name,
                    strlen(name), MOST_NAME);
-    else if (!strncmp(name, "gl_", 3))
-        diag_error(c->diag, loc, "`%s`: names that start with gl_ belong to GLSL", name);
-    else if (strstr(name, "__"))
-        diag_error(c->diag, loc, "`%s`: names with two underscores in a row are reserved in GLSL",
-                   name);
-    else if (in_words(reserved_words, name) || is_glsl_type(name))
-        diag_error(c->diag, loc, "`%s` is a reserved word of GLSL, C or C++; choose another name",
-                   name);
-    else if (is_macro(name))
-        diag_error(c->diag, loc, "`%s` may be a macro of a C header; choose another name", name);
-    else if (*name == '_' && isupper((unsigned char)name[1]))
-        diag_error(c->diag, loc, "`%s`: C reserves names that start with _ and a capital", name);
-    else if (!scoped && in_words(function_words, name))
-        diag_error(c->diag, loc, "`%s` is a function of GLSL; choose another name", name);
-    else if (!scoped && in_words(taken_words, name))
-        diag_error(c->diag, loc, "`%s` is already a name in every pass body; choose another", name);
+    else if (refusal)
+        diag_error(c->diag, loc, refusal, name);
 }
 
 /* A member of a struct in the generated header, which has no prefix there. */
@@ -442,7 +452,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
 }
 
 /* As bodies and C see them; see word_of. */
-static bool same_word(const char *a, const char *b)
+static bool same_identifier(const char *a, const char *b)
 {
     while (*a && (*a == '.' ? '_' : *a) == (*b == '.' ? '_' : *b)) {
         a++;
@@ -458,7 +468,7 @@ static void check_pass_names(struct checker *c)
         const char *word = word_of(c, p->passes[i].name);
         check_word(c, word, p->passes[i].loc, true);
         for (uint32_t k = 0; k < i; k++)
-            if (same_word(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
+            if (same_identifier(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
                 diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
                            p->passes[i].name);
                 diag_note(c->diag, p->passes[k].loc, "first here");
@@ -581,7 +591,7 @@ static void resolve_filter(struct checker *c, struct access *access)
 }
 
 /* A builtin is read as a whole, under its own name. */
-static void refuse_keys(struct checker *c, const struct access *access)
+static void refuse_scene_keys(struct checker *c, const struct access *access)
 {
     const struct loc nowhere = {0};
     const struct {
@@ -614,7 +624,7 @@ static void resolve_access(struct checker *c, struct access *access)
     if (!access->resource && !access->builtin)
         report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
     if (access->builtin)
-        refuse_keys(c, access);
+        refuse_scene_keys(c, access);
     else if (access->sampler)
         resolve_filter(c, access);
 }

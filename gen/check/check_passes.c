@@ -160,7 +160,7 @@ static bool both(const struct access *a, const struct access *b, enum access_mod
 
 /* In a body, a texel read is `image(p)`, a sampled read `image_sample(uv)`, a store `image_store(p,
  * value)` and a target `image`, for every mip and layer. */
-static bool same_word(const struct pass *pass, const struct access *a, const struct access *b)
+static bool same_view(const struct pass *pass, const struct access *a, const struct access *b)
 {
     bool texels_a = a->mode != MODE_WRITE && !a->sampler,
          texels_b = b->mode != MODE_WRITE && !b->sampler;
@@ -190,14 +190,14 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
         return;
     bool image = a->resource && a->resource->kind == DT_IMAGE;
     if (image && are_apart(a, b)) {
-        if (!same_word(pass, a, b))
+        if (!same_view(pass, a, b))
             return;
         diag_error(c->diag, b->loc,
                    "the pass `%s` uses two %s of `%s` under the same name; give each its own with "
                    "`as`",
                    pass->name, a->layer && b->layer ? "layers" : "mips", b->name);
     } else if (a->mode == MODE_READ && b->mode == MODE_READ) {
-        if (image && !same_word(pass, a, b))
+        if (image && !same_view(pass, a, b))
             return;
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` twice in reads", pass->name, b->name);
     } else if (image && pass->kind != DT_PASS_DISPATCH &&

@@ -36,7 +36,7 @@ bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     for (uint32_t i = 0; i < glsl->shader->wanted_count; i++)
         if (!strcmp(glsl->shader->wanted[i], word))
             return true;
-    return !glsl->expanded && body_mentions(glsl->files, word);
+    return !glsl->expanded && !glsl->whole && body_mentions(glsl->files, word);
 }
 
 void glsl_binding(int binding, struct text *out)
@@ -86,7 +86,7 @@ static void add_block(const struct glsl *glsl, struct text *out)
                 text_add(out, "layout(offset = %u) ", param->offset);
             text_add(out, "%s %s;\n", glsl_type(param->type), param->name);
         }
-    text_add(out, "};\n");
+    text_add(out, glsl->whole ? "} " GLSL_LIVE ";\n" : "};\n");
 }
 
 static void add_params(struct glsl *glsl, struct text *out)
@@ -99,7 +99,8 @@ static void add_params(struct glsl *glsl, struct text *out)
         block |= param->live || param->uniform;
         if (param->live || param->uniform)
             continue;
-        text_add(out, "const %s %s = ", glsl_type(param->type), param->name);
+        text_add(out, "const %s %s%s = ", glsl_type(param->type), glsl->whole ? GLSL_BAKED : "",
+                 param->name);
         if (param->components > 1)
             text_add(out, "%s(", glsl_type(param->type));
         for (uint32_t k = 0; k < param->components; k++) {
@@ -169,7 +170,7 @@ static void add_structs(struct glsl *glsl, struct text *out)
 
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
-static bool is_listed(const struct pass *pass, const char *name)
+static bool pass_uses(const struct pass *pass, const char *name)
 {
     for (uint32_t i = 0; i < pass->use_count; i++)
         if (!strcmp(pass->uses[i], name))
@@ -189,7 +190,7 @@ static void add_samplers(struct glsl *glsl)
     struct text *constants = &glsl->parts[PART_RESOURCES];
     for (uint32_t i = 0; i < glsl->pipeline->sampler_count; i++) {
         const struct sampler *sampler = &glsl->pipeline->samplers[i];
-        if (sampler->kind != SAMPLER_HAMMERSLEY || !is_listed(glsl->pass, sampler->name))
+        if (sampler->kind != SAMPLER_HAMMERSLEY || !pass_uses(glsl->pass, sampler->name))
             continue;
         struct text function = {0};
         if (sampler->map != MAP_SQUARE && glsl_uses(glsl, "%s_map", sampler->name))
@@ -447,13 +448,13 @@ static void add_functions(struct glsl *glsl)
     add_place(glsl);
     add_frame_names(glsl);
     for (uint32_t i = 0; i < pipeline->metric_count; i++)
-        if (is_listed(glsl->pass, pipeline->metrics[i].name) &&
+        if (pass_uses(glsl->pass, pipeline->metrics[i].name) &&
             glsl_uses(glsl, "%s", pipeline->metrics[i].name))
             add_metric(glsl, &pipeline->metrics[i]);
     add_samplers(glsl);
     for (uint32_t i = 0; i < pipeline->interleave_count; i++) {
         const struct interleave *tile = &pipeline->interleaves[i];
-        if (tile == glsl->pass->interleave || is_listed(glsl->pass, tile->name))
+        if (tile == glsl->pass->interleave || pass_uses(glsl->pass, tile->name))
             add_interleave(glsl, tile);
     }
     glsl_accessors(glsl);
@@ -470,7 +471,7 @@ static bool add_library(struct glsl *glsl)
     for (size_t i = 0; ok && i < DT_ARRAY_COUNT(from_the_end); i++)
         ok = glsl_library(glsl, from_the_end[i], layout.data);
     ok = ok && glsl_library(glsl, "frame", layout.data);
-    if (ok && !glsl->pipeline->fast)
+    if (ok && !glsl->pass->fast)
         ok = glsl_library(glsl, "filter", layout.data) && glsl_library(glsl, "store", layout.data);
     ok = ok && glsl_library(glsl, "approximate", layout.data);
     text_free(&layout);
@@ -503,7 +504,7 @@ void glsl_macros(const struct glsl *glsl, struct text *out)
     text_add(out, "#define %s\n%s%s", stages[glsl->stage],
              glsl->backend == BACKEND_VK ? "" /* glslang defines VULKAN */
                                          : "#undef VULKAN\n#define OPENGL\n",
-             glsl->pipeline->fast ? "" : "#define EXACT\n");
+             glsl->pass->fast ? "" : "#define EXACT\n");
 }
 
 static void add_head(struct glsl *glsl)
@@ -524,6 +525,8 @@ static void add_head(struct glsl *glsl)
     for (size_t i = 0; glsl->subgroups && i < DT_ARRAY_COUNT(subgroups); i++)
         text_add(out, "#extension GL_KHR_shader_subgroup_%s : enable\n", subgroups[i]);
     glsl_macros(glsl, out);
+    if (glsl->whole)
+        return;
     if (glsl->stage == STAGE_IS_COMPUTE)
         text_add(out, "\nlayout(local_size_x = %u, local_size_y = %u, local_size_z = %u) in;\n",
                  pass->local[0], pass->local[1], pass->local[2]);
@@ -565,7 +568,7 @@ void glsl_defines(const struct glsl *glsl, struct text *out)
                      (long long)value);
         }
     }
-    if (!glsl->pipeline->fast && body_mentions(glsl->pass->files, "precise"))
+    if (!glsl->pass->fast && body_mentions(glsl->pass->files, "precise"))
         text_add(out, "#define precise /* as all operations are; glslang (12) takes no `precise` "
                       "of global variables */\n");
     for (uint32_t i = 0; i < glsl->shader->own_count; i++)
@@ -579,10 +582,12 @@ static bool add_parts(struct glsl *glsl)
         add_fullscreen_vertex(glsl);
     } else {
         glsl->files = glsl->pass->files;
+        glsl->whole = glsl->files->whole;
         if (!glsl_body(glsl))
             return false;
         glsl_end(glsl);
         glsl_zero(glsl);
+        glsl_values(glsl);
         if (!sanitize_glsl(glsl))
             return false;
         glsl_texels(glsl);

@@ -25,6 +25,7 @@ enum glsl_part {
     PART_RESOURCES,
     PART_FUNCTIONS, /* accessors, samplers, metrics, interleaves */
     PART_CACHES,    /* shared memory of ranges */
+    PART_VALUES,    /* of a whole shader: functions that give its uniforms their values */
     PART_END,       /* diptych_end(): what runs behind the body's main */
     PART_DEFINES,   /* the pass's `defines`, and names that the body has of its own */
     PART_BODY,
@@ -42,6 +43,7 @@ struct glsl {
     const struct shader *shader;
     bool own;       /* becomes shader.own */
     bool expanded;  /* the body is behind the preprocessor: nothing is left to include */
+    bool whole;     /* the body is a whole shader: it sees nothing of the generator's */
     bool subgroups; /* glsl_body: the body may have subgroup operations */
     struct text parts[PART_COUNT];
 };
@@ -96,6 +98,13 @@ struct loc glsl_body_loc(const struct glsl *glsl, const char *body, size_t offse
 /* glsl_range.c: expands `for (Type v : range) { ... }` in PART_BODY; adds declarations to
  * PART_CACHES. */
 bool glsl_ranges(struct glsl *glsl);
+/* glsl_values.c: into PART_VALUES, for spirv/bind.c: TYPE diptych_value_NAME() for every uniform or
+ * input of a whole shader that has a value. */
+void glsl_values(struct glsl *glsl);
+/* The block of live parameters beside a whole shader, which may have members of the same names. */
+#define GLSL_LIVE "diptych_live"
+/* The names of other parameters begin so there. */
+#define GLSL_BAKED "diptych_"
 /* glsl_access.c: functions that read the scene's texel buffers, for spirv/texels.c. */
 void glsl_texels(struct glsl *glsl);
 /* glsl_access.c: into PART_FUNCTIONS and PART_RESOURCES. */
@@ -110,5 +119,11 @@ bool glsl_library(struct glsl *glsl, const char *name, const char *layout);
 
 /* sanitize_glsl.c: the checks of --sanitize, into PART_END. */
 bool sanitize_glsl(struct glsl *glsl);
+/* A file of templates/glsl, with `words` replaced in it: pairs of a word and its text, up to NULL. */
+bool sanitize_library(struct glsl *glsl, const char *name, const char *const *words);
+/* The layout of the pass's binding of an internal resource; NULL: out of memory. */
+const char *sanitize_layout(const struct glsl *glsl, const char *resource);
+/* shadow_glsl.c */
+bool shadow_glsl(struct glsl *glsl);
 
 #endif

@@ -44,7 +44,7 @@ static const char *rounding(enum dt_format format, const char **tail)
     return format == DT_FORMAT_RGBA8_SRGB ? NULL : calls[kind].call;
 }
 
-static bool is_image(const struct access *access)
+static bool access_is_image(const struct access *access)
 {
     return access->resource && access->resource->kind == DT_IMAGE;
 }
@@ -60,7 +60,7 @@ static bool is_compare(const struct access *access)
 }
 
 /* Whether the body calls both by one name. */
-static bool same_word(const struct access *a, const struct access *b)
+static bool same_access(const struct access *a, const struct access *b)
 {
     return a->resource == b->resource && !strcmp(access_word(a), access_word(b));
 }
@@ -90,7 +90,7 @@ static bool is(const struct access *access, const char *name)
 }
 
 /* Where a sampler reads. */
-static const char *place(const struct access *access)
+static const char *coordinate_type(const struct access *access)
 {
     return is(access, "2D") ? "vec2" : is(access, "CubeArray") ? "vec4" : "vec3";
 }
@@ -100,7 +100,7 @@ static uint32_t earlier(const struct glsl *glsl, const struct access *access)
 {
     uint32_t count = 0;
     for (const struct access *other = glsl->pass->accesses; other < access; other++)
-        count += other->resource && same_word(other, access) && other->binding >= 0;
+        count += other->resource && same_access(other, access) && other->binding >= 0;
     return count;
 }
 
@@ -121,7 +121,7 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 /* Whether exact pipelines decode it themselves. */
 static bool is_srgb(const struct glsl *glsl, const struct access *access)
 {
-    return !glsl->pipeline->fast && access->resource->format == DT_FORMAT_RGBA8_SRGB;
+    return !glsl->pass->fast && access->resource->format == DT_FORMAT_RGBA8_SRGB;
 }
 
 /* Reads a texel by position. Only the first access of a name gets this function. If an access sees
@@ -160,7 +160,7 @@ static bool is_ours(const struct glsl *glsl, const struct access *access, bool c
 {
     const struct resource *image = access->resource;
     bool single = access->mip || !image->mips;
-    return !glsl->pipeline->fast && (is(access, "2D") || is(access, "2DArray")) &&
+    return !glsl->pass->fast && (is(access, "2D") || is(access, "2DArray")) &&
            !format_is_integer(image->format) && access->filter->anisotropy <= 1 &&
            (!chooses || single || glsl->stage != STAGE_IS_FRAGMENT);
 }
@@ -212,7 +212,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     const struct resource *image = access->resource;
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
-    const char *uv = place(access);
+    const char *uv = coordinate_type(access);
     bool depth = image->format == DT_FORMAT_D32F;
     const char *tail = depth ? ".x" : "";
     const char *type = depth ? "float" : arena_printf(glsl->model->arena, "%svec4", prefix);
@@ -251,7 +251,7 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
                            : "textureGrad(%s, vec4(uv, reference), vec2(0.0), "
                              "vec2(0.0))";
     text_add(out, "float %s_compare(%s uv, float reference)\n{\n    return ", access_word(access),
-             place(access));
+             coordinate_type(access));
     text_add(out, call, variable_name(glsl, access));
     text_add(out, ";\n}\n\n");
 }
@@ -259,7 +259,7 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
-    const char *tail, *call = glsl->pipeline->fast ? NULL : rounding(image->format, &tail);
+    const char *tail, *call = glsl->pass->fast ? NULL : rounding(image->format, &tail);
     text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, %svalue%s);\n}\n\n",
              access_word(access), is_layered(access) ? "ivec3" : "ivec2",
              format_names(image->format).prefix, variable_name(glsl, access), call ? call : "",
@@ -299,7 +299,7 @@ static bool gives_texels(const struct glsl *glsl, const struct access *access)
 {
     for (uint32_t i = 0; access->filter && i < glsl->pass->access_count; i++) {
         const struct access *other = &glsl->pass->accesses[i];
-        if (!other->filter && same_word(other, access) && other->binding >= 0 &&
+        if (!other->filter && same_access(other, access) && other->binding >= 0 &&
             other->mode != MODE_WRITE)
             return false;
     }
@@ -341,7 +341,7 @@ void glsl_texels(struct glsl *glsl)
 static bool names_target(const struct glsl *glsl, const struct access *access)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++)
-        if (same_word(&glsl->pass->accesses[i], access) &&
+        if (same_access(&glsl->pass->accesses[i], access) &&
             glsl->pass->accesses[i].kind & DT_WRITE_COLOR)
             return true;
     return false;
@@ -352,7 +352,7 @@ void glsl_accessors(struct glsl *glsl)
     struct text *out = &glsl->parts[PART_FUNCTIONS];
     for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        if (!is_image(access) || access->binding < 0)
+        if (!access_is_image(access) || access->binding < 0)
             continue;
         if (glsl_uses(glsl, "%s_size", access_word(access)) && !earlier(glsl, access))
             add_size(glsl, access, out);
@@ -374,7 +374,7 @@ void glsl_accessors(struct glsl *glsl)
 
 /* ---- Declarations ---------------------------------------------------------------------------- */
 
-static void add_image(struct glsl *glsl, const struct access *access, struct text *out)
+static void add_image_access(struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
     const struct format_names names = format_names(image->format);
@@ -472,9 +472,9 @@ static void add_builtin(struct glsl *glsl, enum dt_builtin builtin, unsigned kin
 bool glsl_round_targets(const struct glsl *glsl, struct text *out)
 {
     bool any = false;
-    for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pipeline->fast; i++) {
+    for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pass->fast; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        if (!is_image(access) || !(access->kind & DT_WRITE_COLOR) || access->attachment < 0)
+        if (!access_is_image(access) || !(access->kind & DT_WRITE_COLOR) || access->attachment < 0)
             continue;
         const char *tail, *call = rounding(access->resource->format, &tail);
         if (!call)
@@ -489,7 +489,7 @@ static void add_targets(struct glsl *glsl, struct text *out)
 {
     for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
         const struct access *access = &glsl->pass->accesses[i];
-        if (is_image(access) && access->kind & DT_WRITE_COLOR && access->attachment >= 0)
+        if (access_is_image(access) && access->kind & DT_WRITE_COLOR && access->attachment >= 0)
             text_add(out, "layout(location = %d) out %svec4 %s;\n", access->attachment,
                      format_names(access->resource->format).prefix, access_word(access));
     }
@@ -504,8 +504,8 @@ void glsl_resources(struct glsl *glsl)
         const struct access *access = &pass->accesses[i];
         if (access->resource && access->resource->internal)
             continue;
-        if (access->resource && access->binding >= 0 && is_image(access))
-            add_image(glsl, access, out);
+        if (access->resource && access->binding >= 0 && access_is_image(access))
+            add_image_access(glsl, access, out);
         else if (access->resource && access->binding >= 0)
             add_buffer(glsl, access, out);
         else if (access->builtin && access->binding >= 0) {
@@ -520,7 +520,7 @@ void glsl_resources(struct glsl *glsl)
                     pass->materials_binding, out);
     if (!textures)
         add_builtin(glsl, DT_SCENE_TEXTURES, DT_READ_TEXTURE, pass->textures_binding, out);
-    if (glsl->stage == STAGE_IS_FRAGMENT)
+    if (glsl->stage == STAGE_IS_FRAGMENT && !glsl->whole)
         add_targets(glsl, out);
 }
 
@@ -532,13 +532,14 @@ bool glsl_check_accesses(struct glsl *glsl)
         const struct resource *resource = access->resource;
         if (!resource)
             continue;
-        if (is_image(access) && is_storage(access) && !format_names(resource->format).layout) {
+        if (access_is_image(access) && is_storage(access) &&
+            !format_names(resource->format).layout) {
             diag_error(glsl->diag, access->loc,
                        "%s has a format that a dispatch cannot write: draw into it instead",
                        access->name);
             ok = false;
         }
-        if (!is_image(access) && access->kind & DT_READ_UNIFORM &&
+        if (!access_is_image(access) && access->kind & DT_READ_UNIFORM &&
             (expr_reach(resource->count) || !std140_equals_std430(resource))) {
             diag_error(glsl->diag, access->loc,
                        "%s cannot be a uniform block: its count must not depend on the frame "

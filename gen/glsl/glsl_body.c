@@ -25,7 +25,7 @@ bool glsl_include(const void *user, const char *from, const char *name, struct g
 {
     const struct body_file *found = body_include(user, from, name);
     if (found)
-        *file = (struct glslang_file){found->name, found->source->text, found->source->length};
+        *file = (struct glslang_file){found->name, found->text, found->source->length};
     return found;
 }
 
@@ -94,15 +94,15 @@ bool glsl_body(struct glsl *glsl)
     const struct body_file *body = &glsl->files->list[0];
     struct text *out = &glsl->parts[PART_BODY];
     text_add(out, "#line 1 %u\n", body->number);
-    text_add_bytes(out, body->source->text, body->source->length);
+    text_add_bytes(out, body->text, body->source->length);
     text_add(out, "\n");
     glsl->own |= body_mentions(glsl->files, "OPENGL") || body_mentions(glsl->files, "VULKAN");
-    glsl->subgroups = glsl->pipeline->fast && glsl->pass->kind == DT_PASS_DISPATCH &&
+    glsl->subgroups = glsl->pass->fast && glsl->pass->kind == DT_PASS_DISPATCH &&
                       (body_mentions_prefix(glsl->files, "subgroup") ||
                        body_mentions_prefix(glsl->files, "gl_Subgroup") ||
                        body_mentions_prefix(glsl->files, "gl_NumSubgroups"));
     bool ranges = glsl->pass->range_count || has_range_loop(glsl->files);
-    return !ranges || (preprocess_body(glsl) && glsl_ranges(glsl));
+    return glsl->files->whole || !ranges || (preprocess_body(glsl) && glsl_ranges(glsl));
 }
 
 /* ---- What runs behind the body --------------------------------------------------------------- */
@@ -112,7 +112,7 @@ bool glsl_body(struct glsl *glsl)
 void glsl_end(struct glsl *glsl)
 {
     struct text statements = {0}, *out = &glsl->parts[PART_END];
-    if (glsl->stage == STAGE_IS_FRAGMENT && glsl_round_targets(glsl, &statements)) {
+    if (glsl->stage == STAGE_IS_FRAGMENT && !glsl->whole && glsl_round_targets(glsl, &statements)) {
         text_add(out, "void diptych_end()\n{\n%s}\n", statements.data);
     } else if (glsl->stage == STAGE_IS_VERTEX && glsl->pass->layers) {
         glsl->own = true;
@@ -136,7 +136,7 @@ void glsl_zero(struct glsl *glsl)
     static const char *const zero[] = {[STAGE_IS_COMPUTE] = "gl_WorkGroupID.x >> 31",
                                        [STAGE_IS_VERTEX] = "uint(gl_VertexIndex) >> 31",
                                        [STAGE_IS_FRAGMENT] = "uint(gl_FrontFacing) >> 1"};
-    if (!glsl->pipeline->fast)
+    if (!glsl->pass->fast)
         text_add(
             &glsl->parts[PART_END],
             "/* Zero, which no compiler knows. */\nuint diptych_zero()\n{\n    return %s;\n}\n",

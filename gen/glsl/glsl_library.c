@@ -7,11 +7,6 @@
 
 /* ---- Scanning -------------------------------------------------------------------------------- */
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 /* Skips blanks, comments and preprocessor lines. */
 static const char *skip_blank(const char *at)
 {
@@ -35,7 +30,7 @@ static const char *skip_number(const char *at)
 {
     const char *end = at + 1;
     bool hexadecimal = *end == 'x' || *end == 'X';
-    while (is_word(*end) || *end == '.' ||
+    while (text_is_word(*end) || *end == '.' ||
            (!hexadecimal && (*end == '+' || *end == '-') && (end[-1] == 'e' || end[-1] == 'E')))
         end++;
     return end;
@@ -46,8 +41,8 @@ struct token token_next(const char **cursor)
     const char *at = skip_blank(*cursor), *end = at;
     if (isdigit((unsigned char)at[*at == '.']))
         end = skip_number(at);
-    else if (is_word(*end))
-        while (is_word(*end))
+    else if (text_is_word(*end))
+        while (text_is_word(*end))
             end++;
     else if (*end)
         end++;

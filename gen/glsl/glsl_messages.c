@@ -12,11 +12,6 @@
 
 /* ---- Places ---------------------------------------------------------------------------------- */
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 /* The line of the source and its length; NULL when it has fewer lines. */
 static const char *line_of(const struct loc *loc, size_t *length)
 {
@@ -37,8 +32,9 @@ bool glsl_find_in_line(struct loc *loc, const char *word, size_t length)
     if (!at || !length)
         return false;
     for (size_t i = 0; i + length <= width; i++) {
-        bool inside = is_word(word[0]) && ((i && is_word(at[i - 1])) ||
-                                           (i + length < width && is_word(at[i + length])));
+        bool inside =
+            text_is_word(word[0]) && ((i && text_is_word(at[i - 1])) ||
+                                      (i + length < width && text_is_word(at[i + length])));
         if (!inside && !memcmp(at + i, word, length)) {
             loc->column = (int)i + 1;
             loc->length = (int)length;
@@ -55,8 +51,8 @@ static const char *prefix_in_line(struct loc *loc, const char *prefix, size_t *l
     const char *at = line_of(loc, &width);
     *length = 0;
     for (size_t i = 0; at && i + size <= width; i++)
-        if (!memcmp(at + i, prefix, size) && !(i && is_word(at[i - 1]))) {
-            while (i + *length < width && is_word(at[i + *length]))
+        if (!memcmp(at + i, prefix, size) && !(i && text_is_word(at[i - 1]))) {
+            while (i + *length < width && text_is_word(at[i + *length]))
                 ++*length;
             loc->column = (int)i + 1;
             loc->length = (int)*length;
@@ -67,7 +63,7 @@ static const char *prefix_in_line(struct loc *loc, const char *prefix, size_t *l
 
 /* ---- One message ----------------------------------------------------------------------------- */
 
-struct message {          /* "ERROR: 3:12: 'name' : text" */
+struct compiler_message { /* "ERROR: 3:12: 'name' : text" */
     unsigned long number; /* of the file */
     struct loc loc;       /* source NULL: in generated text */
     unsigned long line;
@@ -78,13 +74,14 @@ struct message {          /* "ERROR: 3:12: 'name' : text" */
 };
 
 /* Reads the message at `*log` and goes on to the next line; false: no message. */
-static bool read_message(const struct model *model, const char **log, struct message *message)
+static bool read_message(const struct model *model, const char **log,
+                         struct compiler_message *message)
 {
     static const char prefix[] = "ERROR: ";
     const char *line = *log, *stop = line + strcspn(line, "\n");
     char *end;
     *log = stop + (*stop == '\n');
-    *message = (struct message){0};
+    *message = (struct compiler_message){0};
     if (strncmp(line, prefix, sizeof prefix - 1) != 0 ||
         !isdigit((unsigned char)line[sizeof prefix - 1]))
         return false;
@@ -111,13 +108,13 @@ static bool read_message(const struct model *model, const char **log, struct mes
     return message->length;
 }
 
-static bool says(const struct message *message, const char *text)
+static bool says(const struct compiler_message *message, const char *text)
 {
     return memmem(message->text, message->length, text, strlen(text));
 }
 
 /* The name as text, in the model's arena; "" when there is none. */
-static const char *name_of(struct model *model, const struct message *message)
+static const char *message_name(struct model *model, const struct compiler_message *message)
 {
     const char *name =
         message->name ? arena_strndup(model->arena, message->name, message->name_length) : "";
@@ -155,7 +152,7 @@ static bool is_atomic(const char *ending)
 }
 
 /* A name that the body uses and that is of a resource. */
-struct use {
+struct name_use {
     const struct resource *resource;
     const struct access *access;  /* of the pass, by this word; NULL: the pass does not list it */
     const struct access *renamed; /* that the pass lists with another word */
@@ -163,9 +160,9 @@ struct use {
 };
 
 static bool find_use(const struct pipeline *pipeline, const struct pass *pass, const char *word,
-                     struct use *use)
+                     struct name_use *use)
 {
-    *use = (struct use){0};
+    *use = (struct name_use){0};
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
         const char *ending =
@@ -174,14 +171,14 @@ static bool find_use(const struct pipeline *pipeline, const struct pass *pass, c
                             access->resource->kind == DT_IMAGE ? image_words : buffer_words)
                 : NULL;
         if (ending && (!use->access || access->mode != MODE_READ))
-            *use = (struct use){access->resource, access, NULL, ending};
+            *use = (struct name_use){access->resource, access, NULL, ending};
     }
     for (uint32_t i = 0; !use->access && i < pipeline->resource_count; i++) {
         const struct resource *resource = &pipeline->resources[i];
         const char *ending = ending_of(word, resource->name,
                                        resource->kind == DT_IMAGE ? image_words : buffer_words);
         if (ending)
-            *use = (struct use){.resource = resource, .ending = ending};
+            *use = (struct name_use){.resource = resource, .ending = ending};
     }
     for (uint32_t i = 0; use->resource && !use->access && !use->renamed && i < pass->access_count;
          i++)
@@ -191,7 +188,7 @@ static bool find_use(const struct pipeline *pipeline, const struct pass *pass, c
 }
 
 /* False: the pass lists the name rightly, so something else is wrong with the call. */
-static bool report_listed(const struct pass *pass, const struct use *use, struct loc loc,
+static bool report_listed(const struct pass *pass, const struct name_use *use, struct loc loc,
                           struct diag *diag)
 {
     const char *word = access_word(use->access);
@@ -217,7 +214,7 @@ static bool report_listed(const struct pass *pass, const struct use *use, struct
 static bool report_use(const struct pipeline *pipeline, const struct pass *pass, const char *word,
                        struct loc loc, struct diag *diag)
 {
-    struct use use;
+    struct name_use use;
     if (!find_use(pipeline, pass, word, &use))
         return false;
     if (use.access)
@@ -255,7 +252,7 @@ static const char *tool_of(const struct pipeline *pipeline, const char *word)
 static struct loc declared_at(const struct pipeline *pipeline, const struct pass *pass,
                               const char *word, const char **what)
 {
-    struct use use;
+    struct name_use use;
     *what = NULL;
     if (find_use(pipeline, pass, word, &use) && use.access) {
         *what = use.resource->kind == DT_IMAGE ? "image" : "buffer";
@@ -294,10 +291,11 @@ static struct loc declared_at(const struct pipeline *pipeline, const struct pass
 /* ---- Declared twice -------------------------------------------------------------------------- */
 
 /* Whether the message is of a second declaration; *name is what is declared. */
-static bool is_redefinition(struct model *model, const struct message *message, const char **name)
+static bool is_redefinition(struct model *model, const struct compiler_message *message,
+                            const char **name)
 {
     static const char macro[] = "Macro redefined; ";
-    *name = name_of(model, message);
+    *name = message_name(model, message);
     if (says(message, macro)) {
         const char *colon = memrchr(message->text, ':', message->length);
         const char *word = colon ? colon + 1 + strspn(colon + 1, " ") : "";
@@ -336,7 +334,8 @@ static bool add_word(struct model *model, const char *const **list, uint32_t *co
 
 /* Adds the functions that a line declares: words before a parenthesis and behind a type. For messages
  * that name a qualifier alone. */
-static bool add_functions(struct model *model, struct shader *shader, const struct message *message)
+static bool add_functions(struct model *model, struct shader *shader,
+                          const struct compiler_message *message)
 {
     size_t width;
     const char *line = line_of(&message->loc, &width);
@@ -347,12 +346,12 @@ static bool add_functions(struct model *model, struct shader *shader, const stru
             continue;
         while (end && isspace((unsigned char)line[end - 1]))
             end--;
-        for (begin = end; begin && is_word(line[begin - 1]);)
+        for (begin = end; begin && text_is_word(line[begin - 1]);)
             begin--;
         for (type = begin; type && isspace((unsigned char)line[type - 1]);)
             type--;
         size_t length = 0;
-        while (length < type && is_word(line[type - length - 1]))
+        while (length < type && text_is_word(line[type - length - 1]))
             length++;
         const char *name =
             end > begin && type < begin && length && !is_keyword(line + type - length, length)
@@ -368,7 +367,7 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
                 const char *log)
 {
     const char *name, *what;
-    struct message message;
+    struct compiler_message message;
     bool changed = false;
     for (const char *at = log; *at;) {
         if (!read_message(model, &at, &message) || !message.loc.source)
@@ -381,7 +380,7 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
             changed |= add_functions(model, shader, &message); /* of GLSL's own names */
         } else if (says(&message, "undeclared identifier") ||
                    says(&message, "no matching overloaded function")) {
-            name = name_of(model, &message); /* made by ## */
+            name = message_name(model, &message); /* made by ## */
             changed |= add_word(model, &shader->wanted, &shader->wanted_count, name);
         }
     }
@@ -391,7 +390,7 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
 /* A constant that depends on the frame or on a uniform parameter is a macro: a body that declares its
  * name gets a syntax error. The constant whose name stands behind a type in the line; NULL: none. */
 static const struct constant *redeclared_constant(const struct pipeline *pipeline,
-                                                  const struct message *message)
+                                                  const struct compiler_message *message)
 {
     for (uint32_t i = 0; i < pipeline->constant_count; i++) {
         const struct constant *constant = &pipeline->constants[i];
@@ -404,7 +403,7 @@ static const struct constant *redeclared_constant(const struct pipeline *pipelin
         while (before > line && isspace((unsigned char)before[-1]))
             before--;
         size_t length = 0;
-        while (before - length > line && is_word(before[-1 - (ptrdiff_t)length]))
+        while (before - length > line && text_is_word(before[-1 - (ptrdiff_t)length]))
             length++;
         if (length && before < line + loc.column - 1 && !is_keyword(before - length, length))
             return constant;
@@ -413,7 +412,7 @@ static const struct constant *redeclared_constant(const struct pipeline *pipelin
 }
 
 static bool report_macro(const struct pipeline *pipeline, const struct pass *pass,
-                         const struct message *message, struct diag *diag)
+                         const struct compiler_message *message, struct diag *diag)
 {
     const struct constant *constant =
         says(message, "syntax error") || says(message, "l-value required")
@@ -432,7 +431,7 @@ static bool report_macro(const struct pipeline *pipeline, const struct pass *pas
 }
 
 static bool report_redefinition(struct model *model, const struct pass *pass,
-                                const struct message *message, struct diag *diag)
+                                const struct compiler_message *message, struct diag *diag)
 {
     const char *name, *what;
     if (!is_redefinition(model, message, &name))
@@ -477,14 +476,14 @@ static void note_uniforms(const struct pipeline *pipeline, const struct loc *err
 }
 
 /* An error about a subgroup operation where a pass cannot have one. */
-static bool report_subgroups(const struct pipeline *pipeline, const struct pass *pass,
-                             const struct message *message, struct diag *diag)
+static bool report_subgroups(const struct pass *pass, const struct compiler_message *message,
+                             struct diag *diag)
 {
     static const char *const starts[] = {"subgroup", "gl_Subgroup", "gl_NumSubgroups"};
     struct loc loc = message->loc;
     size_t length = 0;
     const char *name = NULL;
-    if (pipeline->fast && pass->kind == DT_PASS_DISPATCH)
+    if (pass->fast && pass->kind == DT_PASS_DISPATCH)
         return false;
     bool about = message->name && !strncmp(message->name, "subgroup op", 11);
     for (size_t i = 0; i < DT_ARRAY_COUNT(starts) && !length; i++)
@@ -493,7 +492,7 @@ static bool report_subgroups(const struct pipeline *pipeline, const struct pass 
     if (!length)
         return about; /* another message has the name */
     diag_error(diag, loc,
-               pipeline->fast
+               pass->fast
                    ? "`%.*s` in a draw: only a dispatch can have subgroup operations"
                    : "`%.*s` needs `exactness: fast`: the size of subgroups, and the order in "
                      "which they reduce, differ from device to device; use shared memory",
@@ -501,7 +500,7 @@ static bool report_subgroups(const struct pipeline *pipeline, const struct pass 
     return true;
 }
 
-static bool report_include(const struct model *model, const struct message *message,
+static bool report_include(const struct model *model, const struct compiler_message *message,
                            struct diag *diag)
 {
     static const char could[] = "Could not process include directive for header name: ";
@@ -519,7 +518,7 @@ static bool report_include(const struct model *model, const struct message *mess
     return true;
 }
 
-static bool is_unknown(const struct message *message)
+static bool is_unknown(const struct compiler_message *message)
 {
     return says(message, "undeclared identifier") ||
            says(message, "no matching overloaded function");
@@ -527,11 +526,10 @@ static bool is_unknown(const struct message *message)
 
 /* What the spec's author has to change. False: the message is of GLSL alone. */
 static bool report_author(struct model *model, const struct pass *pass,
-                          const struct message *message, struct diag *diag)
+                          const struct compiler_message *message, struct diag *diag)
 {
-    const char *name = name_of(model, message);
-    if (report_subgroups(&model->pipeline, pass, message, diag) ||
-        report_redefinition(model, pass, message, diag) ||
+    const char *name = message_name(model, message);
+    if (report_subgroups(pass, message, diag) || report_redefinition(model, pass, message, diag) ||
         report_macro(&model->pipeline, pass, message, diag) || report_include(model, message, diag))
         return true;
     const char *tool = is_unknown(message) ? tool_of(&model->pipeline, name) : NULL;
@@ -553,7 +551,8 @@ static bool report_author(struct model *model, const struct pass *pass,
     return true;
 }
 
-static void report_glsl(const struct pass *pass, const struct message *message, struct diag *diag)
+static void report_glsl(const struct pass *pass, const struct compiler_message *message,
+                        struct diag *diag)
 {
     int name_length = (int)message->name_length, length = (int)message->length;
     bool named = name_length;
@@ -569,9 +568,10 @@ static void report_glsl(const struct pass *pass, const struct message *message, 
 }
 
 /* Whether an earlier message of the log is about the same name. */
-static bool is_repeated(struct model *model, const char *log, const struct message *message)
+static bool is_repeated(struct model *model, const char *log,
+                        const struct compiler_message *message)
 {
-    struct message earlier;
+    struct compiler_message earlier;
     while (*log && log < message->text)
         if (read_message(model, &log, &earlier) && earlier.text != message->text &&
             earlier.name_length && earlier.name_length == message->name_length &&
@@ -583,7 +583,7 @@ static bool is_repeated(struct model *model, const char *log, const struct messa
 void glsl_report(struct model *model, const struct pass *pass, const char *log, struct diag *diag)
 {
     unsigned before = diag_error_count(diag);
-    struct message message;
+    struct compiler_message message;
     for (const char *at = log; *at;)
         if (read_message(model, &at, &message) && message.loc.source &&
             !is_repeated(model, log, &message))
@@ -600,6 +600,8 @@ void glsl_report(struct model *model, const struct pass *pass, const char *log, 
             note_uniforms(&model->pipeline, &message.loc, diag);
     }
     diag_free(silent);
-    if (diag_error_count(diag) == before)
+    if (diag_error_count(diag) == before && !strstr(log, "ERROR: "))
+        diag_error(diag, pass->shader_loc, "pass `%s`: %s", pass->name, log); /* of bind.c */
+    else if (diag_error_count(diag) == before)
         diag_error(diag, pass->shader_loc, "pass %s does not compile: %s", pass->name, log);
 }

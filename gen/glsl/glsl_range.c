@@ -133,7 +133,7 @@ static uint32_t source_number(const struct glsl *glsl, const struct source *sour
     return 0;
 }
 
-static bool is_shared(const struct range *range)
+static bool range_is_shared(const struct range *range)
 {
     return range->storage == STORAGE_SHARED;
 }
@@ -145,7 +145,7 @@ static bool is_indexed(const struct glsl *glsl, const struct access *access)
     bool indexed = find_word(glsl->parts[PART_BODY].data, access_word(access));
     for (uint32_t i = 0; i < pass->range_count && !indexed; i++) {
         const struct range *range = &pass->ranges[i];
-        indexed = (range->access == access && !is_shared(range)) ||
+        indexed = (range->access == access && !range_is_shared(range)) ||
                   (range->first && find_word(range->first, access_word(access)));
     }
     return indexed;
@@ -157,7 +157,7 @@ static bool is_indexed(const struct glsl *glsl, const struct access *access)
  * binding. */
 static bool by_words(const struct glsl *glsl, const struct range *range)
 {
-    return is_shared(range) && range->access->kind & DT_READ_UNIFORM &&
+    return range_is_shared(range) && range->access->kind & DT_READ_UNIFORM &&
            !is_indexed(glsl, range->access);
 }
 
@@ -201,7 +201,7 @@ static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
 static uint32_t chunk_of(const struct range *range)
 {
     uint32_t count = (uint32_t)range->count_value;
-    bool whole = !is_shared(range) && range->loop != LOOP_UNROLL; /* needs no chunks */
+    bool whole = !range_is_shared(range) && range->loop != LOOP_UNROLL; /* needs no chunks */
     return whole || !range->chunk || range->chunk > count ? count : range->chunk;
 }
 
@@ -257,7 +257,7 @@ static void add_element(const struct loop *loop, const char *index, struct text 
     const struct structure *structure = buffer->structure;
     int length = (int)loop->variable.length;
     const char *variable = loop->variable.text;
-    if (!is_shared(range)) {
+    if (!range_is_shared(range)) {
         text_add(out, "        %s %.*s = %s[%s_first + %s];\n", type, length, variable,
                  access_word(range->access), range->name, index);
     } else if (loop->words && !structure) {
@@ -321,7 +321,7 @@ static void add_copy(const struct glsl *glsl, const struct loop *loop, uint32_t 
 static void add_late_copy(const struct glsl *glsl, const struct loop *loop, uint32_t count,
                           const char *chunk, struct text *out)
 {
-    if (!is_shared(loop->range) || loop->copied)
+    if (!range_is_shared(loop->range) || loop->copied)
         return;
     text_add(out, "    barrier();\n");
     add_copy(glsl, loop, count, chunk, out);
@@ -344,7 +344,7 @@ static void add_elements(const struct loop *loop, uint32_t count, const char *ba
         text_add(out, "    for (int %s_k = 0; %s_k < %u; ++%s_k) {\n", range->name, range->name,
                  count, range->name);
         text_add(out, "        int %s_index = %s%s_k;\n", range->name, base, range->name);
-        snprintf(index, sizeof index, "%s_%s", range->name, is_shared(range) ? "k" : "index");
+        snprintf(index, sizeof index, "%s_%s", range->name, range_is_shared(range) ? "k" : "index");
         add_element(loop, index, out);
         add_body(loop, out);
         return;
@@ -352,7 +352,7 @@ static void add_elements(const struct loop *loop, uint32_t count, const char *ba
     for (uint32_t i = 0; i < count; i++) {
         text_add(out, "    {\n        %sint %s_index = %s%u;\n", *base ? "" : "const ", range->name,
                  base, i);
-        snprintf(index, sizeof index, "%s%u", is_shared(range) ? "" : base, i);
+        snprintf(index, sizeof index, "%s%u", range_is_shared(range) ? "" : base, i);
         add_element(loop, index, out);
         add_body(loop, out);
     }
@@ -405,7 +405,7 @@ static void add_blocks(const struct glsl *glsl, const struct loop *loop, uint32_
  * lane by lane inside of loops, even at literal indices. */
 static bool is_straight(const struct glsl *glsl, const struct range *range)
 {
-    return is_shared(range) && range->loop == LOOP_UNROLL && !glsl->pipeline->gpu &&
+    return range_is_shared(range) && range->loop == LOOP_UNROLL && !glsl->pipeline->gpu &&
            range->count_value <= UNROLLED_LIMIT;
 }
 
@@ -440,7 +440,7 @@ static void add_caches(struct glsl *glsl, const struct range *range, uint64_t fi
     const struct resource *buffer = range->access->resource;
     uint64_t count = (uint64_t)range->count_value;
     uint64_t chunk = !range->chunk || range->chunk > count ? count : range->chunk;
-    if (!is_shared(range) || !chunk)
+    if (!range_is_shared(range) || !chunk)
         return;
     if (by_words(glsl, range)) {
         text_add(out, "shared uint %s_words[%llu];\n", range->name,
@@ -516,7 +516,7 @@ static bool find_loops(const struct glsl *glsl, struct loops *loops)
 }
 
 /* Whether the word names a constant; an instance's has `_` for each dot. */
-static bool is_constant(struct token token, const char *name)
+static bool token_is_constant(struct token token, const char *name)
 {
     for (size_t i = 0; i < token.length; i++)
         if (!name[i] || token.text[i] != (name[i] == '.' ? '_' : name[i]))
@@ -535,7 +535,7 @@ static bool is_global(const struct glsl *glsl, const char *first)
         for (uint32_t i = 0; i < pipeline->param_count && !known; i++)
             known = token_is(token, pipeline->params[i].name);
         for (uint32_t i = 0; i < pipeline->constant_count && !known; i++)
-            known = is_constant(token, pipeline->constants[i].name);
+            known = token_is_constant(token, pipeline->constants[i].name);
         for (uint32_t i = 0; i < glsl->pass->define_count && !known; i++)
             known = token_is(token, glsl->pass->defines[i].name);
         if (!known)
@@ -555,8 +555,8 @@ static void add_first_copies(const struct glsl *glsl, const struct loops *loops,
         struct loop *loop = &loops->list[i];
         const struct range *range = loop->range;
         bool before = false;
-        loop->copied = is_shared(range) && range->access->mode == MODE_READ && range->count_value &&
-                       chunk_of(range) == range->count_value &&
+        loop->copied = range_is_shared(range) && range->access->mode == MODE_READ &&
+                       range->count_value && chunk_of(range) == range->count_value &&
                        is_global(glsl, range->first ? range->first : "0");
         for (size_t k = 0; k < i && !before; k++)
             before = loops->list[k].range == range;

@@ -83,6 +83,11 @@ void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
         shader.setStrings(&job.code, 1);
     shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
     set_targets(shader, stages[job.stage], job);
+    if (job.whole) {
+        shader.setEnvInputVulkanRulesRelaxed();
+        shader.setAutoMapBindings(true);
+        shader.setAutoMapLocations(true);
+    }
 }
 
 } // namespace
@@ -110,7 +115,7 @@ try {
         return nullptr;
     }
     program.addShader(&shader);
-    if (!program.link(rules)) {
+    if (!program.link(rules) || (job->whole && !program.mapIO())) {
         *log = strdup(program.getInfoLog());
         return nullptr;
     }

@@ -25,6 +25,7 @@ struct glslang_job {
     bool lines;       /* with OpLine */
     bool marked;      /* the author's operations have RelaxedPrecision, those that glslang adds have
                          not */
+    bool whole;       /* with declarations of its own, also those of OpenGL's GLSL */
     /* #include "name" in the file of that number; "": in `code`. False: there is none. */
     bool (*include)(const void *user, const char *from, const char *name,
                     struct glslang_file *file);

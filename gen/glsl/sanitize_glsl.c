@@ -1,8 +1,10 @@
 /* What the shaders of --sanitize get: the checks of templates/glsl/sanitize.glsl with the buffer of reports, and where an
  * invocation stands. spirv/sanitize.c calls the checks. */
+#include "plan/sanitize.h"
+
 #include "glsl.h"
 
-static const char *place_of(const struct glsl *glsl)
+static const char *place_function(const struct glsl *glsl)
 {
     if (glsl->stage == STAGE_IS_VERTEX)
         return "uvec3 diptych_place()\n{\n    return uvec3(gl_VertexIndex, gl_InstanceIndex, "
@@ -12,33 +14,70 @@ static const char *place_of(const struct glsl *glsl)
         return "uvec3 diptych_place()\n{\n    return uvec3(gl_FragCoord.xy, 0.0);\n}\n\n"
                "uvec3 diptych_extent()\n{\n    return uvec3(65536, 65536, 1);\n}\n\n";
     if (glsl->pass->interleave)
-        return "uvec3 diptych_place()\n{\n    return uvec3(gl_WorkGroupID.yz * gl_WorkGroupSize.xy "
-               "+ "
-               "gl_LocalInvocationID.xy, gl_WorkGroupID.x);\n}\n\n"
+        return "uvec3 diptych_place_at(const uvec3 group, const uvec3 local)\n{\n    return "
+               "uvec3(group.yz * gl_WorkGroupSize.xy + local.xy, group.x);\n}\n\n"
+               "uvec3 diptych_place()\n{\n    return diptych_place_at(gl_WorkGroupID, "
+               "gl_LocalInvocationID);\n}\n\n"
                "uvec3 diptych_extent()\n{\n    return uvec3(gl_NumWorkGroups.yz * "
                "gl_WorkGroupSize.xy, gl_NumWorkGroups.x);\n}\n\n";
-    return "uvec3 diptych_place()\n{\n    return gl_GlobalInvocationID;\n}\n\n"
+    return "uvec3 diptych_place_at(const uvec3 group, const uvec3 local)\n{\n    return group * "
+           "gl_WorkGroupSize + local;\n}\n\n"
+           "uvec3 diptych_place()\n{\n    return gl_GlobalInvocationID;\n}\n\n"
            "uvec3 diptych_extent()\n{\n    return gl_NumWorkGroups * gl_WorkGroupSize;\n}\n\n";
+}
+
+const char *sanitize_layout(const struct glsl *glsl, const char *resource)
+{
+    const struct access *access = glsl->pass->accesses;
+    struct text layout = {0};
+    while (strcmp(access->name, resource) != 0)
+        access++;
+    glsl_binding(access->binding, &layout);
+    const char *copy = layout.failed ? NULL : arena_printf(glsl->model->arena, "%s", layout.data);
+    text_free(&layout);
+    return copy;
+}
+
+/* The next of the words in a text, and which. */
+static const char *find_next(const char *text, const char *const *words, int *which)
+{
+    const char *next = NULL;
+    for (int i = 0; words[i]; i += 2) {
+        const char *at = strstr(text, words[i]);
+        if (at && (!next || at < next)) {
+            next = at;
+            *which = i;
+        }
+    }
+    return next;
+}
+
+bool sanitize_library(struct glsl *glsl, const char *name, const char *const *words)
+{
+    struct model *model = glsl->model;
+    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
+    const struct source *source = path ? glsl_source(model, path) : NULL;
+    struct text *out = &glsl->parts[PART_END];
+    if (!source) {
+        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
+                   path ? path : name);
+        return false;
+    }
+    int which = 0;
+    const char *text = source->text;
+    for (const char *at; (at = find_next(text, words, &which)); text = at + strlen(words[which])) {
+        text_add_bytes(out, text, (size_t)(at - text));
+        text_add(out, "%s", words[which + 1]);
+    }
+    text_add(out, "%s\n", text);
+    return true;
 }
 
 bool sanitize_glsl(struct glsl *glsl)
 {
-    struct model *model = glsl->model;
-    static const char slot[] = "@layout@";
-    if (!model->sanitize)
+    if (!glsl->model->sanitize)
         return true;
-    const char *path = arena_printf(model->arena, "%s/glsl/sanitize.glsl", model->templates_dir);
-    const struct source *source = path ? glsl_source(model, path) : NULL;
-    const char *at = source ? strstr(source->text, slot) : NULL;
-    if (!at) {
-        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
-                   path ? path : "sanitize.glsl");
-        return false;
-    }
-    struct text *out = &glsl->parts[PART_END];
-    text_add(out, "%s", place_of(glsl));
-    text_add_bytes(out, source->text, (size_t)(at - source->text));
-    glsl_binding(glsl->pass->accesses[glsl->pass->access_count - 1].binding, out);
-    text_add(out, "%s\n", at + strlen(slot));
-    return true;
+    const char *const words[] = {"@layout@", sanitize_layout(glsl, sanitize_buffer), NULL};
+    text_add(&glsl->parts[PART_END], "%s", place_function(glsl));
+    return words[1] && sanitize_library(glsl, "sanitize", words) && shadow_glsl(glsl);
 }

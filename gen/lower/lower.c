@@ -1,4 +1,18 @@
-/* From the planned model to tables; see lower.h. */
+/* From the planned model to tables; see lower.h.
+ *
+ * The model is the spec's: names, expressions, accesses with their places. Tables are the
+ * runtime's: structs of templates/c/panel.h and diptych.h, with indices and numbers. Here the
+ * latter are made of the former. Printing C (emit_pipeline.c, emit_panel.c) and playing a spec
+ * without C (app/spec/play.c) are loops over them, so they cannot decide differently;
+ * tests/app/play_test.c compares both.
+ *
+ * Little is decided here but the form. What a pass touches, binds and waits for is in the model
+ * (plan.c); what it calls is in its steps (steps.c). Only facts of the compiled shaders are added:
+ * features and limits that a device must have (`needs`, `demands`), and the vertex attributes that
+ * are read.
+ *
+ * Tables point into the model's arena and the shaders' words and own nothing. When memory is out,
+ * `table` gives scratch for one element and sets `failed`, so that only the end of lower() asks. */
 #include "lower.h"
 
 #include <spirv/unified1/spirv.h>
@@ -132,7 +146,7 @@ static int16_t sampler_index(const struct pipeline *pipeline, const struct sampl
 
 /* ---- Programs -------------------------------------------------------------------------------- */
 
-static bool is_image(const struct access *access)
+static bool binds_image(const struct access *access)
 {
     return access->resource ? access->resource->kind == DT_IMAGE
                             : access->builtin == DT_SCENE_TEXTURES;
@@ -150,13 +164,13 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     struct dt_binding binding = {
         .binding = (uint16_t)access->binding,
         .resource = object_of(access),
-        .kind = !is_image(access) ? access->kind & DT_READ_UNIFORM ? DT_BIND_UNIFORM
-                                    : texture                      ? DT_BIND_TEXELS
-                                                                   : DT_BIND_STORAGE
-                : texture         ? DT_BIND_TEXTURE
-                                  : DT_BIND_IMAGE,
+        .kind = !binds_image(access) ? access->kind & DT_READ_UNIFORM ? DT_BIND_UNIFORM
+                                       : texture                      ? DT_BIND_TEXELS
+                                                                      : DT_BIND_STORAGE
+                : texture            ? DT_BIND_TEXTURE
+                                     : DT_BIND_IMAGE,
     };
-    if (!is_image(access))
+    if (!binds_image(access))
         return binding;
     bool all_mips = texture && !access->layer && !access_sees_one_mip(access);
     binding.mip = all_mips ? DT_ALL_MIPS : (uint8_t)access->mip_value;
@@ -519,6 +533,7 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
         resources[i].format = from->format;
         resources[i].shape = from->shape;
         resources[i].layered = from->layers;
+        resources[i].top = l->from->top;
         resources[i].mips = expr_value(from->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
     }
     pipeline->resources = resources;

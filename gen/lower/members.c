@@ -46,7 +46,7 @@ WORDS(shape_word, WORD(DT_SHAPE_2D), WORD(DT_SHAPE_3D), WORD(DT_SHAPE_CUBE),
       WORD(DT_SHAPE_CUBE_ARRAY))
 WORDS(contract_word, WORD(DT_CONTRACT_EXACT), WORD(DT_CONTRACT_ULP), WORD(DT_CONTRACT_ABS),
       WORD(DT_CONTRACT_REL), WORD(DT_CONTRACT_IMAGE), WORD(DT_CONTRACT_FLIPS),
-      WORD(DT_CONTRACT_RASTER))
+      WORD(DT_CONTRACT_RASTER), WORD(DT_CONTRACT_OF_EXACT))
 WORDS(pass_word, WORD(DT_PASS_DRAW_SCENE), WORD(DT_PASS_DRAW_FULLSCREEN),
       WORD(DT_PASS_DRAW_VERTICES), WORD(DT_PASS_DISPATCH))
 
@@ -138,7 +138,7 @@ TABLE(resource, true, M(resource, name, TEXT), M(resource, doc, TEXT),
       M(resource, layered, FLAG), M(resource, mips, UNSIGNED),
       M(resource, fields, ROWS, .rows = &field_members, COUNT(resource, field_count)),
       M(resource, field_count, UNSIGNED), M(resource, stride, STRIDE),
-      M(resource, controls_work, FLAG));
+      M(resource, controls_work, FLAG), M(resource, top, FLAG));
 TABLE(pass, true, M(pass, name, TEXT), M(pass, doc, TEXT), M(pass, shader, TEXT),
       M(pass, kind, WORD, ALWAYS, .word = pass_word), M(pass, uses_scene, FLAG),
       M(pass, reads, RESOURCES, COUNT(pass, read_count)), M(pass, read_count, UNSIGNED),

@@ -1,4 +1,19 @@
-/* What a pass does, as steps: the calls of verbs and their arguments. See lower.h. */
+/* What a pass does, as steps: the calls of verbs and their arguments. See lower.h.
+ *
+ * The list of a pass is the whole truth about its recording: NAME.c is printed from it, play.c
+ * calls it; the graph, --needs and `diptych list` read it. What is not a step happens in no
+ * backend.
+ *
+ * Its shape: `begin` with whether the pass runs, `barriers`, what it does if it runs, what it does
+ * if it is skipped, `end`. Barriers stand outside of the condition: later passes rely on them
+ * whether the pass runs or not. A skipped pass clears what it would have written whole, so later
+ * passes read the clear value, not what another user left in the memory.
+ *
+ * An argument is an amount, not a number: live parameters and the frame's size are known only when
+ * a frame is recorded. An amount is not an expression either, since verbs take counts that C rounds
+ * and clamps in one place (dt_count, dt_groups, dt_size of templates/c): c_amount prints these
+ * calls, and amount_value makes them. Both must give the same number; tests/app/play_test.c records
+ * pipelines both ways. */
 #include "model/expr.h"
 #include "lower.h"
 #include "plan/plan.h"
@@ -39,7 +54,8 @@ static struct amount side(const struct resource *image, int axis, enum amount_us
         image ? AMOUNT_IMAGE : AMOUNT_FRAME, use, (uint32_t)axis, NULL, image, local};
 }
 
-static int64_t evaluate(const struct expr *expr, uint32_t width, uint32_t height, const void *live)
+static int64_t evaluate_amount(const struct expr *expr, uint32_t width, uint32_t height,
+                               const void *live)
 {
     int64_t result = 1;
     return expr && expr_eval_live(expr, width, height, live, &result) != EXPR_OK ? 0 : result;
@@ -49,10 +65,10 @@ int64_t amount_value(const struct amount *amount, uint32_t width, uint32_t heigh
 {
     int64_t result = amount->number;
     if (amount->kind == AMOUNT_EXPR || amount->kind == AMOUNT_CONDITION)
-        result = evaluate(amount->expr, width, height, live);
+        result = evaluate_amount(amount->expr, width, height, live);
     else if (amount->kind == AMOUNT_IMAGE)
-        result = dt_size(
-            evaluate(resource_size(amount->image, (int)amount->number), width, height, NULL));
+        result = dt_size(evaluate_amount(resource_size(amount->image, (int)amount->number), width,
+                                         height, NULL));
     else if (amount->kind == AMOUNT_FRAME)
         result = amount->number ? height : width;
     switch (amount->use) {
@@ -167,7 +183,8 @@ static void add_clears(struct steps *steps, const struct pass *pass)
             DT_VERB_CLEAR_TARGETS, STEP_SKIPPED, {value(pass->layers, USE_ITSELF, 1)}};
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
-        if (!access->resource || access->mode != MODE_WRITE || access->kind & target)
+        if (!access->resource || access->mode != MODE_WRITE || access->kind & target ||
+            access->clears)
             continue;
         bool image = access->resource->kind == DT_IMAGE;
         steps->list[steps->count++] =
@@ -191,6 +208,10 @@ struct steps pass_steps(const struct pass *pass, struct arena *arena)
     if (pass->barrier_count)
         steps.list[steps.count++] =
             (struct step){DT_VERB_BARRIERS, STEP_ALWAYS, {number(pass->barrier_count)}};
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].clears)
+            steps.list[steps.count++] = (struct step){
+                DT_VERB_CLEAR_BUFFER, STEP_ALWAYS, {resource(pass->accesses[i].resource->index)}};
     steps.list[steps.count++] = (struct step){DT_VERB_BIND, when, {{0}}};
     add_rect(&steps, when, DT_VERB_VIEWPORT, pass->viewport);
     add_rect(&steps, when, DT_VERB_SCISSOR, pass->scissor);

@@ -63,7 +63,7 @@ struct parser {
 
 enum { DEEPEST = 64 }; /* later stages recurse over nesting and terms */
 
-static struct loc place(const struct parser *p, size_t from, size_t to)
+static struct loc place_in_text(const struct parser *p, size_t from, size_t to)
 {
     struct loc loc = p->loc;
     if (p->replaces)
@@ -75,11 +75,11 @@ static struct loc place(const struct parser *p, size_t from, size_t to)
 
 enum { SHOWN = 100 }; /* bytes of an expression in a message */
 
-static struct expr *fail(struct parser *p, size_t from, size_t to, const char *what)
+static struct expr *expr_fail(struct parser *p, size_t from, size_t to, const char *what)
 {
     if (!p->failed)
-        diag_error(p->diag, place(p, from, to), "%s in the expression `%.*s%s`", what, SHOWN,
-                   p->text, strlen(p->text) > SHOWN ? "..." : "");
+        diag_error(p->diag, place_in_text(p, from, to), "%s in the expression `%.*s%s`", what,
+                   SHOWN, p->text, strlen(p->text) > SHOWN ? "..." : "");
     p->failed = true;
     return NULL;
 }
@@ -90,7 +90,7 @@ static void skip_spaces(struct parser *p)
         p->at++;
 }
 
-static bool take(struct parser *p, const char *token)
+static bool take_token(struct parser *p, const char *token)
 {
     skip_spaces(p);
     size_t length = strlen(token);
@@ -103,7 +103,7 @@ static bool take(struct parser *p, const char *token)
 static struct expr *node(struct parser *p, enum operation operation, size_t from)
 {
     if (++p->terms > EXPR_MOST_TERMS)
-        return fail(p, from, from + 1, "more than 1000 terms");
+        return expr_fail(p, from, from + 1, "more than 1000 terms");
     struct expr *expr = arena_alloc(p->model->arena, sizeof *expr);
     if (!expr) {
         p->failed = true;
@@ -111,7 +111,7 @@ static struct expr *node(struct parser *p, enum operation operation, size_t from
     }
     expr->operation = operation;
     expr->component = -1;
-    expr->loc = place(p, from, p->at);
+    expr->loc = place_in_text(p, from, p->at);
     return expr;
 }
 
@@ -130,17 +130,17 @@ static struct expr *parse_number(struct parser *p)
         while (isalnum((unsigned char)p->text[p->at]) ||
                strchr("._", p->text[p->at] ? p->text[p->at] : ' '))
             p->at++;
-        return fail(p, from, p->at, "a number that is no integer");
+        return expr_fail(p, from, p->at, "a number that is no integer");
     }
     if (overflow || value > INT64_MAX)
-        return fail(p, from, p->at, "a number beyond 64 bits");
+        return expr_fail(p, from, p->at, "a number beyond 64 bits");
     struct expr *expr = node(p, OP_NUMBER, from);
     if (expr)
         expr->number = (int64_t)value;
     return expr;
 }
 
-static bool is_word(const char *text, size_t length, const char *word)
+static bool text_is(const char *text, size_t length, const char *word)
 {
     return strlen(word) == length && !strncmp(text, word, length);
 }
@@ -150,16 +150,16 @@ static struct expr *parse_call(struct parser *p, enum operation operation, size_
     struct expr *a = parse_choose(p);
     if (!a)
         return NULL;
-    if (!take(p, ","))
-        return fail(p, p->at, p->at + 1,
-                    p->text[p->at] ? "expected `,` and a second argument"
-                                   : "expected `,` and a second argument (inside { } and [ ], "
-                                     "YAML ends a value without quotes at its comma)");
+    if (!take_token(p, ","))
+        return expr_fail(p, p->at, p->at + 1,
+                         p->text[p->at] ? "expected `,` and a second argument"
+                                        : "expected `,` and a second argument (inside { } and [ ], "
+                                          "YAML ends a value without quotes at its comma)");
     struct expr *b = parse_choose(p);
     if (!b)
         return NULL;
-    if (!take(p, ")"))
-        return fail(p, p->at, p->at + 1, "expected `)`");
+    if (!take_token(p, ")"))
+        return expr_fail(p, p->at, p->at + 1, "expected `)`");
     struct expr *expr = node(p, operation, from);
     if (expr) {
         expr->operand[0] = a;
@@ -182,12 +182,12 @@ static struct expr *parse_frame(struct parser *p, size_t from)
         const char *member = p->text + p->at + 1;
         size_t length = word_length(member);
         p->at += 1 + length;
-        if (is_word(member, length, "width"))
+        if (text_is(member, length, "width"))
             return node(p, OP_FRAME_WIDTH, from);
-        if (is_word(member, length, "height"))
+        if (text_is(member, length, "height"))
             return node(p, OP_FRAME_HEIGHT, from);
     }
-    return fail(p, from, p->at, "`frame` has only `frame.width` and `frame.height`");
+    return expr_fail(p, from, p->at, "`frame` has only `frame.width` and `frame.height`");
 }
 
 /* Words joined by dots. */
@@ -207,13 +207,13 @@ static struct expr *parse_replacement(struct parser *p, const struct expr_text *
     struct parser inner = {.model = p->model,
                            .diag = p->diag,
                            .text = text->text,
-                           .loc = place(p, from, p->at),
+                           .loc = place_in_text(p, from, p->at),
                            .names = &text->names,
                            .replaces = true,
                            .depth = p->depth + 1,
                            .terms = p->terms};
     if (inner.depth > DEEPEST)
-        return fail(p, from, p->at, "more than 64 nested levels");
+        return expr_fail(p, from, p->at, "more than 64 nested levels");
     struct expr *expr = parse_all(&inner);
     p->terms = inner.terms;
     p->failed |= inner.failed;
@@ -228,12 +228,12 @@ static struct expr *parse_name(struct parser *p)
     } calls[] = {{"min", OP_MIN}, {"max", OP_MAX}, {"ceil_div", OP_CEIL_DIV}};
     size_t from = p->at, length = word_length(p->text + from);
     p->at += length;
-    if (is_word(p->text + from, length, "frame"))
+    if (text_is(p->text + from, length, "frame"))
         return parse_frame(p, from);
     for (size_t i = 0; i < sizeof calls / sizeof *calls; i++)
-        if (is_word(p->text + from, length, calls[i].name) && take(p, "("))
+        if (text_is(p->text + from, length, calls[i].name) && take_token(p, "("))
             return parse_call(p, calls[i].operation, from);
-    if (is_word(p->text + from, length, "true") || is_word(p->text + from, length, "false")) {
+    if (text_is(p->text + from, length, "true") || text_is(p->text + from, length, "false")) {
         struct expr *expr = node(p, OP_NUMBER, from);
         if (expr)
             expr->number = p->text[from] == 't';
@@ -268,13 +268,14 @@ static struct expr *parse_primary(struct parser *p)
     if (c == '(') {
         p->at++;
         struct expr *expr = parse_choose(p);
-        if (expr && !take(p, ")"))
-            return fail(p, p->at, p->at + 1, "expected `)`");
+        if (expr && !take_token(p, ")"))
+            return expr_fail(p, p->at, p->at + 1, "expected `)`");
         return expr;
     }
     if (!c)
-        return fail(p, p->at ? p->at - 1 : 0, p->at, "expected a number, a name or `(` at the end");
-    return fail(p, p->at, p->at + 1, "expected a number, a name or `(`");
+        return expr_fail(p, p->at ? p->at - 1 : 0, p->at,
+                         "expected a number, a name or `(` at the end");
+    return expr_fail(p, p->at, p->at + 1, "expected a number, a name or `(`");
 }
 
 static struct expr *parse_unary(struct parser *p)
@@ -286,7 +287,7 @@ static struct expr *parse_unary(struct parser *p)
         return parse_primary(p);
     p->at++;
     if (++p->depth > DEEPEST)
-        return fail(p, from, from + 1, "more than 64 nested levels");
+        return expr_fail(p, from, from + 1, "more than 64 nested levels");
     struct expr *operand = parse_unary(p);
     p->depth--;
     struct expr *expr = operand ? node(p, c == '-' ? OP_NEGATE : OP_NOT, from) : NULL;
@@ -320,7 +321,7 @@ static struct expr *parse_binary(struct parser *p, int level)
     while (left) {
         const struct binary *found = NULL;
         for (size_t i = 0; i < BINARY_COUNT && !found; i++)
-            if (binaries[i].level == level && take(p, binaries[i].token))
+            if (binaries[i].level == level && take_token(p, binaries[i].token))
                 found = &binaries[i];
         if (!found)
             break;
@@ -340,12 +341,12 @@ static struct expr *parse_choose(struct parser *p)
     skip_spaces(p);
     size_t from = p->at;
     if (++p->depth > DEEPEST)
-        return fail(p, from, from + 1, "more than 64 nested levels");
+        return expr_fail(p, from, from + 1, "more than 64 nested levels");
     struct expr *condition = parse_binary(p, 0);
-    if (condition && take(p, "?")) {
+    if (condition && take_token(p, "?")) {
         struct expr *yes = parse_choose(p);
-        if (yes && !take(p, ":"))
-            return fail(p, p->at, p->at + 1, "expected `:`");
+        if (yes && !take_token(p, ":"))
+            return expr_fail(p, p->at, p->at + 1, "expected `:`");
         struct expr *no = yes ? parse_choose(p) : NULL;
         struct expr *expr = no ? node(p, OP_CHOOSE, from) : NULL;
         if (expr) {
@@ -366,7 +367,7 @@ static struct expr *parse_all(struct parser *p)
         return NULL;
     skip_spaces(p);
     if (p->text[p->at])
-        return fail(p, p->at, p->at + 1, "expected an operator");
+        return expr_fail(p, p->at, p->at + 1, "expected an operator");
     return expr;
 }
 
@@ -384,8 +385,8 @@ struct loc expr_loc(const struct expr *expr)
 
 /* ---- Resolving ------------------------------------------------------------------------------- */
 
-static void report_unknown(const struct expr *expr, const struct pipeline *pipeline,
-                           struct diag *diag)
+static void report_unknown_name(const struct expr *expr, const struct pipeline *pipeline,
+                                struct diag *diag)
 {
     size_t count = 0, total = pipeline->param_count + pipeline->constant_count + 2;
     const char **names = calloc(total, sizeof *names);
@@ -393,16 +394,13 @@ static void report_unknown(const struct expr *expr, const struct pipeline *pipel
         names[count++] = pipeline->params[i].name;
     for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
         names[count++] = pipeline->constants[i].name;
-    const char *nearest = names ? nearest_name(expr->name, names, count) : NULL;
-    if (!nearest && (!strcmp(expr->name, "width") || !strcmp(expr->name, "height")))
-        nearest = expr->name[0] == 'w' ? "frame.width" : "frame.height";
-    if (nearest)
-        diag_error(diag, expr->loc, "unknown name `%s`; did you mean `%s`?", expr->name, nearest);
-    else
-        diag_error(diag, expr->loc,
-                   "unknown name `%s`; expressions know parameters, constants, frame.width and "
-                   "frame.height",
-                   expr->name);
+    const char *otherwise =
+        !strcmp(expr->name, "width") ? "; did you mean `frame.width`?"
+        : !strcmp(expr->name, "height")
+            ? "; did you mean `frame.height`?"
+            : "; expressions know parameters, constants, frame.width and frame.height";
+    diag_error(diag, expr->loc, "unknown name `%s`%s", expr->name,
+               name_hint('`', expr->name, names, count, otherwise).text);
     free(names);
 }
 
@@ -487,7 +485,7 @@ static bool resolve_name(struct expr *expr, const struct pipeline *pipeline, str
          !strcmp(expr->last, "count")))
         return resolve_member(expr, pipeline, diag);
     if (!found)
-        report_unknown(expr, pipeline, diag);
+        report_unknown_name(expr, pipeline, diag);
     if (expr->param)
         return resolve_param(expr, expr->param, diag);
     if (expr->constant && expr->component >= 0)
@@ -601,7 +599,8 @@ struct evaluation {
     const struct expr *fault; /* the part that failed */
 };
 
-static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, int64_t *value);
+static enum expr_result evaluate_node(const struct expr *expr, struct evaluation *e,
+                                      int64_t *value);
 
 static enum expr_result fault(const struct expr *expr, struct evaluation *e,
                               enum expr_result result)
@@ -726,17 +725,17 @@ static enum expr_result evaluate_simple(const struct expr *expr, struct evaluati
             return EXPR_OK;
         }
         if (expr->constant) {
-            result = evaluate(expr->constant->value, e, value);
+            result = evaluate_node(expr->constant->value, e, value);
             return result == EXPR_OK ? result : (e->fault = expr, result);
         }
         *value = expr->param ? param_value(expr, e) : 1;
         return EXPR_OK;
     case OP_NOT:
-        result = evaluate(expr->operand[0], e, value);
+        result = evaluate_node(expr->operand[0], e, value);
         *value = !*value;
         return result;
     default: /* OP_NEGATE */
-        result = evaluate(expr->operand[0], e, value);
+        result = evaluate_node(expr->operand[0], e, value);
         if (result == EXPR_OK && __builtin_sub_overflow((int64_t)0, *value, value))
             return fault(expr, e, EXPR_OVERFLOWS);
         return result;
@@ -744,7 +743,7 @@ static enum expr_result evaluate_simple(const struct expr *expr, struct evaluati
 }
 
 /* A missing expression was reported; its value is 1, which causes no further errors. */
-static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, int64_t *value)
+static enum expr_result evaluate_node(const struct expr *expr, struct evaluation *e, int64_t *value)
 {
     *value = 1;
     if (!expr)
@@ -752,16 +751,16 @@ static enum expr_result evaluate(const struct expr *expr, struct evaluation *e, 
     if (expr->operation <= OP_NOT)
         return evaluate_simple(expr, e, value);
     int64_t a, b;
-    enum expr_result result = evaluate(expr->operand[0], e, &a);
+    enum expr_result result = evaluate_node(expr->operand[0], e, &a);
     if (result != EXPR_OK)
         return result;
     if (expr->operation == OP_CHOOSE)
-        return evaluate(expr->operand[a ? 1 : 2], e, value);
+        return evaluate_node(expr->operand[a ? 1 : 2], e, value);
     if ((expr->operation == OP_AND && !a) || (expr->operation == OP_OR && a)) {
         *value = a != 0;
         return EXPR_OK;
     }
-    result = evaluate(expr->operand[1], e, &b);
+    result = evaluate_node(expr->operand[1], e, &b);
     if (result != EXPR_OK)
         return result;
     if (expr->operation == OP_AND || expr->operation == OP_OR) {
@@ -775,21 +774,21 @@ enum expr_result expr_eval(const struct expr *expr, int64_t frame_width, int64_t
                            int64_t *value)
 {
     struct evaluation e = {.width = frame_width, .height = frame_height};
-    return evaluate(expr, &e, value);
+    return evaluate_node(expr, &e, value);
 }
 
 enum expr_result expr_eval_live(const struct expr *expr, int64_t frame_width, int64_t frame_height,
                                 const void *live, int64_t *value)
 {
     struct evaluation e = {.width = frame_width, .height = frame_height, .live = live};
-    return evaluate(expr, &e, value);
+    return evaluate_node(expr, &e, value);
 }
 
 struct loc expr_fault_loc(const struct expr *expr, int64_t frame_width, int64_t frame_height)
 {
     struct evaluation e = {.width = frame_width, .height = frame_height};
     int64_t value;
-    evaluate(expr, &e, &value);
+    evaluate_node(expr, &e, &value);
     return e.fault ? e.fault->loc : expr->loc;
 }
 

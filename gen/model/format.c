@@ -1,5 +1,6 @@
 /* Rounds numbers as image formats do. */
 #include "model.h"
+#include "scenes/srgb.h"
 
 #include <math.h>
 
@@ -25,13 +26,10 @@ static double nearest_small_float(double value, int bits, bool sign)
     return value > most ? most : value < -most ? -most : value;
 }
 
-/* sRGB's transfer functions, IEC 61966-2-1. */
 static double nearest_srgb(double value)
 {
     value = value < 0 ? 0 : value > 1 ? 1 : value;
-    double code = value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1 / 2.4) - 0.055;
-    code = nearest_code(code, 0, 255);
-    return code <= 0.04045 ? code / 12.92 : pow((code + 0.055) / 1.055, 2.4);
+    return srgb_light(nearest_code(srgb_code(value), 0, 255));
 }
 
 float format_round(enum dt_format format, int channel, double value)

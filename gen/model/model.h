@@ -9,18 +9,11 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/diag.h"
 /* enums and structs of generated code, which the model has, too */
 #include "panel.h"
 
 /* ---- Places and expressions ------------------------------------------------------------------ */
-
-struct source; /* one file that was read: name as given, text, lines (diag.h) */
-
-struct loc {
-    const struct source *source;
-    int line, column; /* 1-based; line 0: the whole file */
-    int length;       /* characters to underline, at least 1 */
-};
 
 struct npy;  /* header of an array file (base/npy.h) */
 struct expr; /* integer over parameters, constants, frame.width and frame.height (expr.h) */
@@ -105,6 +98,7 @@ struct resource {
     bool srgb;       /* `encoding: srgb`: pictures from outside hold sRGB codes */
     bool encoding_is_given;
     struct loc encoding_loc;
+    bool filter_mips; /* passes of read_copies.c fill the mips */
     /* plan */
     uint32_t index;            /* in pipeline->resources */
     unsigned usage;            /* mask of enum dt_access over all passes */
@@ -163,6 +157,7 @@ struct access {
     const char *as; /* its name in the body; NULL: `name`. See access_word */
     struct loc as_loc;
     enum access_mode mode;
+    uint32_t previous;   /* frames back; `name` is then of the image that keeps them */
     struct expr *mip;    /* NULL: mip 0 for storage and targets, all mips for sampling */
     struct expr *layer;  /* one layer of an array, in the body a plain image; NULL: all */
     const char *sampler; /* reads: {name: X, sampler: S}: filtered; NULL: by texel */
@@ -170,6 +165,7 @@ struct access {
     /* read: colour targets; `blend` is the pass's unless the access has its own */
     const struct dt_blend *blend; /* NULL: off */
     bool own_blend, own_mask;
+    bool clears;  /* the pass clears it, before its work */
     uint8_t keep; /* channels that `mask` leaves out, red in bit 0 */
     struct loc blend_loc, mask_loc;
     struct resource *resource;       /* check; NULL for a builtin */
@@ -219,6 +215,12 @@ struct define { /* a macro of the body */
     const char *param;  /* of an argument: the parameter of any type that it is; then no value */
 };
 
+/* What a uniform or an input of a whole shader holds. */
+struct value {
+    const char *name, *text; /* GLSL: TYPE(...) */
+    struct loc loc;          /* of the text */
+};
+
 enum pass_size { SIZE_INVOCATIONS, SIZE_GROUPS, SIZE_IMAGE, SIZE_INTERLEAVE, SIZE_INDIRECT };
 
 struct barrier { /* before the pass: the accesses that `resource` waits for */
@@ -232,10 +234,20 @@ struct barrier { /* before the pass: the accesses that `resource` waits for */
     const struct resource *alias;
 };
 
+/* Undefined behaviour that a pass means: --sanitize does not tell it. */
+struct allow {
+    unsigned kind; /* enum sanitize_kind */
+    struct loc loc;
+};
+/* In the order of the key's choices. Of a pass `bounded`: fast, unless the spec is exact. */
+enum exactness { EXACTNESS_EXACT, EXACTNESS_BOUNDED, EXACTNESS_FAST };
+
 struct pass {
     const char *name, *doc;
     struct loc loc;
     enum dt_pass_kind kind;
+    bool fast;    /* the driver's compiler is free */
+    bool bounded; /* its own `exactness` makes it so: judged against its exact twin */
     /* scene draws: "camera" or "light", the View that the body calls `view` */
     const char *view;
     /* layered draw: instances, and layers of the targets; NULL: 1, not layered */
@@ -275,6 +287,10 @@ struct pass {
     uint32_t range_count;
     struct define *defines;
     uint32_t define_count;
+    struct allow *allows;
+    uint32_t allow_count;
+    struct value *values;
+    uint32_t value_count;
     /* draws */
     enum dt_cull cull;
     bool depth_test, depth_write;
@@ -308,9 +324,10 @@ struct pipeline {
     const char *spec; /* path of the document; NULL: a model without one */
     const char *name, *doc;
     struct loc loc;
-    bool fast; /* exactness: fast; default exact */
+    enum exactness exactness;
     /* target: gpu; default software. The plan chooses storage classes and loop shapes for it. */
     bool gpu;
+    bool top; /* origin: top; default bottom */
     struct param *params;
     uint32_t param_count;
     struct constant *constants;
@@ -329,6 +346,8 @@ struct pipeline {
     uint32_t pass_count;         /* spec order; without passes whose `when` folds to false */
     const struct pass **dropped; /* check: passes whose `when` folds to false, in spec order */
     uint32_t dropped_count;
+    struct value *values; /* of every pass that has none of the name */
+    uint32_t value_count;
     struct assertion *assertions;
     uint32_t assertion_count;
     struct expr *jitter;                        /* points of the camera's jitter; NULL: none */
@@ -360,6 +379,7 @@ struct model {
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
     bool text;                    /* also OpenGL's GLSL, which glslang does not compile */
+    bool exact_twin;              /* of every pass: none is fast */
     bool prove;                   /* --prove: reports every open operation of exact passes */
     unsigned sanitize;            /* mask of enum sanitize_kind; 0: off */
     struct sanitize_sites *sites; /* sanitize.h */

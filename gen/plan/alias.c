@@ -1,6 +1,22 @@
 /* Lifetimes of resources, and which resources share memory: slots of device memory for Vulkan,
- * shared textures for OpenGL. Resources with history live for ever and share no memory, nor do
- * those with `keep`; outputs live to the end of the frame. */
+ * shared textures for OpenGL.
+ *
+ * A resource lives from the first pass that touches it to the last, in order of execution; an
+ * output to the end of the frame. Two may share if no pass is in both lifetimes. Resources with
+ * history live for ever and share no memory, nor do those with `keep`. Their content does not
+ * outlive it either: without history, a resource holds nothing when a frame touches it first.
+ *
+ * Vulkan: the largest resource is placed first, in the smallest slot that is free during its
+ * lifetime. This is greedy, not the best packing; the same spec gives the same slots everywhere.
+ * Sizes are those of the reference frame (plan.h). At another size the runtime makes a slot as
+ * large as its largest resource then is (runtime_vk/panel.c): sharing stays right, and only the
+ * packing may be worse.
+ *
+ * OpenGL cannot place objects in memory. There an image borrows the texture of an equal one, equal
+ * at every frame size, and buffers share nothing.
+ *
+ * Sharing makes hazards that no access shows: barrier.c lets the next user of a slot wait for the
+ * last. It knows by resource_covers which users cover each other's bytes. */
 #include <string.h>
 
 #include "model/expr.h"
@@ -98,8 +114,8 @@ static bool fits_slot(const struct pipeline *pipeline, const bool *placed, uint3
 /* Resources come largest first, so every existing slot is large enough. Takes the smallest slot
  * that is free during the resource's lifetime. Ties go to the slot made first, so the same spec
  * gives the same slots. */
-static void place(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
-                  struct resource *resource)
+static void place_in_slot(struct pipeline *pipeline, bool *placed, uint64_t *slot_bytes,
+                          struct resource *resource)
 {
     uint32_t best = pipeline->slot_count;
 
@@ -131,11 +147,11 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
         if (!largest->history) {
             uint32_t slots = pipeline->slot_count;
 
-            place(pipeline, placed, slot_bytes, largest);
+            place_in_slot(pipeline, placed, slot_bytes, largest);
             pipeline->transient_bytes += largest->bytes;
             pipeline->aliased_bytes += pipeline->slot_count > slots ? largest->bytes : 0;
         } else {
-            place(pipeline, placed, slot_bytes, largest);
+            place_in_slot(pipeline, placed, slot_bytes, largest);
         }
     }
 }

@@ -1,8 +1,27 @@
-/* The barriers of each pass, from the accesses of the frame so far. Each frame opens with a full
- * barrier that makes all earlier writes visible. So the first touch in a frame depends only on
- * this barrier and on the previous user of the same memory. The first change of a layout chains to
- * the opening barrier (lower.c). tests/runtime/barrier_audit.c checks that every barrier is needed and
- * that they suffice. */
+/* The barriers of each pass, from the accesses of the frame so far.
+ *
+ * Each frame opens with a full barrier that makes all earlier writes visible (runtime_vk/frame.c).
+ * So the first touch in a frame depends only on this barrier and on the former user of the same
+ * memory, and the barriers are constants of the spec, the same in every frame. The first change of
+ * a layout chains to the opening barrier (barrier_of in lower.c).
+ *
+ * One walk over the passes, in their order, keeps a history of each mip: the last write, the
+ * readers since, and to which kinds of access in which stages the content is visible. Who reads
+ * waits for the write, unless it is visible there; who writes waits for the readers, who waited for
+ * the write, or for the write if nobody read.
+ *
+ * Invariants:
+ * - A pass has at most one barrier for a resource, with one mask for all its mips. What it makes
+ *   visible beyond the need is remembered, so that later passes do not wait again.
+ * - An image has one layout while a pass runs, for all mips and accesses (layout_of).
+ * - A pass that may be skipped records its barriers in any case (steps.c), and the clears in its
+ *   place count as accesses (DT_WRITE_CLEAR in plan.c). So later passes need not know whether it
+ *   ran.
+ * - Resources with history begin visible to all, whatever pass wrote them last.
+ *
+ * Where synchronization validation (1.3.239) demands more than the specification, a comment says
+ * so. tests/runtime/barrier_audit.c checks with a model of its own that every barrier is needed and that
+ * they suffice. */
 #include "plan.h"
 
 enum { KIND_COUNT = 11 }; /* bits of enum dt_access */

@@ -1,7 +1,25 @@
-/* The plan: makes the decisions that both backends share: order, kinds of access, bindings,
- * ranges, lifetimes, memory slots, barriers. */
+/* The plan: the decisions that both backends share, each made once. Emitters and runtimes take the
+ * planned model const. So two backends cannot number a binding or order a barrier in two ways, and
+ * a difference between them is a driver's or a shader's.
+ *
+ * plan_model runs the parts in this order, since each needs those before it:
+ *   order.c    the passes in order of execution; "before" means in this order from here on
+ *   ranges     of a pass: its workgroup, and where the elements that it loops over lie
+ *   kinds      what each access is to a device (enum dt_access), also for buffers of ranges
+ *   bindings   one numbering for all kinds, since Vulkan has one set
+ *   alias.c    lifetimes, then what shares memory
+ *   barrier.c  who waits for whom; also for the former user of shared memory
+ *
+ * pass_touches is the one answer to "which mips does a pass read and write, in which stages":
+ * lifetimes and barriers read touches, never accesses.
+ *
+ * Nothing here asks a device. What is faster on CPU drivers and what on GPUs depends on the spec's
+ * `target` alone, and limits are of the APIs and of such kinds (plan.h). So a spec has one plan on
+ * all machines, and its generated text can be compared. What does not fit is an error at its place
+ * in the spec; all passes are tried, so that one run tells all such errors. */
 #include "plan.h"
 #include "model/expr.h"
+#include "read/body_files.h"
 #include "sanitize.h"
 
 uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise)
@@ -38,8 +56,9 @@ static bool suits_uniform(const struct pipeline *pipeline, const struct pass *pa
 {
     uint64_t count = 0;
 
-    if (pipeline->gpu || !buffer->count || expr_reach(buffer->count) ||
-        !std140_equals_std430(buffer) || (pass->asks_length && !expr_is_literal(buffer->count)))
+    if (pipeline->gpu || files_are_whole(pass->files) || !buffer->count ||
+        expr_reach(buffer->count) || !std140_equals_std430(buffer) ||
+        (pass->asks_length && !expr_is_literal(buffer->count)))
         return false;
     count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
     return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
@@ -62,6 +81,8 @@ static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pa
 static unsigned buffer_kind(const struct pipeline *pipeline, const struct pass *pass,
                             const struct access *access)
 {
+    if (access->clears)
+        return DT_WRITE_CLEAR;
     if (access->mode == MODE_READ)
         return reads_uniform(pipeline, pass, access) ? DT_READ_UNIFORM : DT_READ_STORAGE;
     return access->mode == MODE_WRITE ? DT_WRITE_STORAGE : DT_READ_STORAGE | DT_WRITE_STORAGE;
@@ -158,7 +179,7 @@ static enum binding_class binding_class(const struct access *access)
     bool image = access->resource ? access->resource->kind == DT_IMAGE
                                   : access->builtin == DT_SCENE_TEXTURES;
 
-    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH))
+    if (access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH | DT_WRITE_CLEAR))
         return BIND_NONE;
     if (access->kind & DT_READ_TEXTURE)
         return BIND_TEXTURE;
@@ -344,8 +365,10 @@ static bool may_unroll(const struct range *range, uint64_t others, bool gpu)
     return count <= UNROLLED_BLOCK || (!range->reads_images && count + others <= UNROLLED_LIMIT);
 }
 
-/* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. */
-static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, struct diag *diag)
+/* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. Under --sanitize, which makes each
+ * operation long, ranges are rolled and read in place: this changes no result. */
+static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, bool sanitize,
+                        struct diag *diag)
 {
     uint64_t unrolled = 0;
     struct range *range;
@@ -354,7 +377,12 @@ static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, stru
     for (uint32_t i = 0; i < pass->range_count; i++)
         pass->ranges[i].chunk = 0;
     while ((range = next_range(pass))) {
-        choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+        if (sanitize) {
+            range->storage = range->storage == STORAGE_SHARED ? STORAGE_AUTO : range->storage;
+            range->loop = LOOP_ROLL;
+        } else {
+            choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+        }
         plan_chunk(range);
         if (range->loop == LOOP_UNROLL && count_of(range) > UNROLLED_BLOCK)
             unrolled += count_of(range);
@@ -384,6 +412,8 @@ static unsigned stages_of(const struct pass *pass, const struct access *access)
         return DT_STAGE_COLOR;
     if (access->kind & DT_WRITE_DEPTH)
         return DT_STAGE_DEPTH;
+    if (access->clears)
+        return DT_STAGE_CLEAR;
     if (pass->kind == DT_PASS_DISPATCH)
         return DT_STAGE_COMPUTE;
     if (access->resource && access->resource->internal)
@@ -494,10 +524,10 @@ bool plan_model(struct model *model, struct diag *diag)
     unsigned errors = diag_error_count(diag);
     bool ordered = plan_order(model, diag);
 
-    if (!sanitize_plan(model))
+    if (ordered && !sanitize_plan(model))
         return false;
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        plan_ranges(&pipeline->passes[i], pipeline, diag);
+        plan_ranges(&pipeline->passes[i], pipeline, model->sanitize, diag);
         plan_kinds(pipeline, &pipeline->passes[i], diag);
         plan_bindings(&pipeline->passes[i], diag);
     }

@@ -1,6 +1,7 @@
 /* See sanitize.h. The buffer of reports is a resource like those of a spec, so runtimes bind, keep and read it as they do
  * others; but no list of a pass shows it. */
 #include "sanitize.h"
+#include "shadow.h"
 
 #include <ctype.h>
 #include <pthread.h>
@@ -16,28 +17,8 @@ struct sanitize_sites {
     struct sanitize_site *list; /* site 0 is no place */
     uint32_t count, room;
     bool failed;
+    unsigned *silenced; /* per pass of the spec: mask of the kinds whose `allow` was of use */
 };
-
-/* ---- Kinds ----------------------------------------------------------------------------------- */
-
-static const char *const kinds[] = {"index", "arithmetic", "loop", "variable"};
-const char sanitize_names[] = "index, arithmetic, loop, variable";
-
-unsigned sanitize_kinds(const char *list, const char **end)
-{
-    unsigned mask = 0;
-    for (*end = list; **end; *end += **end == ',') {
-        size_t length = strcspn(*end, ","), kind = 0;
-        while (kind < DT_ARRAY_COUNT(kinds) &&
-               (strlen(kinds[kind]) != length || strncmp(kinds[kind], *end, length) != 0))
-            kind++;
-        if (kind == DT_ARRAY_COUNT(kinds))
-            return 0;
-        mask |= 1u << kind;
-        *end += length;
-    }
-    return mask ? mask : SANITIZE_ALL;
-}
 
 /* ---- Sites ----------------------------------------------------------------------------------- */
 
@@ -48,6 +29,9 @@ bool sanitize_begin(struct model *model)
     model->sites = calloc(1, sizeof *model->sites);
     if (!model->sites)
         return false;
+    model->sites->silenced = arena_alloc(model->arena, (model->pipeline.pass_count + 1) *
+                                                           sizeof *model->sites->silenced);
+    model->sites->failed = !model->sites->silenced;
     pthread_mutex_init(&model->sites->lock, NULL);
     sanitize_add(model, NULL, &(struct sanitize_site){0});
     return !model->sites->failed;
@@ -92,17 +76,19 @@ bool sanitize_failed(const struct model *model)
 
 /* ---- The plan -------------------------------------------------------------------------------- */
 
-static const char buffer_name[] = "diptych_reports";
+const char sanitize_buffer[] = "diptych_reports";
 
-/* The reader leaves room for one more resource, and one more access of each pass. */
-static void add_access(struct pass *pass, struct resource *reports)
+/* The reader leaves room for them. */
+struct access *sanitize_access(struct pass *pass, struct resource *resource)
 {
-    pass->accesses[pass->access_count++] = (struct access){.name = buffer_name,
-                                                           .loc = pass->loc,
-                                                           .mode = MODE_UPDATE,
-                                                           .resource = reports,
-                                                           .binding = -1,
-                                                           .attachment = -1};
+    struct access *access = &pass->accesses[pass->access_count++];
+    *access = (struct access){.name = resource->name,
+                              .loc = pass->loc,
+                              .mode = MODE_UPDATE,
+                              .resource = resource,
+                              .binding = -1,
+                              .attachment = -1};
+    return access;
 }
 
 bool sanitize_plan(struct model *model)
@@ -111,7 +97,7 @@ bool sanitize_plan(struct model *model)
     struct resource *reports = pipeline->resources + pipeline->resource_count;
     if (!model->sanitize)
         return true;
-    *reports = (struct resource){.name = buffer_name,
+    *reports = (struct resource){.name = sanitize_buffer,
                                  .loc = pipeline->loc,
                                  .kind = DT_BUFFER,
                                  .history = true,
@@ -122,8 +108,9 @@ bool sanitize_plan(struct model *model)
                                  .type = DT_TYPE_UINT,
                                  .stride = sizeof(uint32_t),
                                  .index = pipeline->resource_count++};
-    for (uint32_t i = 0; i < pipeline->pass_count; i++)
-        add_access(&pipeline->passes[i], reports);
+    shadow_plan(model);
+    for (uint32_t i = 0; i < pipeline->pass_count; i++) /* the last access: see sanitize_count */
+        sanitize_access(&pipeline->passes[i], reports);
     return true;
 }
 
@@ -132,7 +119,9 @@ bool sanitize_count(struct model *model, struct diag *diag)
     struct pipeline *pipeline = &model->pipeline;
     if (!model->sanitize)
         return true;
-    struct resource *reports = pipeline->resources + pipeline->resource_count - 1;
+    struct resource *reports = pipeline->resources;
+    while (strcmp(reports->name, sanitize_buffer) != 0)
+        reports++;
     const char *count = arena_printf(model->arena, "%u", model->sites->count * SANITIZE_WORDS);
     reports->count = count ? expr_parse(model, count, pipeline->loc, NULL, diag) : NULL;
     return reports->count && expr_resolve(reports->count, pipeline, diag);
@@ -140,40 +129,57 @@ bool sanitize_count(struct model *model, struct diag *diag)
 
 /* ---- Reports --------------------------------------------------------------------------------- */
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 /* Whether the word of an operation stands here, and no other operator. */
 static bool stands(const char *line, const char *at, const char *word, size_t length)
 {
     if (strncmp(at, word, length) != 0)
         return false;
-    if (is_word(*word))
-        return (at == line || !is_word(at[-1])) &&
-               (!is_word(word[length - 1]) || !is_word(at[length]));
+    if (text_is_word(*word))
+        return (at == line || !text_is_word(at[-1])) &&
+               (!text_is_word(word[length - 1]) || !text_is_word(at[length]));
     bool twice =
         (*word == '+' || *word == '-') && (at[1] == *word || (at > line && at[-1] == *word));
     return !twice;
 }
 
-/* Whether a name stands here to be read: it is neither declared nor assigned. */
-static bool is_read(const char *line, const char *at, size_t length)
+static const char *behind_word(const char *at)
+{
+    while (text_is_word(*at))
+        at++;
+    return at;
+}
+
+static const char *behind_index(const char *at)
+{
+    int depth = 0;
+    do
+        depth += (*at == '[') - (*at == ']');
+    while (*at && *at++ != '\n' && depth);
+    return at;
+}
+
+enum find { FIND_ANY, FIND_READ, FIND_WRITTEN };
+
+/* Whether a name stands here to be read, or to be assigned: it is not declared. */
+static bool is_used(const char *line, const char *at, size_t length, enum find how)
 {
     const char *before = at, *after = at + length;
     while (before > line && (before[-1] == ' ' || before[-1] == '\t'))
         before--;
-    if (*after == '.')
-        after += strspn(after, ".xyzwrgbastpq");
+    after -= at[length - 1] == '[';
+    while (*after == '.' || *after == '[') /* of a part */
+        after = *after == '[' ? behind_index(after) : behind_word(after + 1);
     after += strspn(after, " \t");
-    bool declared = before < at && before > line && is_word(before[-1]) &&
+    bool declared = before < at && before > line && text_is_word(before[-1]) &&
                     !(before - line >= 6 && !strncmp(before - 6, "return", 6));
-    return !declared && !(after[0] == '=' && after[1] != '=');
+    bool assigned = after[0] == '=' && after[1] != '=';
+    bool updated =
+        strchr("+-*/%&|^", after[0]) && after[0] && (after[1] == '=' || after[1] == after[0]);
+    return !declared && (how == FIND_READ ? !assigned : assigned || updated);
 }
 
 /* The column of the nth word outside of comments, or of the last; 0: there is none. */
-static int find_column(const char *line, const char *word, uint32_t nth, bool read)
+static int find_column(const char *line, const char *word, uint32_t nth, enum find how)
 {
     size_t length = strlen(word);
     int column = 0;
@@ -187,7 +193,7 @@ static int find_column(const char *line, const char *word, uint32_t nth, bool re
             at = end + 1;
             continue;
         }
-        if (!stands(line, at, word, length) || (read && !is_read(line, at, length)))
+        if (!stands(line, at, word, length) || (how && !is_used(line, at, length, how)))
             continue;
         column = (int)(at - line) + 1;
         if (!nth--)
@@ -209,8 +215,8 @@ static const char *const other_words[][2] = {
     {"loop", "for"},  {"loop", "do"},    {"loop", "while"}, {"int", "ivec2"}, {"int", "ivec3"},
     {"int", "ivec4"}, {"uint", "uvec2"}, {"uint", "uvec3"}, {"uint", "uvec4"}};
 
-static void place(const struct model *model, const struct sanitize_site *site,
-                  struct sanitize_report *report)
+static void place_site(const struct model *model, const struct sanitize_site *site,
+                       struct sanitize_report *report)
 {
     report->file = site->pass ? site->pass->shader_loc.source->path : "";
     if (!site->file || site->file > model->glsl_source_count) {
@@ -224,12 +230,14 @@ static void place(const struct model *model, const struct sanitize_site *site,
     report->line = (int)site->line;
     char indexed[72];
     snprintf(indexed, sizeof indexed, "%s[", word);
-    if (!strncmp(site->text, "index", 5))
-        report->column = find_column(line, indexed, site->nth, true);
-    else if (strstr(site->text, " is read "))
-        report->column = find_column(line, word, site->nth, true);
+    enum find how = site->pairs ? FIND_WRITTEN : FIND_READ;
+    bool memory = *site->text == '@';
+    if (memory || !strncmp(site->text, "index", 5))
+        report->column = find_column(line, indexed, site->nth, how);
+    if (!report->column && (memory || strstr(site->text, " is read ")))
+        report->column = find_column(line, word, site->nth, how);
     if (!report->column)
-        report->column = find_column(line, word, site->nth, false);
+        report->column = find_column(line, word, site->nth, FIND_ANY);
     for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
         if (!strcmp(other_words[i][0], word))
             report->column = find_column(line, other_words[i][1], site->nth, false);
@@ -251,12 +259,39 @@ static void put_value(char letter, uint32_t bits, struct text *out)
         text_add(out, "%u", bits);
 }
 
-static bool write_text(const char *format, const uint32_t values[8], struct sanitize_report *report)
+/* The coordinates of an invocation in a dispatch of this size. */
+static void find_invocation(uint32_t number, const uint32_t extent[2], uint32_t invocation[3])
+{
+    uint32_t width = extent[0] ? extent[0] : 1, height = extent[1] ? extent[1] : 1;
+    invocation[0] = number % width;
+    invocation[1] = number / width % height;
+    invocation[2] = (uint32_t)(number / ((uint64_t)width * height));
+}
+
+/* The value of a message at `code`: its number and letter. words: of the place in the buffer of reports. */
+static void put_code(const struct sanitize_site *site, const char *code, const uint32_t *words,
+                     const uint32_t *values, struct text *out)
+{
+    uint32_t value = values[code[0] - '0'], p[3];
+    char text[160];
+    if (code[1] == 'e') {
+        shadow_place(site, value, values[3], text, sizeof text);
+        text_add(out, "%s", text);
+    } else if (code[1] == 'p') {
+        find_invocation(value, words + 4, p);
+        text_add(out, "(%u, %u, %u)", p[0], p[1], p[2]);
+    } else {
+        put_value(code[1], value, out);
+    }
+}
+
+static bool write_finding(const struct sanitize_site *site, const uint32_t *words,
+                          const uint32_t *values, struct sanitize_report *report)
 {
     struct text out = {0};
-    for (; *format; format++)
+    for (const char *format = site->text; *format; format++)
         if (*format == '@' && format[1] && format[2]) {
-            put_value(format[2], values[format[1] - '0'], &out);
+            put_code(site, format + 1, words, values, &out);
             format += 2;
         } else {
             text_add_bytes(&out, format, 1);
@@ -278,20 +313,37 @@ static const uint32_t *find_record(const uint32_t *site)
     return best;
 }
 
+/* Which operation the record of a place is of. */
+static const struct sanitize_site *find_site(const struct sanitize_sites *sites,
+                                             const uint32_t *words)
+{
+    const uint32_t *record = find_record(words);
+    return &sites->list[record[1] < sites->count ? record[1] : 0];
+}
+
+/* Whether the pass has an `allow` of what is told; notes that it is of use. */
+static bool is_allowed(const struct model *model, const struct sanitize_site *site)
+{
+    for (uint32_t i = 0; site->pass && i < site->pass->allow_count; i++)
+        if (site->pass->allows[i].kind == site->kind) {
+            model->sites->silenced[site->pass - model->pipeline.passes] |= site->kind;
+            return true;
+        }
+    return false;
+}
+
 static bool read_site(const struct model *model, uint32_t index, const uint32_t *words,
                       struct sanitize_report *report)
 {
     const struct sanitize_sites *sites = model->sites;
     const uint32_t *record = find_record(words);
-    const struct sanitize_site *what = &sites->list[record[1] < sites->count ? record[1] : 0];
-    uint32_t key = ~record[0], width = words[4] ? words[4] : 1, height = words[5] ? words[5] : 1;
+    const struct sanitize_site *what = find_site(sites, words);
     *report = (struct sanitize_report){.count = words[0], .frame = words[3] - 1};
-    report->invocation[0] = key % width;
-    report->invocation[1] = key / width % height;
-    report->invocation[2] = (uint32_t)(key / ((uint64_t)width * height));
+    find_invocation(what->pairs ? record[2] : ~record[0], words + 4, report->invocation);
     report->pass = what->pass ? what->pass->name : "";
-    place(model, index ? &sites->list[index] : what, report);
-    return write_text(what->text, record + 2, report);
+    report->kind = what->kind ? sanitize_kind_name(what->kind) : "";
+    place_site(model, index ? &sites->list[index] : what, report);
+    return write_finding(what, words, record + 2, report);
 }
 
 static int by_place(const void *left, const void *right)
@@ -313,10 +365,42 @@ bool sanitize_read(const struct model *model, const void *bytes, uint64_t size,
     *count = 0;
     *reports = calloc(sites + 1, sizeof **reports);
     for (uint32_t i = 0; *reports && i < sites && i < model->sites->count; i++)
-        if (words[(size_t)i * SANITIZE_WORDS])
+        if (words[(size_t)i * SANITIZE_WORDS] &&
+            !is_allowed(model, find_site(model->sites, words + (size_t)i * SANITIZE_WORDS)))
             good &=
                 read_site(model, i, words + (size_t)i * SANITIZE_WORDS, &(*reports)[(*count)++]);
     if (*reports)
         qsort(*reports, *count, sizeof **reports, by_place);
     return *reports && good;
+}
+
+/* Passes of a group have one `allow` in the spec, which is of use if it is to any of them. */
+static bool is_idle(const struct model *model, const struct allow *allow)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    if (!(model->sanitize & allow->kind))
+        return false;
+    for (uint32_t i = 0; i < pipeline->pass_count; i++)
+        for (uint32_t k = 0; k < pipeline->passes[i].allow_count; k++) {
+            const struct allow *own = &pipeline->passes[i].allows[k];
+            if (own->kind == allow->kind &&
+                !strcmp(own->loc.source->path, allow->loc.source->path) &&
+                own->loc.line == allow->loc.line && own->loc.column == allow->loc.column &&
+                model->sites->silenced[i] & own->kind)
+                return false;
+        }
+    return true;
+}
+
+void sanitize_warn_idle(const struct model *model, struct diag *diag)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    for (uint32_t i = 0; i < pipeline->pass_count; i++)
+        for (uint32_t k = 0; k < pipeline->passes[i].allow_count; k++) {
+            const struct allow *allow = &pipeline->passes[i].allows[k];
+            if (is_idle(model, allow))
+                diag_warning(diag, allow->loc,
+                             "`allow: %s` of the pass `%s` has silenced nothing in this run",
+                             sanitize_kind_name(allow->kind), pipeline->passes[i].name);
+        }
 }

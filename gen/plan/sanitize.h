@@ -5,32 +5,31 @@
 #define DIPTYCH_GEN_SANITIZE_H
 
 #include <stdbool.h>
+#include <stddef.h>
 #include <stdint.h>
 
+#include "model/sanitize_kinds.h"
+
+struct access;
 struct model;
 struct pass;
+struct resource;
 struct text;
 struct diag;
-
-enum sanitize_kind { /* masks */
-                     SANITIZE_INDEX = 1 << 0,
-                     SANITIZE_ARITHMETIC = 1 << 1,
-                     SANITIZE_LOOP = 1 << 2,
-                     SANITIZE_VARIABLE = 1 << 3,
-                     SANITIZE_ALL = (1 << 4) - 1
-};
-/* The mask of a list like "index,loop"; "" is all. 0: *end is where the unknown word begins. */
-unsigned sanitize_kinds(const char *list, const char **end);
-extern const char sanitize_names[]; /* "index,arithmetic,..." */
 
 /* An operation that may be undefined. */
 struct sanitize_site {
     const struct pass *pass; /* set by sanitize.c */
+    unsigned kind;           /* enum sanitize_kind */
     uint32_t file, line;     /* by OpLine; file 0: generated text */
     const char *word;        /* of the operation in the line; lives as long as the text below */
     uint32_t nth;            /* operation of this word in the line, from 0 */
-    /* the message; @0i is value 0 as an int, @4u value 4 as a uint, @1f value 1 as a float */
+    /* the message; @0i is value 0 as an int, @4u value 4 as a uint, @1f value 1 as a float, @0e a texel or
+     * element by its index in the resource, @1p an invocation by its number */
     char text[160], name[64];
+    bool pairs;                      /* a race: value 0 is the invocation */
+    const struct resource *resource; /* of @0e; NULL: a shared variable */
+    uint32_t words, first;           /* shared: of an element, 0: no array; the variable's first */
 };
 /* Words of a site in the buffer, and of its records; see templates/glsl/sanitize.glsl. */
 enum {
@@ -50,11 +49,13 @@ bool sanitize_failed(const struct model *model); /* out of memory while sites we
 /* In the order of the plan: gives every pass the buffer, before bindings; sets its count, after all shaders are compiled. */
 bool sanitize_plan(struct model *model);
 bool sanitize_count(struct model *model, struct diag *diag);
+extern const char sanitize_buffer[]; /* its name */
+/* Gives the pass access to an internal resource. */
+struct access *sanitize_access(struct pass *pass, struct resource *resource);
 
-/* What the buffer's content tells: messages in the order of their places, an empty text where nothing was found. Returns
- * the number of places. */
+/* What the buffer's content tells, in the order of places, without what `allow` of a pass silences. */
 struct sanitize_report {
-    const char *pass, *file;
+    const char *pass, *file, *kind;
     int line, column;
     uint32_t invocation[3], frame;
     uint32_t count;
@@ -63,5 +64,7 @@ struct sanitize_report {
 /* *reports: free(). False when out of memory. */
 bool sanitize_read(const struct model *model, const void *bytes, uint64_t size,
                    struct sanitize_report **reports, uint32_t *count);
+/* Warns of each `allow` that has silenced nothing in all contents so far, among the kinds that were looked for. */
+void sanitize_warn_idle(const struct model *model, struct diag *diag);
 
 #endif

@@ -247,7 +247,7 @@ static void emit_node(struct text *out, const char *before, const struct pass *p
     text_add_word(out, pass->name);
 }
 
-static void emit_pass(const struct drawing *d, uint32_t place)
+static void emit_pass_node(const struct drawing *d, uint32_t place)
 {
     const struct pass *pass = d->pipeline->order[place];
     const char *before = "<td border=\"0\"><table " DOT_TABLE ">\n", *after = "";
@@ -356,7 +356,7 @@ void emit_graph(const struct model *model, struct text *out)
     emit_caption(&d);
     for (uint32_t place = 0; place < pipeline->pass_count; place++) {
         emit_dropped(&d, &dropped, pipeline->order[place]->loc.line, &column);
-        emit_pass(&d, place);
+        emit_pass_node(&d, place);
         emit_node(&column, column.length ? " -> p" : "p", pipeline->order[place]);
     }
     emit_dropped(&d, &dropped, INT_MAX, &column);

@@ -81,7 +81,7 @@ static void emit_body(const struct c_output *c, const struct pass *pass)
     }
 }
 
-static void emit_pass(const struct c_output *c, const struct pass *pass)
+static void emit_pass_steps(const struct c_output *c, const struct pass *pass)
 {
     struct text body = {0};
     struct c_output inner = *c;
@@ -106,7 +106,7 @@ static void emit_pass(const struct c_output *c, const struct pass *pass)
 static void emit_record(const struct c_output *c)
 {
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        emit_pass(c, c->pipeline->order[i]);
+        emit_pass_steps(c, c->pipeline->order[i]);
     text_add(c->out, "static bool record(const struct dt_recording *r)\n{\n    return ");
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         text_add(c->out, "%srecord_", i ? " &&\n        " : "");

@@ -53,7 +53,7 @@ static const struct {
 };
 
 /* At the reference size of the frame. */
-static uint64_t value_of(const struct expr *expr)
+static uint64_t need_value(const struct expr *expr)
 {
     return expr ? expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1) : 1;
 }
@@ -63,11 +63,11 @@ static uint64_t larger(uint64_t a, uint64_t b)
     return a > b ? a : b;
 }
 
-static void add_image(const struct access *access, uint64_t needs[DT_LIMITS])
+static void add_image_needs(const struct access *access, uint64_t needs[DT_LIMITS])
 {
     const struct resource *image = access->resource;
-    uint64_t width = value_of(image->width), height = value_of(image->height);
-    uint64_t layers = value_of(image->layers), side = larger(width, height);
+    uint64_t width = need_value(image->width), height = need_value(image->height);
+    uint64_t layers = need_value(image->layers), side = larger(width, height);
     bool volume = image->shape == DT_SHAPE_3D;
     enum dt_device_limit limit = volume                        ? DT_LIMIT_VOLUME_SIDE
                                  : image->shape != DT_SHAPE_2D ? DT_LIMIT_CUBE_SIDE
@@ -101,12 +101,12 @@ static void count_limits(const struct lowered *tables, uint32_t index, uint64_t 
         if (!pass->accesses[i].resource)
             continue;
         if (pass->accesses[i].resource->kind == DT_IMAGE)
-            add_image(&pass->accesses[i], needs);
+            add_image_needs(&pass->accesses[i], needs);
         else
             add_buffer(&pass->accesses[i], needs);
     }
     if (pass->layers)
-        needs[DT_LIMIT_TARGET_LAYERS] = value_of(pass->layers);
+        needs[DT_LIMIT_TARGET_LAYERS] = need_value(pass->layers);
     const struct step *work = steps_work(&tables->passes[index].steps);
     for (int axis = 0; axis < 3 && work->verb == DT_VERB_DISPATCH; axis++)
         needs[DT_LIMIT_GROUPS_X + axis] =

@@ -50,7 +50,7 @@ void output_add(struct output *output, const char *dir, const char *name, struct
     files[output->count++] = file;
 }
 
-static bool fail(const char *what, const char *path)
+static bool output_fail(const char *what, const char *path)
 {
     fprintf(stderr, "diptych-gen: error: cannot %s `%s`: %s\n", what, path, strerror(errno));
     return false;
@@ -78,7 +78,7 @@ static bool make_folders(char *path)
         *slash = '\0';
         bool good = !mkdir(path, 0777) || errno == EEXIST;
         if (!good)
-            fail("make the folder", path);
+            output_fail("make the folder", path);
         *slash = '/';
         if (!good)
             return false;
@@ -95,12 +95,12 @@ static bool write_temporary(struct output_file *file)
                          ? open(file->temporary, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666)
                          : -1;
     if (descriptor < 0)
-        return fail("write", file->path);
+        return output_fail("write", file->path);
     bool good = write_all(descriptor, file->text.data, file->text.length);
     if (!good)
-        fail("write", file->path);
+        output_fail("write", file->path);
     if (close(descriptor) && good)
-        good = fail("write", file->path);
+        good = output_fail("write", file->path);
     return good;
 }
 
@@ -110,7 +110,7 @@ static bool write_stream(const struct output_file *file)
     int descriptor = open(file->path, O_WRONLY | O_CLOEXEC);
     bool good = descriptor >= 0 && write_all(descriptor, file->text.data, file->text.length);
     if (!good)
-        fail("write", file->path);
+        output_fail("write", file->path);
     if (descriptor >= 0)
         close(descriptor);
     return good;
@@ -137,14 +137,14 @@ static bool replace(struct output_file *file)
 {
     if (asprintf(&file->former, "%s" TEMPORARY_FORMER, file->temporary) < 0) {
         file->former = NULL;
-        return fail("write", file->path);
+        return output_fail("write", file->path);
     }
     bool linked = !link(file->path, file->former);
     file->is_new = !linked && errno == ENOENT;
     if (!linked && !file->is_new)
         remove_name(&file->former); /* a file system without links: there is no way back */
     if (rename(file->temporary, file->path))
-        return fail("write", file->path);
+        return output_fail("write", file->path);
     free(file->temporary);
     file->temporary = NULL;
     file->replaced = true;
@@ -159,7 +159,7 @@ static void restore(struct output *output)
         if (!file->replaced)
             continue;
         if (file->is_new ? unlink(file->path) : !file->former || rename(file->former, file->path))
-            fail("restore", file->path);
+            output_fail("restore", file->path);
     }
 }
 
@@ -190,7 +190,7 @@ static void follow_link(struct output_file *file)
 }
 
 /* Writes the temporary file, unless the file is unchanged or a stream. */
-static bool prepare(struct output_file *file)
+static bool output_prepare(struct output_file *file)
 {
     struct stat status;
     follow_link(file);
@@ -204,7 +204,7 @@ static bool prepare(struct output_file *file)
         return false;
     if (exists && S_ISDIR(status.st_mode)) { /* its rename would fail after others succeeded */
         errno = EISDIR;
-        return fail("write", file->path);
+        return output_fail("write", file->path);
     }
     return true;
 }
@@ -212,7 +212,7 @@ static bool prepare(struct output_file *file)
 static bool write_and_rename(struct output *output, const sigset_t *signals)
 {
     for (size_t i = 0; i < output->count; i++)
-        if (interrupted(signals) || !prepare(&output->files[i]))
+        if (interrupted(signals) || !output_prepare(&output->files[i]))
             return false;
     for (size_t i = 0; i < output->count; i++) {
         struct output_file *file = &output->files[i];

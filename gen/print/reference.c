@@ -30,7 +30,7 @@ static void add_type(struct text *out, const struct key *key)
                  child, table_sections[key->child].anchor);
 }
 
-static void add_key(struct text *out, const struct key *key)
+static void add_key_row(struct text *out, const struct key *key)
 {
     text_add(out, "| `%s` | ", strcmp(key->name, "*") ? key->name : "NAME");
     add_type(out, key);
@@ -53,7 +53,7 @@ static void add_section(struct text *out, enum section section)
     text_add(out, "| key | type | default | meaning | example |\n|---|---|---|---|---|\n");
     for (size_t i = 0; i < table_key_count; i++)
         if (table_keys[i].section == section)
-            add_key(out, &table_keys[i]);
+            add_key_row(out, &table_keys[i]);
 }
 
 void emit_reference(struct text *out)

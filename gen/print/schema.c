@@ -20,7 +20,7 @@ static void add_choices(struct text *out, const char *choices, const char *skip)
     text_add(out, "]}");
 }
 
-static void add_reference(struct text *out, enum section section)
+static void add_schema_reference(struct text *out, enum section section)
 {
     text_add(out, "{\"$ref\": \"#/$defs/%s\"}", table_sections[section].anchor);
 }
@@ -35,14 +35,14 @@ static void add_list(struct text *out, const struct key *key)
                                              SECTION_REPEAT};
         for (size_t i = 0; i < DT_ARRAY_COUNT(items); i++) {
             text_add(out, "%s", i ? ", " : "");
-            add_reference(out, items[i]);
+            add_schema_reference(out, items[i]);
         }
         text_add(out, "]}");
     } else if (key->type == KEY_LIST) {
-        add_reference(out, key->child);
+        add_schema_reference(out, key->child);
     } else if (key->child != SECTION_NONE) {
         text_add(out, "{\"anyOf\": [{\"$ref\": \"#/$defs/REFERENCE\"}, ");
-        add_reference(out, key->child);
+        add_schema_reference(out, key->child);
         text_add(out, "]}");
     } else {
         text_add(out, "{\"$ref\": \"#/$defs/REFERENCE\"}");
@@ -104,12 +104,12 @@ static void add_type(struct text *out, const struct key *key)
     if (key->type == KEY_LIST || key->type == KEY_NAMES) {
         add_list(out, key);
     } else if (key->type == KEY_MAP) {
-        add_reference(out, key->child);
+        add_schema_reference(out, key->child);
     } else if (key->child != SECTION_NONE) {
         text_add(out, "{\"anyOf\": [");
         add_scalar_type(out, key);
         text_add(out, ", ");
-        add_reference(out, key->child);
+        add_schema_reference(out, key->child);
         text_add(out, "]}");
     } else {
         add_scalar_type(out, key);

@@ -7,17 +7,12 @@
 
 enum { MOST_FILES = 256, MOST_INCLUDES = 1024 };
 
-static bool is_word(char c)
-{
-    return isalnum((unsigned char)c) || c == '_';
-}
-
 const char *find_word(const char *text, const char *word)
 {
     size_t length = strlen(word);
     for (const char *at = text; at && length && (at = strstr(at, word)); at += length) {
-        bool starts = at == text || (!is_word(at[-1]) && at[-1] != '.');
-        if (starts && !is_word(at[length]))
+        bool starts = at == text || (!text_is_word(at[-1]) && at[-1] != '.');
+        if (starts && !text_is_word(at[length]))
             return at;
     }
     return NULL;
@@ -40,6 +35,42 @@ static void blank_comments(char *at)
             at++;
         }
     }
+}
+
+/* The directive; NULL: the text, without comments, begins with something else. */
+static char *find_version(char *code)
+{
+    char *at = code + strspn(code, " \t\r\n\xef\xbb\xbf"); /* or a byte order mark */
+    size_t blanks = *at == '#' ? strspn(at + 1, " \t") : 0;
+    return *at == '#' && !strncmp(at + 1 + blanks, "version", 7) ? at : NULL;
+}
+
+bool source_is_whole(const struct source *source)
+{
+    char *code = strndup(source->text, source->length);
+    if (code)
+        blank_comments(code);
+    bool whole = code && find_version(code);
+    free(code);
+    return whole;
+}
+
+/* The text for glslang: the generated text has its #version before this one's. */
+static const char *without_version(struct model *model, const struct source *source, char *code,
+                                   bool *whole)
+{
+    char *version = find_version(code), *text;
+    if (!version)
+        return source->text;
+    size_t length = strcspn(version, "\r\n");
+    *whole = true;
+    text = arena_strndup(model->arena, source->text, source->length);
+    if (text && text[0] == '\xef')
+        memset(text, ' ', 3);
+    if (text)
+        memset(text + (version - code), ' ', length);
+    memset(version, ' ', length);
+    return text;
 }
 
 /* ---- The table of files ----------------------------------------------------------------------------------- */
@@ -87,11 +118,12 @@ static bool add_file(struct model *model, struct body_files *files, const struct
     if (!code || !glsl_source_add(model, source, &file->number))
         return false;
     blank_comments(code);
+    file->text = without_version(model, source, code, &files->whole);
     file->name = arena_printf(model->arena, "%u", file->number);
     file->source = source;
     file->code = code;
     files->count++;
-    return file->name;
+    return file->name && file->text;
 }
 
 /* Beside the including file, then in the templates, then in templates/glsl. */
@@ -196,7 +228,7 @@ bool body_mentions_member(const struct body_files *files, const char *word)
             const char *before = at;
             while (before > code && isspace((unsigned char)before[-1]))
                 before--;
-            if (before > code && before[-1] == '.' && !is_word(at[length]))
+            if (before > code && before[-1] == '.' && !text_is_word(at[length]))
                 return true;
         }
     }
@@ -207,7 +239,7 @@ bool body_mentions_prefix(const struct body_files *files, const char *prefix)
 {
     for (uint32_t i = 0; files && i < files->count; i++)
         for (const char *at = files->list[i].code; (at = strstr(at, prefix)); at++)
-            if (at == files->list[i].code || !is_word(at[-1]))
+            if (at == files->list[i].code || !text_is_word(at[-1]))
                 return true;
     return false;
 }

@@ -11,6 +11,7 @@ struct body_file {
     const struct source *source;
     uint32_t number;  /* of #line: place in model->glsl_sources, from 1 */
     const char *name; /* the number as text: its name for glslang */
+    const char *text; /* for glslang: that of the source, without #version */
     char *code;       /* the text without comments and names of files, line by line */
 };
 
@@ -25,9 +26,17 @@ struct body_files {
     uint32_t count;
     struct body_include *includes;
     uint32_t include_count;
+    bool whole; /* a shader with #version, which has declarations of its own */
 };
 
-/* In the model's arena. Names that lead nowhere are left out: glslang asks for them, or does not.
+/* Of a pass's files, also NULL. */
+static inline bool files_are_whole(const struct body_files *files)
+{
+    return files && files->whole;
+}
+/* Whether the text begins with #version, behind blanks and comments. */
+bool source_is_whole(const struct source *source);
+/* In the model's arena; #version becomes blanks in what `source` of a file holds. Names that lead nowhere are left out: glslang asks for them, or does not.
  * NULL when out of memory. */
 const struct body_files *body_files_read(struct model *model, const struct source *body);
 /* What `#include "name"` in the file of that number leads to; "": in the body. NULL: nothing. */

@@ -80,8 +80,9 @@ static void read_sections(struct reader *reader)
     pipeline->name = field_text(reader, top, "pipeline");
     pipeline->loc = field_loc(reader, top, "pipeline");
     pipeline->doc = field_text(reader, top, "doc");
-    pipeline->fast = field_choice(reader, top, "exactness", 0) == 1;
+    pipeline->exactness = (enum exactness)field_choice(reader, top, "exactness", EXACTNESS_EXACT);
     pipeline->gpu = field_choice(reader, top, "target", 0) == 1;
+    pipeline->top = field_choice(reader, top, "origin", 0) == 1;
     read_params(reader, top);
     read_constants(reader, top);
     read_structs(reader, top);
@@ -89,7 +90,9 @@ static void read_sections(struct reader *reader)
     read_samplers(reader, top);
     read_metrics(reader, top);
     read_interleaves(reader, top);
+    pipeline->value_count = read_shader_values(reader, top, &pipeline->values);
     read_passes(reader, top);
+    read_copies(reader);
     read_asserts(reader, top);
     read_contracts(reader, top);
     read_jitter(reader, top);

@@ -20,7 +20,7 @@ static struct fy_node *placed(struct fy_node *node, struct fy_node *of)
 }
 
 /* Appends KEY: VALUE; false: out of memory. */
-static bool add(struct fy_node *map, const char *key, struct fy_node *value)
+static bool add_pair(struct fy_node *map, const char *key, struct fy_node *value)
 {
     struct fy_document *yaml = fy_node_document(map);
     struct fy_node *name = fy_node_create_scalar_copy(yaml, key, FY_NT);
@@ -29,16 +29,16 @@ static bool add(struct fy_node *map, const char *key, struct fy_node *value)
 
 static bool add_text(struct fy_node *map, const char *key, const char *text)
 {
-    return text && add(map, key,
-                       placed(fy_node_create_scalar_copy(fy_node_document(map), text, FY_NT),
-                              fy_node_get_meta(map)));
+    return text && add_pair(map, key,
+                            placed(fy_node_create_scalar_copy(fy_node_document(map), text, FY_NT),
+                                   fy_node_get_meta(map)));
 }
 
 /* Adds a copy of the value as the argument; NULL: the fallback. */
 static bool add_argument(struct fy_node *with, const char *name, struct fy_node *value,
                          const char *fallback)
 {
-    return value ? add(with, name, fy_node_copy(fy_node_document(with), value))
+    return value ? add_pair(with, name, fy_node_copy(fy_node_document(with), value))
                  : add_text(with, name, fallback);
 }
 
@@ -52,7 +52,7 @@ struct culled {
 };
 
 /* Whether the value of a key, or of the argument that it names, is this word. */
-static bool is_word(const struct culled *c, struct fy_node *map, const char *key, const char *word)
+static bool value_is(const struct culled *c, struct fy_node *map, const char *key, const char *word)
 {
     const char *text =
         argument_text(c->reader, fy_node_mapping_lookup_value_by_string(map, key, FY_NT), NULL);
@@ -66,11 +66,11 @@ static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml
     struct fy_node *when = fy_node_mapping_lookup_value_by_string(c->item, "when", FY_NT);
     struct fy_node *use = placed(fy_node_create_mapping(yaml), c->node);
     struct fy_node *with = placed(fy_node_create_mapping(yaml), c->node);
-    bool each = field_node(&c->cull, "each"), light = is_word(c, c->item, "view", "light");
+    bool each = field_node(&c->cull, "each"), light = value_is(c, c->item, "view", "light");
     bool good =
         use && with && add_text(use, "group", each ? "cull_each" : "cull") &&
-        add_text(use, "as", c->name) && add(use, "with", with) &&
-        (is_word(c, c->node, "keep", "frustum")
+        add_text(use, "as", c->name) && add_pair(use, "with", with) &&
+        (value_is(c, c->node, "keep", "frustum")
              ? add_text(with, "keep", light ? "cull/light_frustum.glsl" : "cull/frustum.glsl")
              : add_argument(with, "keep", field_node(&c->cull, "keep"), NULL)) &&
         (!each || (add_argument(with, "each", field_node(&c->cull, "each"), NULL) &&
@@ -91,7 +91,7 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
     if (!draw)
         return NULL;
     fy_node_free(node_remove(draw, "cull"));
-    bool good = !faces || add(draw, "cull", fy_node_copy(yaml, faces));
+    bool good = !faces || add_pair(draw, "cull", fy_node_copy(yaml, faces));
     good &= add_text(draw, "indirect",
                      arena_printf(arena, "%s.%s", c->name, whole ? "whole_draws" : "draws"));
     if (!whole)
@@ -101,7 +101,7 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
     struct fy_node *writes = node_remove(draw, "writes"), *item;
     struct fy_node *updates = fy_node_mapping_lookup_value_by_string(draw, "updates", FY_NT);
     if (!updates)
-        return good && (!writes || add(draw, "updates", writes)) ? draw : NULL;
+        return good && (!writes || add_pair(draw, "updates", writes)) ? draw : NULL;
     while (writes && fy_node_is_sequence(updates) &&
            (item = fy_node_sequence_get_by_index(writes, 0)))
         good &= !fy_node_sequence_append(updates, fy_node_sequence_remove(writes, item));
@@ -110,12 +110,13 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
 }
 
 /* Appends a document with these passes. */
-static struct scope *add_passes(struct use *use, struct fy_document *yaml, struct fy_node *first,
-                                struct fy_node *second)
+static struct scope *add_kept_passes(struct use *use, struct fy_document *yaml,
+                                     struct fy_node *first, struct fy_node *second)
 {
     struct fy_node *list = fy_node_create_sequence(yaml), *root = fy_node_create_mapping(yaml);
     bool good = first && list && root && !fy_node_sequence_append(list, first) &&
-                (!second || !fy_node_sequence_append(list, second)) && add(root, "passes", list);
+                (!second || !fy_node_sequence_append(list, second)) &&
+                add_pair(root, "passes", list);
     return add_instance(use, yaml, good ? root : NULL, use->item, NULL);
 }
 
@@ -125,7 +126,7 @@ static bool check_draw(const struct culled *c)
     struct reader *reader = c->reader;
     static const char *const excluded[] = {"indirect", "indices"};
     struct loc loc = node_loc(reader, c->node);
-    bool good = c->name && is_word(c, c->item, "draw", "scene");
+    bool good = c->name && value_is(c, c->item, "draw", "scene");
     if (!c->name)
         diag_error(reader->diag, node_loc(reader, c->item), "a pass needs the key `name`");
     else if (!good)
@@ -156,9 +157,10 @@ bool expand_cull(struct use *use)
         return true;
     struct fy_document *lists = fy_document_create(NULL), *whole = fy_document_create(NULL);
     struct scope *scope =
-        lists ? add_passes(use, lists, make_use(&c, lists), make_draw(&c, lists, false)) : NULL;
+        lists ? add_kept_passes(use, lists, make_use(&c, lists), make_draw(&c, lists, false))
+              : NULL;
     struct scope *rest =
-        scope && whole ? add_passes(use, whole, make_draw(&c, whole, true), NULL) : NULL;
+        scope && whole ? add_kept_passes(use, whole, make_draw(&c, whole, true), NULL) : NULL;
     if (rest)
         scope_hide(rest);
     return rest && scope_set(scope, node_scope(reader, use->item), "", "whole", "0", c.node) &&

@@ -23,19 +23,13 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node)
         node ? fy_node_get_meta(node) : NULL; /* read_cull.c made the node for it */
     if (of)
         return node_loc(reader, of);
-    struct loc loc = {.source = node_source(reader, node), .length = 1};
+    struct loc loc = yaml_loc(node_source(reader, node), node);
     const struct override *override = find_override(reader, node);
     if (override) {
         loc.source = override->source;
+        loc.column = override->column + (loc.line ? loc.column - 1 : 0);
         loc.line = 1;
-        loc.column = override->column;
     }
-    struct yaml_place place = yaml_node_place(node);
-    if (!place.line)
-        return loc;
-    loc.line = override ? 1 : place.line;
-    loc.column = place.column + (override ? override->column - 1 : 0);
-    loc.length = place.length;
     return loc;
 }
 
@@ -152,17 +146,11 @@ static bool is_last(const struct setting *setting)
     return *setting->path == '=';
 }
 
-static void ignore(void *user, struct yaml_place place, bool note, const char *text)
-{
-    (void)user, (void)place, (void)note, (void)text;
-}
-
 static struct fy_node *build_node(struct reader *reader, const struct setting *setting,
                                   struct fy_document *document, const char *text, int column,
                                   size_t length)
 {
-    const struct yaml_sink silent = {ignore, NULL};
-    bool sound = *text && yaml_check_text(text, length, &silent);
+    bool sound = *text && !yaml_wrong_byte(text, length);
     struct fy_node *node = sound ? fy_node_build_from_string(document, text, length) : NULL;
     if (!node) {
         diag_error(reader->diag, setting_loc(setting, column, length),
@@ -310,8 +298,8 @@ static size_t add_keys(struct reader *reader, struct fy_node *map, const char **
 
 /* Suggests names from the keys of the map, from those of its section in other files, and from the
  * fixed keys of its section. */
-static void report_unknown_key(struct reader *reader, const struct setting *setting,
-                               struct fy_node *map, enum section section)
+static void report_unknown_setting(struct reader *reader, const struct setting *setting,
+                                   struct fy_node *map, enum section section)
 {
     const char *names[MOST_NAMES + 64];
     size_t count = add_keys(reader, map, names, 0);
@@ -406,7 +394,7 @@ static void apply_in_map(struct reader *reader, struct setting *setting, struct 
     bool declares = key && !strcmp(key->name, "*") && section != SECTION_CONTRACTS;
     bool opens = key && key->type != KEY_LIST && key->child == SECTION_CONTRACTS;
     if (!key || (!pair && (declares || (!opens && !is_last(setting)))))
-        report_unknown_key(reader, setting, map, section);
+        report_unknown_setting(reader, setting, map, section);
     else if (!is_last(setting))
         apply_below(reader, setting, key,
                     pair ? fy_node_pair_value(pair) : add_value(reader, setting, map, "{}"));
@@ -437,7 +425,7 @@ static void apply_bare(struct reader *reader, struct setting *setting)
     else if (is_param)
         apply_in_map(reader, setting, params, SECTION_PARAMS);
     else
-        report_unknown_key(reader, setting, params, SECTION_PARAMS);
+        report_unknown_setting(reader, setting, params, SECTION_PARAMS);
 }
 
 /* The path goes on in the document that declares what its second segment names. */

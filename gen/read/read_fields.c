@@ -16,7 +16,7 @@ void *reader_alloc(struct reader *reader, size_t count, size_t size)
 
 /* ---- Values ---------------------------------------------------------------------------------- */
 
-static const char *describe(struct reader *reader, struct fy_node *node)
+static const char *describe_node(struct reader *reader, struct fy_node *node)
 {
     if (!node)
         return "nothing";
@@ -153,17 +153,13 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
         words[count++] = word;
     if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
         return false;
-    const char *nearest = nearest_name(text, words, count);
     struct text list = {0};
+    text_add(&list, count > 1 ? "; use one of" : "; use");
     for (size_t i = 0; i < count; i++)
-        text_add(&list, "%s%s", i ? ", " : "", words[i]);
-    const char *label = strcmp(key->name, "*") ? key->name : "value";
-    if (nearest)
-        diag_error(reader->diag, loc, "`%s` is not a valid %s; did you mean `%s`?", text, label,
-                   nearest);
-    else
-        diag_error(reader->diag, loc, "`%s` is not a valid %s; %s %s", text, label,
-                   count > 1 ? "use one of" : "use", list.data ? list.data : "");
+        text_add(&list, "%s %s", i ? "," : "", words[i]);
+    diag_error(reader->diag, loc, "`%s` is not a valid %s%s", text,
+               strcmp(key->name, "*") ? key->name : "value",
+               name_hint('`', text, words, count, list.data ? list.data : "").text);
     text_free(&list);
     return false;
 }
@@ -202,10 +198,10 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
         if (item)
             diag_error(reader->diag, node_loc(reader, item),
                        "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "",
-                       label, quote ? "`" : "", describe(reader, item));
+                       label, quote ? "`" : "", describe_node(reader, item));
         else
             diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
-                       quote ? "`" : "", table_type_text(key->type), describe(reader, node));
+                       quote ? "`" : "", table_type_text(key->type), describe_node(reader, node));
         return false;
     }
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
@@ -219,19 +215,17 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
     const char *names[MOST_KEYS];
     size_t count = 0;
     struct text list = {0};
+    text_add(&list, "; known are");
     for (size_t i = 0; i < table_key_count && count < MOST_KEYS; i++) {
         if (table_keys[i].section != section)
             continue;
-        text_add(&list, "%s%s", count ? ", " : "", table_keys[i].name);
+        text_add(&list, "%s %s", count ? "," : "", table_keys[i].name);
         names[count++] = table_keys[i].name;
     }
-    const char *nearest = nearest_name(name, names, count);
-    if (nearest)
-        diag_error(reader->diag, loc, "unknown key `%s` in %s; did you mean `%s`?", name,
-                   table_sections[section].title, nearest);
-    else
-        diag_error(reader->diag, loc, "unknown key `%s` in %s; known are %s", name,
-                   table_sections[section].title, list.data ? list.data : "none");
+    if (!count)
+        text_add(&list, " none");
+    diag_error(reader->diag, loc, "unknown key `%s` in %s%s", name, table_sections[section].title,
+               name_hint('`', name, names, count, list.data ? list.data : "").text);
     text_free(&list);
 }
 
@@ -241,7 +235,8 @@ static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct f
     const char *name = key_text(reader, name_node);
     struct loc loc = node_loc(reader, name_node);
     if (!name) {
-        diag_error(reader->diag, loc, "a key must be a word, not %s", describe(reader, name_node));
+        diag_error(reader->diag, loc, "a key must be a word, not %s",
+                   describe_node(reader, name_node));
         return;
     }
     const struct key *key = table_find(fields->section, name);
@@ -261,7 +256,7 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
         diag_error(reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
                    "%s must be a map, not %s", table_sections[section].title,
-                   describe(reader, node));
+                   describe_node(reader, node));
         return false;
     }
     void *iterator = NULL;
@@ -298,7 +293,7 @@ static void add_named(struct reader *reader, const struct key *entry, struct fy_
         if (!name || !(refers ? is_path(name) : is_identifier(name))) {
             diag_error(reader->diag, loc, "a name in %s must be letters, digits and `_`, not %s",
                        table_sections[entry->child].title,
-                       describe(reader, fy_node_pair_key(pair)));
+                       describe_node(reader, fy_node_pair_key(pair)));
             continue;
         }
         const struct key *child = table_find(entry->child, name);
@@ -351,6 +346,15 @@ struct loc field_loc(const struct reader *reader, const struct fields *fields, c
                 loc = node_loc(reader, fields->values[i].name);
         }
     return loc.line ? loc : fields->loc;
+}
+
+void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
+                 const char *const *keys)
+{
+    for (; *keys; keys++)
+        if (field_node(fields, *keys))
+            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what,
+                       *keys);
 }
 
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key)

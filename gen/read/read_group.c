@@ -49,7 +49,7 @@ const char *declared_name(struct reader *reader, struct fy_node *node, const cha
     return name ? full_name(node_scope(reader, node), name) : NULL;
 }
 
-static struct fy_node *value_of(struct fy_node *map, const char *key)
+static struct fy_node *map_value(struct fy_node *map, const char *key)
 {
     return fy_node_mapping_lookup_value_by_string(map, key, FY_NT);
 }
@@ -72,7 +72,7 @@ static bool list_declares(struct fy_node *passes, const char *word, size_t lengt
             if (text && own == length && !strncmp(text, word, length))
                 return true;
         }
-        if (list_declares(value_of(item, "passes"), word, length))
+        if (list_declares(map_value(item, "passes"), word, length))
             return true;
     }
     return false;
@@ -85,12 +85,12 @@ static bool declares(const struct scope *scope, const char *word, size_t length)
         return false;
     static const char *const sections[] = {"constants", "buffers", "images"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(sections); i++) {
-        struct fy_node *map = value_of(scope->root, sections[i]);
+        struct fy_node *map = map_value(scope->root, sections[i]);
         if (map && fy_node_get_type(map) == FYNT_MAPPING &&
             fy_node_mapping_lookup_pair_by_string(map, word, length))
             return true;
     }
-    return list_declares(value_of(scope->root, "passes"), word, length);
+    return list_declares(map_value(scope->root, "passes"), word, length);
 }
 
 static const struct binding *find_binding(const struct scope *scope, const char *word,
@@ -171,7 +171,7 @@ void each_word(struct reader *reader, struct fy_node *node,
                void (*visit)(void *user, const char *word, struct fy_node *at), void *user)
 {
     for (const struct scope *scope = node_scope(reader, node); scope; scope = scope->outer) {
-        struct fy_node *constants = scope->root ? value_of(scope->root, "constants") : NULL;
+        struct fy_node *constants = scope->root ? map_value(scope->root, "constants") : NULL;
         struct fy_node_pair *pair;
         void *iterator = NULL;
         for (uint32_t i = 0; i < scope->binding_count; i++)
@@ -203,7 +203,7 @@ static void fold_constants(struct pipeline *values, const struct pipeline *all, 
 }
 
 /* Parameters and constants of all documents so far. Errors are reported later, by read.c. */
-static bool read_values(struct reader *reader)
+static bool read_known_values(struct reader *reader)
 {
     struct model *model = reader->model;
     struct diag *diag = reader->diag;
@@ -244,11 +244,11 @@ static struct loc part_loc(const struct reader *reader, struct fy_node *node, si
 }
 
 /* False after an error at `loc`. */
-static bool evaluate(struct reader *reader, const struct scope *scope, const char *text,
-                     struct loc loc, int64_t *value)
+static bool evaluate_argument(struct reader *reader, const struct scope *scope, const char *text,
+                              struct loc loc, int64_t *value)
 {
     struct expr_names names = {scope ? find_text : NULL, scope};
-    if (!reader->values && !read_values(reader))
+    if (!reader->values && !read_known_values(reader))
         return false;
     struct expr *expr = expr_parse(reader->model, text, loc, &names, reader->diag);
     struct diag *silent = diag_create();
@@ -284,8 +284,8 @@ const char *filled_text(struct reader *reader, struct fy_node *node, const char 
             end ? arena_strndup(reader->model->arena, start + begin + 1, length) : NULL;
         if (!end)
             diag_error(reader->diag, part_loc(reader, node, begin, 1), "`{` without `}`");
-        if (!inner ||
-            !evaluate(reader, scope, inner, part_loc(reader, node, begin + 1, length), &value)) {
+        if (!inner || !evaluate_argument(reader, scope, inner,
+                                         part_loc(reader, node, begin + 1, length), &value)) {
             text_free(&out);
             reader->unfilled = true;
             return "_"; /* valid as a name and as an expression, so that no other error follows */
@@ -373,7 +373,7 @@ static struct fy_node *copy_repeated(struct fy_document *yaml, struct fy_node *i
     if (!copy)
         return NULL;
     fy_node_free(node_remove(copy, "repeat"));
-    if (value_of(copy, "passes"))
+    if (map_value(copy, "passes"))
         return copy;
     struct fy_node *root = fy_node_create_mapping(yaml), *list = fy_node_create_sequence(yaml),
                    *key = fy_node_create_scalar(yaml, "passes", FY_NT);
@@ -389,7 +389,7 @@ static bool read_span(struct reader *reader, struct fy_node *item, const char **
 {
     struct arena *arena = reader->model->arena;
     const struct scope *scope = node_scope(reader, item);
-    struct fy_node *node = value_of(item, "repeat");
+    struct fy_node *node = map_value(item, "repeat");
     struct loc loc = node_loc(reader, node);
     const char *text = node_text(reader, node);
     size_t length = text ? strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"
@@ -408,9 +408,9 @@ static bool read_span(struct reader *reader, struct fy_node *item, const char **
     const char *first = arena_strndup(arena, begin, (size_t)(end - begin));
     const char *last = dots + 2 + strspn(dots + 2, " ");
     struct loc first_loc = part_loc(reader, node, length + 4, (size_t)(end - begin));
-    if (!first || !evaluate(reader, scope, first, first_loc, &span[0]) ||
-        !evaluate(reader, scope, last, part_loc(reader, node, (size_t)(last - text), strlen(last)),
-                  &span[1]))
+    if (!first || !evaluate_argument(reader, scope, first, first_loc, &span[0]) ||
+        !evaluate_argument(reader, scope, last,
+                           part_loc(reader, node, (size_t)(last - text), strlen(last)), &span[1]))
         return false;
     if (span[0] >= 0 && span[0] <= INT32_MAX)
         return true;
@@ -427,10 +427,10 @@ static bool expand_repeat(struct use *use)
     const char *name = NULL;
     int64_t span[2];
     struct loc loc = node_loc(reader, use->item);
-    if (value_of(use->item, "passes") &&
+    if (map_value(use->item, "passes") &&
         !fields_read(reader, use->item, SECTION_REPEAT, loc, &use->fields))
         return true;
-    if (!value_of(use->item, "passes") && fy_node_mapping_item_count(use->item) == 1)
+    if (!map_value(use->item, "passes") && fy_node_mapping_item_count(use->item) == 1)
         diag_error(reader->diag, loc, "a repeat needs the key `passes`");
     if (!read_span(reader, use->item, &name, span))
         return true;
@@ -443,7 +443,7 @@ static bool expand_repeat(struct use *use)
                          arena_printf(arena, "here with %s = %lld", name, (long long)k));
         const char *suffix = arena_printf(arena, ".%lld", (long long)k);
         if (!scope || !suffix ||
-            !scope_set(scope, outer, suffix, name, suffix + 1, value_of(use->item, "repeat")))
+            !scope_set(scope, outer, suffix, name, suffix + 1, map_value(use->item, "repeat")))
             return false;
     }
     return true;
@@ -460,22 +460,20 @@ static struct fy_node *find_group(struct use *use)
     if (!name)
         return NULL;
     do {
-        struct fy_node *groups = value_of(fy_document_root(at->yaml), "groups");
+        struct fy_node *groups = map_value(fy_document_root(at->yaml), "groups");
         struct fy_node_pair *pair;
         void *iterator = NULL;
         if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
             continue;
-        struct fy_node *group = value_of(groups, name);
+        struct fy_node *group = map_value(groups, name);
         if (group)
             return group;
         while (count < DT_ARRAY_COUNT(names) && (pair = fy_node_mapping_iterate(groups, &iterator)))
             if (key_text(reader, fy_node_pair_key(pair)))
                 names[count++] = key_text(reader, fy_node_pair_key(pair));
     } while ((at = at->next));
-    const char *nearest = nearest_name(name, names, count);
-    diag_error(reader->diag, field_loc(reader, &use->fields, "group"),
-               nearest ? "unknown group `%s`; did you mean `%s`?" : "unknown group `%s`", name,
-               nearest);
+    diag_error(reader->diag, field_loc(reader, &use->fields, "group"), "unknown group `%s`%s", name,
+               name_hint('`', name, names, count, "").text);
     return NULL;
 }
 
@@ -495,11 +493,9 @@ static void report_unknown_arguments(struct use *use, const struct scope *scope,
         const char *name = key_text(reader, fy_node_pair_key(pair));
         if (!name || find_binding(scope, name, strlen(name)))
             continue;
-        const char *nearest = nearest_name(name, names, count);
         diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
-                   nearest ? "the group has no argument `%s`; did you mean `%s`?"
-                           : "the group has no argument `%s`",
-                   name, nearest);
+                   "the group has no argument `%s`%s", name,
+                   name_hint('`', name, names, count, "").text);
     }
 }
 
@@ -586,22 +582,33 @@ static bool expand_group(struct use *use)
     return scope->prefix;
 }
 
+int group_exactness(struct reader *reader, struct fy_node *node)
+{
+    for (const struct scope *at = node_scope(reader, node); at; at = at->outer) {
+        struct fy_node *value = at->root ? map_value(at->root, "exactness") : NULL;
+        const char *text = value ? node_text(reader, value) : NULL;
+        if (text)
+            return table_choice(table_find(SECTION_GROUP, "exactness")->choices, text);
+    }
+    return -1;
+}
+
 bool is_use(struct fy_node *item)
 {
     return fy_node_get_type(item) == FYNT_MAPPING &&
-           (value_of(item, "repeat") || value_of(item, "group") || is_culled(item));
+           (map_value(item, "repeat") || map_value(item, "group") || is_culled(item));
 }
 
 bool has_own_name(struct fy_node *item)
 {
     return !is_use(item) ||
-           (is_culled(item) && !value_of(item, "repeat") && !value_of(item, "group"));
+           (is_culled(item) && !map_value(item, "repeat") && !map_value(item, "group"));
 }
 
 /* Errors in an unused group go unnoticed. Those of included files may be meant for other specs. */
 static void warn_of_unused_groups(struct reader *reader)
 {
-    struct fy_node *groups = value_of(fy_document_root(reader->spec.yaml), "groups");
+    struct fy_node *groups = map_value(fy_document_root(reader->spec.yaml), "groups");
     struct fy_node_pair *pair;
     void *iterator = NULL;
     if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
@@ -621,15 +628,15 @@ bool documents_expand(struct reader *reader)
     unsigned errors = diag_error_count(reader->diag);
     struct document *at = &reader->spec;
     do {
-        struct fy_node *passes = value_of(fy_document_root(at->yaml), "passes"), *item;
+        struct fy_node *passes = map_value(fy_document_root(at->yaml), "passes"), *item;
         void *iterator = NULL;
         if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
             continue;
         while ((item = fy_node_sequence_iterate(passes, &iterator))) {
             struct use use = {.reader = reader, .from = at, .item = item};
-            if (is_use(item) && !(value_of(item, "repeat")  ? expand_repeat(&use)
-                                  : value_of(item, "group") ? expand_group(&use)
-                                                            : expand_cull(&use)))
+            if (is_use(item) && !(map_value(item, "repeat")  ? expand_repeat(&use)
+                                  : map_value(item, "group") ? expand_group(&use)
+                                                             : expand_cull(&use)))
                 return false;
             if (at->scope && is_include(item))
                 diag_error(reader->diag, node_loc(reader, item),

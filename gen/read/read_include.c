@@ -59,32 +59,15 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
 
 /* ---- Parsing --------------------------------------------------------------------------------- */
 
-struct parsing {
-    struct reader *reader;
-    const struct source *source;
-};
-
-static void report(void *user, struct yaml_place place, bool note, const char *text)
-{
-    const struct parsing *parsing = user;
-    struct loc loc = {parsing->source, place.line, place.column, place.length};
-    if (note)
-        diag_note(parsing->reader->diag, loc, "%s", text);
-    else
-        diag_error(parsing->reader->diag, loc, "%s", text);
-}
-
 static bool read_includes(struct reader *reader, struct document *document);
 
 /* Parses a file and the files that it includes; false: a file cannot be used, which is reported. */
 static bool read_source(struct reader *reader, const struct source *source, struct document *parent,
                         struct fy_node *entry)
 {
-    struct parsing parsing = {reader, source};
-    const struct yaml_sink sink = {report, &parsing};
     struct document *document = parent ? reader_alloc(reader, 1, sizeof *document) : &reader->spec;
     struct document *last = &reader->spec;
-    struct fy_document *yaml = document ? yaml_parse(source->text, source->length, &sink) : NULL;
+    struct fy_document *yaml = document ? yaml_parse(source, reader->diag) : NULL;
     struct fy_node *root = yaml ? fy_document_root(yaml) : NULL;
     if (!root || fy_node_get_type(root) != FYNT_MAPPING) {
         if (!yaml)
@@ -212,7 +195,7 @@ bool documents_add(struct reader *reader, const char *name, struct loc loc)
 /* ---- Sections -------------------------------------------------------------------------------- */
 
 /* Keys that say something of the pipeline as a whole. */
-static void refuse_keys(struct reader *reader, const struct document *document)
+static void refuse_spec_keys(struct reader *reader, const struct document *document)
 {
     static const char *const keys[] = {"pipeline", "exactness", "target"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
@@ -231,7 +214,7 @@ const struct fields *documents_fields(struct reader *reader)
         at->fields.next = at->next ? &at->next->fields : NULL;
         has_passes |= field_given(&at->fields, "passes");
         if (at != spec && !at->scope)
-            refuse_keys(reader, at);
+            refuse_spec_keys(reader, at);
     } while ((at = at->next));
     if (!field_given(&spec->fields, "pipeline"))
         diag_error(reader->diag, spec->fields.loc, "the spec needs the key `pipeline`");
@@ -240,19 +223,19 @@ const struct fields *documents_fields(struct reader *reader)
     return &spec->fields;
 }
 
-static void add_passes(const struct reader *reader, const struct document *document,
-                       struct fy_node **items, uint32_t *count)
+static void add_document_passes(const struct reader *reader, const struct document *document,
+                                struct fy_node **items, uint32_t *count)
 {
     struct fy_node *list = field_node(&document->fields, "passes"), *item;
     void *iterator = NULL;
     for (const struct document *at = document->next; at; at = at->next)
         if (at->parent == document && !at->entry)
-            add_passes(reader, at, items, count);
+            add_document_passes(reader, at, items, count);
     while (list && (item = fy_node_sequence_iterate(list, &iterator))) {
         bool stands = !is_include(item) && !is_use(item);
         for (const struct document *at = document->next; !stands && at; at = at->next)
             if (at->entry == item)
-                add_passes(reader, at, items, count);
+                add_document_passes(reader, at, items, count);
         if (stands && items)
             items[*count] = item;
         *count += stands;
@@ -263,11 +246,11 @@ struct fy_node **documents_passes(struct reader *reader, uint32_t *count)
 {
     struct fy_node **items;
     *count = 0;
-    add_passes(reader, &reader->spec, NULL, count);
+    add_document_passes(reader, &reader->spec, NULL, count);
     items = reader_alloc(reader, *count, sizeof *items);
     *count = 0;
     if (items)
-        add_passes(reader, &reader->spec, items, count);
+        add_document_passes(reader, &reader->spec, items, count);
     return items;
 }
 

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "model/sanitize_kinds.h"
 
 /* ---- Lists ----------------------------------------------------------------------------------- */
 
@@ -100,6 +101,8 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     }
     access->sampler = field_reference(reader, &fields, "sampler");
     access->sampler_loc = field_loc(reader, &fields, "sampler");
+    double previous = field_number(reader, &fields, "previous", 0);
+    access->previous = previous < UINT16_MAX ? (uint32_t)previous : UINT16_MAX;
     access->mip = field_expr(reader, &fields, "mip");
     access->layer = field_expr(reader, &fields, "layer");
     access->own_blend = field_given(&fields, "blend");
@@ -122,8 +125,8 @@ static void read_accesses(struct reader *reader, const struct fields *fields, st
     int total = 0;
     for (int k = 0; k < 3; k++)
         total += list_count(field_node(fields, keys[k]));
-    pass->accesses = reader_alloc(reader, (size_t)total + 1, /* one more: sanitize.c */
-                                  sizeof *pass->accesses);
+    pass->accesses =
+        reader_alloc(reader, (size_t)total + SANITIZE_ACCESSES, sizeof *pass->accesses);
     for (int k = 0; pass->accesses && k < 3; k++) {
         struct fy_node *list = field_node(fields, keys[k]);
         for (int i = 0; i < list_count(list); i++)
@@ -217,6 +220,28 @@ static void read_defines(struct reader *reader, const struct fields *fields, str
         each_word(reader, words.node, add_word, &words);
 }
 
+/* Values must say their type, since the functions that give them have one. */
+uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
+                            struct value **values)
+{
+    uint32_t count = 0;
+    struct named_list list = fields_named(reader, fields, "values");
+    *values = list.count ? reader_alloc(reader, list.count, sizeof **values) : NULL;
+    for (uint32_t i = 0; *values && i < list.count; i++) {
+        const char *text = argument_text(reader, list.items[i].value, NULL);
+        struct loc loc = node_loc(reader, list.items[i].value);
+        size_t length = text ? strcspn(text, "(") : 0;
+        if (!length || text[length] != '(' || strspn(text, " ") || text[strlen(text) - 1] != ')')
+            diag_error(reader->diag, loc,
+                       "a value is a GLSL expression that begins with its type, such as "
+                       "`vec2(frame.width, frame.height)`");
+        else
+            (*values)[count++] =
+                (struct value){.name = list.items[i].name, .text = text, .loc = loc};
+    }
+    return count;
+}
+
 /* ---- The kind and the size ------------------------------------------------------------------- */
 
 static bool names_image(const struct pipeline *pipeline, const char *text)
@@ -272,16 +297,6 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
     pass->local[2] = 1;
     if (node)
         read_exprs(reader, node, pass->local_size);
-}
-
-/* Reports keys that this kind of pass does not have. */
-static void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
-                        const char *const *keys)
-{
-    for (; *keys; keys++)
-        if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what,
-                       *keys);
 }
 
 static void refuse_others(struct reader *reader, const struct fields *fields,
@@ -467,6 +482,37 @@ static void read_files(struct reader *reader, const struct fields *fields, struc
     pass->shader = argument_text(reader, first, &pass->shader_loc);
 }
 
+static void read_allows(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    struct fields inner;
+    struct fy_node *node = field_node(fields, "allow");
+    if (!node ||
+        !fields_read(reader, node, SECTION_ALLOW, field_loc(reader, fields, "allow"), &inner))
+        return;
+    pass->allows = reader_alloc(reader, inner.count, sizeof *pass->allows);
+    for (unsigned kind = 1; pass->allows && kind < SANITIZE_ALL; kind <<= 1) {
+        const char *name = sanitize_kind_name(kind);
+        if (field_text(reader, &inner, name)) /* the reason is for readers */
+            pass->allows[pass->allow_count++] =
+                (struct allow){kind, field_loc(reader, &inner, name)};
+    }
+}
+
+/* Its own, else that of its group. */
+static void read_exactness(struct reader *reader, const struct fields *fields, struct pass *pass)
+{
+    const struct model *model = reader->model;
+    const enum exactness spec = model->pipeline.exactness;
+    int own = field_choice(reader, fields, "exactness", -1);
+    if (own < 0)
+        own = group_exactness(reader, field_node(fields, "name"));
+    enum exactness exactness = own < 0 ? spec : (enum exactness)own;
+    if (own == EXACTNESS_BOUNDED)
+        exactness = spec == EXACTNESS_EXACT ? EXACTNESS_EXACT : EXACTNESS_FAST;
+    pass->bounded = own > EXACTNESS_EXACT && exactness == EXACTNESS_FAST && spec != EXACTNESS_FAST;
+    pass->fast = exactness == EXACTNESS_FAST && !model->exact_twin;
+}
+
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     *pass = (struct pass){
@@ -477,6 +523,7 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     if (!pass->name)
         pass->name = "?";
     pass->doc = field_text(reader, fields, "doc");
+    read_exactness(reader, fields, pass);
     read_files(reader, fields, pass);
     pass->interleave_name = field_reference(reader, fields, "interleave");
     pass->interleave_loc = field_loc(reader, fields, "interleave");
@@ -493,6 +540,8 @@ static void read_pass(struct reader *reader, const struct fields *fields, struct
     read_kind(reader, fields, pass);
     read_ranges(reader, fields, pass);
     read_defines(reader, fields, pass);
+    read_allows(reader, fields, pass);
+    pass->value_count = read_shader_values(reader, fields, &pass->values);
     read_draw_state(reader, fields, pass);
 }
 

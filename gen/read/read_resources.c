@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "model/sanitize_kinds.h"
 
 /* ---- Structs --------------------------------------------------------------------------------- */
 
@@ -31,12 +32,10 @@ static void set_type(struct reader *reader, struct field *field, const char *tex
         static const char *const words[] = {"float", "vec2",  "vec3",  "vec4", "int",
                                             "ivec2", "ivec3", "ivec4", "uint", "uvec2",
                                             "uvec3", "uvec4", "mat4"};
-        const char *nearest = nearest_name(word, words, sizeof words / sizeof *words);
-        diag_error(reader->diag, loc,
-                   nearest
-                       ? "unknown type `%s`; did you mean `%s`?"
-                       : "unknown type `%s`; a field is float, int, uint, a vector of them or mat4",
-                   word, nearest);
+        diag_error(reader->diag, loc, "unknown type `%s`%s", word,
+                   name_hint('`', word, words, DT_ARRAY_COUNT(words),
+                             "; a field is float, int, uint, a vector of them or mat4")
+                       .text);
     } else {
         field->type = (enum dt_type)type;
     }
@@ -89,7 +88,8 @@ void read_structs(struct reader *reader, const struct fields *top)
 
 /* ---- Buffers and images ---------------------------------------------------------------------- */
 
-static void read_buffer(struct reader *reader, const struct named *named, struct resource *buffer)
+static void read_buffer_keys(struct reader *reader, const struct named *named,
+                             struct resource *buffer)
 {
     struct fields fields;
     *buffer =
@@ -146,7 +146,8 @@ static void read_shape(struct reader *reader, const struct fields *fields, struc
     }
 }
 
-static void read_image(struct reader *reader, const struct named *named, struct resource *image)
+static void read_image_keys(struct reader *reader, const struct named *named,
+                            struct resource *image)
 {
     struct fields fields;
     *image =
@@ -167,6 +168,7 @@ static void read_image(struct reader *reader, const struct named *named, struct 
     }
     read_shape(reader, &fields, size, image);
     image->mips = field_expr(reader, &fields, "mips");
+    image->filter_mips = field_bool(reader, &fields, "filter_mips", false);
     image->history = field_bool(reader, &fields, "history", false);
     image->srgb = field_choice(reader, &fields, "encoding", 0) == 1;
     image->encoding_is_given = field_given(&fields, "encoding");
@@ -182,30 +184,20 @@ void read_resources(struct reader *reader, const struct fields *top)
     struct pipeline *pipeline = &reader->model->pipeline;
     struct named_list buffers = fields_named(reader, top, "buffers"),
                       images = fields_named(reader, top, "images");
-    pipeline->resources =
-        reader_alloc(reader, buffers.count + images.count + 1, /* one more: sanitize.c */
-                     sizeof *pipeline->resources);
+    pipeline->resources = reader_alloc(reader, buffers.count + images.count + SANITIZE_RESOURCES,
+                                       sizeof *pipeline->resources);
     if (!pipeline->resources)
         return;
     for (uint32_t i = 0; i < buffers.count; i++)
-        read_buffer(reader, &buffers.items[i], &pipeline->resources[pipeline->resource_count++]);
+        read_buffer_keys(reader, &buffers.items[i],
+                         &pipeline->resources[pipeline->resource_count++]);
     for (uint32_t i = 0; i < images.count; i++)
-        read_image(reader, &images.items[i], &pipeline->resources[pipeline->resource_count++]);
+        read_image_keys(reader, &images.items[i], &pipeline->resources[pipeline->resource_count++]);
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
         pipeline->resources[i].index = i;
 }
 
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
-
-/* Reports keys of the other kind of sampler. */
-static void refuse_keys(struct reader *reader, const struct fields *fields, const char *kind,
-                        const char *const *keys)
-{
-    for (; *keys; keys++)
-        if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys),
-                       "a sampler of kind %s has no `%s`", kind, *keys);
-}
 
 static void read_sampler(struct reader *reader, const struct named *named, struct sampler *sampler)
 {
@@ -221,7 +213,7 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
     if (!field_node(&fields, "kind"))
         return;
     if (sampler->kind == SAMPLER_HAMMERSLEY) {
-        refuse_keys(reader, &fields, "hammersley", filters);
+        refuse_keys(reader, &fields, "a sampler of kind hammersley", filters);
         sampler->count = field_expr(reader, &fields, "count");
         sampler->map = (enum sampler_map)field_choice(reader, &fields, "map", MAP_SQUARE);
         if (!field_node(&fields, "count"))
@@ -229,7 +221,7 @@ static void read_sampler(struct reader *reader, const struct named *named, struc
                        "a sampler of kind hammersley needs the key `count`");
         return;
     }
-    refuse_keys(reader, &fields, "filter", points);
+    refuse_keys(reader, &fields, "a sampler of kind filter", points);
     sampler->linear = field_choice(reader, &fields, "filter", 0) == 1;
     sampler->linear_mip = field_choice(reader, &fields, "mip_filter", 0) == 1;
     sampler->wrap = (enum dt_wrap)field_choice(reader, &fields, "wrap", DT_WRAP_CLAMP);
@@ -324,6 +316,15 @@ static double read_tolerance(struct reader *reader, const struct fields *fields,
     return tolerance;
 }
 
+static void read_outliers(struct reader *reader, const struct fields *fields,
+                          struct dt_contract *contract)
+{
+    contract->outliers = field_amount(reader, fields, "outliers", 0);
+    if (contract->outliers < 0 || contract->outliers > 1)
+        diag_error(reader->diag, field_loc(reader, fields, "outliers"),
+                   "a share is 0 to 1, or 0%% to 100%%");
+}
+
 static void read_image_contract(struct reader *reader, struct fy_node *node, struct loc loc,
                                 struct dt_contract *contract)
 {
@@ -331,15 +332,13 @@ static void read_image_contract(struct reader *reader, struct fy_node *node, str
     if (!fields_read(reader, node, SECTION_IMAGE_CONTRACT, loc, &fields))
         return;
     contract->tolerance = read_tolerance(reader, &fields, "max");
-    contract->outliers = field_amount(reader, &fields, "outliers", 0);
-    if (contract->outliers < 0 || contract->outliers > 1)
-        diag_error(reader->diag, field_loc(reader, &fields, "outliers"),
-                   "a share is 0 to 1, or 0%% to 100%%");
+    read_outliers(reader, &fields, contract);
 }
 
 static struct contract read_contract(struct reader *reader, const struct named *named)
 {
-    static const char *const kinds[] = {"ulp", "abs", "rel", "image", "flips", "raster"};
+    static const char *const kinds[] = {"ulp",   "abs",    "rel",     "image",
+                                        "flips", "raster", "of_exact"};
     struct contract contract = {.allowed = {.margin_field = -1}, .loc = named->loc};
     struct dt_contract *allowed = &contract.allowed;
     struct fields fields;
@@ -360,13 +359,19 @@ static struct contract read_contract(struct reader *reader, const struct named *
         if (allowed->kind == DT_CONTRACT_RASTER && allowed->tolerance > 1)
             diag_error(reader->diag, contract.loc, "a share is 0 to 1, or 0%% to 100%%");
     }
+    if (allowed->kind == DT_CONTRACT_OF_EXACT)
+        read_outliers(reader, &fields, allowed);
+    else if (field_node(&fields, "outliers"))
+        diag_error(reader->diag, field_loc(reader, &fields, "outliers"),
+                   "`outliers` is only allowed beside `of_exact`, and in `image`");
     contract.margin = field_text(reader, &fields, "margin");
     contract.margin_loc = field_loc(reader, &fields, "margin");
     if (contract.margin && !field_node(&fields, "flips"))
         diag_error(reader->diag, contract.margin_loc, "`margin` is only allowed beside `flips`");
-    if (found != 1 && fields.count == found + !!contract.margin)
+    if (found != 1 && fields.count == found + !!contract.margin + !!field_node(&fields, "outliers"))
         diag_error(reader->diag, named->loc,
-                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`, `raster`");
+                   "a contract has exactly one of `ulp`, `abs`, `rel`, `image`, `flips`, `raster`, "
+                   "`of_exact`");
     return contract;
 }
 
@@ -378,18 +383,14 @@ static struct resource *find_resource(struct pipeline *pipeline, const char *nam
     return NULL;
 }
 
-static void report_unknown(struct reader *reader, const struct named *named)
+static void report_unknown_resource(struct reader *reader, const struct named *named)
 {
     const struct pipeline *pipeline = &reader->model->pipeline;
     const char **names = reader_alloc(reader, pipeline->resource_count, sizeof *names);
     for (uint32_t i = 0; names && i < pipeline->resource_count; i++)
         names[i] = pipeline->resources[i].name;
-    const char *nearest = names ? nearest_name(named->name, names, pipeline->resource_count) : NULL;
-    if (nearest)
-        diag_error(reader->diag, named->loc, "no buffer or image `%s`; did you mean `%s`?",
-                   named->name, nearest);
-    else
-        diag_error(reader->diag, named->loc, "no buffer or image `%s`", named->name);
+    diag_error(reader->diag, named->loc, "no buffer or image `%s`%s", named->name,
+               name_hint('`', named->name, names, pipeline->resource_count, "").text);
 }
 
 /* Included files may have a contract for the same name. */
@@ -414,7 +415,8 @@ void read_contracts(struct reader *reader, const struct fields *top)
         if (strcmp(list.items[i].name, "default"))
             continue;
         struct contract contract = read_contract(reader, &list.items[i]);
-        if (contract.allowed.kind >= DT_CONTRACT_IMAGE) {
+        if (contract.allowed.kind >= DT_CONTRACT_IMAGE &&
+            contract.allowed.kind <= DT_CONTRACT_RASTER) {
             diag_error(reader->diag, contract.loc,
                        "`default` cannot have `%s`; set it for single resources",
                        contract.allowed.kind == DT_CONTRACT_IMAGE   ? "image"
@@ -432,6 +434,6 @@ void read_contracts(struct reader *reader, const struct fields *top)
         if (resource)
             resource->contract = read_contract(reader, &list.items[i]);
         else
-            report_unknown(reader, &list.items[i]);
+            report_unknown_resource(reader, &list.items[i]);
     }
 }

@@ -115,6 +115,8 @@ struct use {
     struct fy_node *item;
     struct fields fields;
 };
+/* The `exactness` of the innermost group that a node stands in, as enum exactness; -1: none says. */
+int group_exactness(struct reader *reader, struct fy_node *node);
 const struct scope *node_scope(const struct reader *reader, struct fy_node *node); /* or NULL */
 /* Appends an instance of `of`, which owns `yaml` and its root. label: for notes at the use; NULL:
  * none. NULL: out of memory. */
@@ -150,6 +152,9 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
 struct fy_node *field_node(const struct fields *fields, const char *key);
 bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
+/* Reports those of the keys, up to NULL, that are given: `what` has none of them. */
+void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
+                 const char *const *keys);
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
 /* Of a resource, pass or file; an argument stands for its value. */
 const char *field_reference(struct reader *reader, const struct fields *fields, const char *key);
@@ -179,6 +184,9 @@ void read_contracts(struct reader *reader, const struct fields *top);
  * and sets the resource's size from its header. */
 void read_content(struct reader *reader, const struct fields *fields, struct resource *resource);
 /* read_passes.c */
+uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
+                            struct value **values);
+void read_copies(struct reader *reader); /* read_copies.c */
 void read_passes(struct reader *reader, const struct fields *top);
 
 #endif

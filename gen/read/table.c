@@ -209,8 +209,20 @@ const struct section_info table_sections[SECTION_COUNT] = {
                          "parameter or a constant; what shall change without compiling is a "
                          "parameter with `uniform` or `live`.",
                          "{TAPS: 2 * radius + 1}"},
+    [SECTION_ALLOW] = {"`allow`", "passes[].allow", "allow",
+                       "Kinds of `--sanitize` that the pass means, each with the reason.",
+                       "{arithmetic: \"log(0) is -infinity, which max() drops\"}"},
     [SECTION_RANGE] = {"a range", "passes[].ranges.NAME", "range", "One range.",
                        "{of: vpls, count: 32, first: \"0\"}"},
+    [SECTION_VALUES] =
+        {"`values`", "values", "values",
+         "What a whole shader, one with `#version` or of SPIR-V, finds in its uniforms, in the "
+         "members of its uniform blocks and push constants, and in its inputs: vertex attributes, "
+         "and in a fullscreen draw without vertex part the fragment's inputs. A value is a GLSL "
+         "expression that begins with its type, over parameters, constants, `frame` and built-in "
+         "inputs of the stage. A name without a value has that of the parameter of its name. "
+         "Those of a pass go before those of the spec.",
+         "{size: \"vec2(frame.width, frame.height)\", count: \"uint(frame.index)\"}"},
     [SECTION_ASSERT] =
         {"an assertion", "asserts[]", "assert",
          "A condition that must hold for the values in force; frame sizes count as 1920 x 1080, "
@@ -226,7 +238,8 @@ const struct section_info table_sections[SECTION_COUNT] = {
          "default: exact"},
     [SECTION_CONTRACT] = {"a contract", "contracts.NAME", "contract",
                           "A tolerance: exactly one of the keys, but for `margin`, which stands "
-                          "beside `flips`. Tolerances are numbers, fractions or percentages.",
+                          "beside `flips`, and `outliers`, which stands beside `of_exact`. "
+                          "Tolerances are numbers, fractions or percentages.",
                           "{ulp: 4}"},
     [SECTION_IMAGE_CONTRACT] =
         {"the contract `image`", "contracts.NAME.image", "image_contract",
@@ -248,16 +261,23 @@ const struct key table_keys[] = {
     {SECTION_TOP, "include", KEY_FILES, SECTION_NONE, NULL, OPTIONAL, "none",
      "Files with sections of this spec. Each is read once; its passes come first.",
      "[shared/gbuffer.yaml]"},
-    {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|fast", OPTIONAL, "exact",
-     "`exact`: the same bits from both backends; `fast`: the shader compiler is left free, and "
+    {SECTION_TOP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|bounded|fast", OPTIONAL, "exact",
+     "`exact`: the same bits from both backends, but for passes with `exactness: fast`; `bounded`: "
+     "also but for those with "
+     "`bounded`; `fast`: in all passes that do not say `exact`, the shader compiler is left free, "
+     "and "
      "dispatches may use subgroup operations, if the device has them (OpenGL: "
      "GL_KHR_shader_subgroup). In which order these reduce is the device's.",
      "exact"},
     {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "software|gpu", OPTIONAL, "software",
      "The kind of device that storage classes and loop shapes are chosen for. `software` reads the "
      "scene's vertices and indices from texel buffers, whose size some devices limit to 65,536 "
-     "elements.",
+     "elements: there the application takes `gpu`, which has the same bits.",
      "gpu"},
+    {SECTION_TOP, "origin", KEY_CHOICE, SECTION_NONE, "bottom|top", OPTIONAL, "bottom",
+     "Which row of a picture is row 0 of an image: of files and inputs, and of pictures that are "
+     "written. Nothing else depends on it: row 0 is at NDC y = -1.",
+     "top"},
     {SECTION_TOP, "params", KEY_MAP, SECTION_PARAMS, NULL, OPTIONAL, NULL, "Parameters.",
      "{clusters: 8}"},
     {SECTION_TOP, "constants", KEY_MAP, SECTION_CONSTANTS, NULL, OPTIONAL, NULL,
@@ -277,6 +297,9 @@ const struct key table_keys[] = {
     {SECTION_TOP, "passes", KEY_LIST, SECTION_PASS, NULL, OPTIONAL, "**required** in a spec",
      "The passes. An element `{include: FILE}` stands for the passes of a file.",
      "[{name: fill, dispatch: picture, writes: [picture], shader: fill.glsl}]"},
+    {SECTION_TOP, "values", KEY_MAP, SECTION_VALUES, NULL, OPTIONAL, "none",
+     "Values of the uniforms and inputs of whole shaders, by name.",
+     "{count: \"uint(frame.index)\"}"},
     {SECTION_TOP, "groups", KEY_MAP, SECTION_GROUPS, NULL, OPTIONAL, NULL,
      "Passes and resources to use several times.", "{maps: {args: [points], passes: []}}"},
     {SECTION_TOP, "asserts", KEY_LIST, SECTION_ASSERT, NULL, OPTIONAL, NULL,
@@ -381,6 +404,11 @@ const struct key table_keys[] = {
      "true"},
     {SECTION_IMAGE, "mips", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "1",
      "Mip levels; does not depend on the frame.", "4"},
+    {SECTION_IMAGE, "filter_mips", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
+     "true: when mip 0 is written, passes NAME.mip_1 and so on fill the other mips, each by means "
+     "of "
+     "the one above it.",
+     "true"},
     {SECTION_IMAGE, "history", KEY_BOOL, SECTION_NONE, NULL, OPTIONAL, "false",
      "true: keeps last frame's content; zero before the first.", "true"},
     {SECTION_IMAGE, "file", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, "no file",
@@ -495,6 +523,8 @@ const struct key table_keys[] = {
     {SECTION_GROUP, "passes", KEY_LIST, SECTION_PASS, NULL, REQUIRED, NULL,
      "Passes, repeats and uses of other groups.",
      "[{name: fill, dispatch: count, writes: [views], shader: fill.glsl}]"},
+    {SECTION_GROUP, "exactness", KEY_CHOICE, SECTION_NONE, "exact|bounded|fast", OPTIONAL,
+     "that of the spec", "Of its passes that do not say.", "bounded"},
     {SECTION_USE, "group", KEY_NAME, SECTION_NONE, NULL, REQUIRED, NULL, "The group.", "maps"},
     {SECTION_USE, "as", KEY_NAME, SECTION_NONE, NULL, OPTIONAL, "the group's name",
      "The name of the instance.", "second"},
@@ -561,8 +591,20 @@ const struct key table_keys[] = {
     {SECTION_PASS, "uses", KEY_NAMES, SECTION_NONE, NULL, OPTIONAL, "none",
      "Point sets, metrics and interleaves that the body calls.", "[vpl_distance]"},
     {SECTION_PASS, "shader", KEY_BODY, SECTION_NONE, NULL, REQUIRED, NULL,
-     "GLSL file of the body, beside the spec or below the templates; or two that make one body.",
+     "GLSL file of the body, beside the spec or below the templates; or two that make one body. A "
+     "file with `#version` is a whole shader and keeps its own declarations, one of SPIR-V (.spv) "
+     "is, too; of two, the first is the vertex part.",
      "shade.glsl"},
+    {SECTION_PASS, "exactness", KEY_CHOICE, SECTION_NONE, "exact|bounded|fast", OPTIONAL,
+     "that of its group, else of the spec",
+     "`exact`: the same bits on every device, also if the spec is `fast`. `fast`: the shader "
+     "compiler is left "
+     "free. `bounded`: the same, unless the spec is `exact`: for what colours, not for what "
+     "decides. "
+     "`compare` judges a pass that its own `exactness` or its group's leaves free against its "
+     "exact twin: see the contract "
+     "`of_exact`.",
+     "bounded"},
     {SECTION_PASS, "when", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "always",
      "The pass runs when this is not 0; may use live parameters. Skipped, it clears what it "
      "writes.",
@@ -573,6 +615,13 @@ const struct key table_keys[] = {
      "Runs of buffers that a workgroup reads alike.", "{lights: {of: vpls, count: 32}}"},
     {SECTION_PASS, "defines", KEY_MAP, SECTION_DEFINES, NULL, OPTIONAL, "none",
      "Macros of the body, by name.", "{TAPS: 2 * radius + 1}"},
+    {SECTION_PASS, "allow", KEY_MAP, SECTION_ALLOW, NULL, OPTIONAL, "none",
+     "Undefined behaviour that the body means, with the reason: `--sanitize` does not tell it, and "
+     "warns when it finds none.",
+     "{arithmetic: \"log(0) is -infinity, which max() drops\"}"},
+    {SECTION_PASS, "values", KEY_MAP, SECTION_VALUES, NULL, OPTIONAL, "none",
+     "Values of the uniforms and inputs of its whole shader, by name.",
+     "{size: \"vec2(frame.width, frame.height)\"}"},
     {SECTION_PASS, "cull", KEY_CHOICE, SECTION_CULL, "none|back|front", OPTIONAL, "none",
      "draw: faces that are dropped, or which triangles of the scene are kept.", "back"},
     {SECTION_PASS, "depth", KEY_CHOICE, SECTION_NONE, "off|less|less_equal|greater|always",
@@ -616,6 +665,10 @@ const struct key table_keys[] = {
      "points"},
     {SECTION_ACCESS, "sampler", KEY_REFERENCE, SECTION_NONE, NULL, OPTIONAL, "by texel",
      "reads: the filtering sampler of `NAME_sample` and `NAME_compare`.", "soft"},
+    {SECTION_ACCESS, "previous", KEY_INTEGER, SECTION_NONE, NULL, OPTIONAL, "0",
+     "reads: what the image held that many frames ago, up to 64; zero before the first. The image "
+     "NAME.before_1 keeps it, and a pass NAME.keep_1 fills that at the end of each frame.",
+     "1"},
     {SECTION_ACCESS, "mip", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL,
      "0; all for a sampler without `layer`", "The mip level; baked.", "1"},
     {SECTION_ACCESS, "layer", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "all",
@@ -639,8 +692,25 @@ const struct key table_keys[] = {
      "Factor of the target's alpha.", "one_minus_src_alpha"},
     {SECTION_BLEND, "alpha_op", KEY_CHOICE, SECTION_NONE, OPERATIONS, OPTIONAL, "`op`",
      "Operation of alpha.", "max"},
+    {SECTION_VALUES, "*", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "A value, by the name of the uniform, member or input.", "vec4(1.0)"},
     {SECTION_DEFINES, "*", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, NULL,
      "A macro, by its name: an integer; baked.", "2 * radius + 1"},
+    {SECTION_ALLOW, "index", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why indices and texels beyond their range are meant.", "\"the border is never used\""},
+    {SECTION_ALLOW, "arithmetic", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why arithmetic without a defined result is meant.",
+     "\"log(0) is -infinity, which max() drops\""},
+    {SECTION_ALLOW, "loop", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why loops of more than 65,000 turns are meant.", "\"a reference, for one device\""},
+    {SECTION_ALLOW, "variable", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why variables without a value are meant.", "\"a seed of any value\""},
+    {SECTION_ALLOW, "content", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why content that nothing has written is meant.", "\"a mask hides what is not written\""},
+    {SECTION_ALLOW, "race", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why invocations may touch one element in any order.", "\"all store the same\""},
+    {SECTION_ALLOW, "flow", KEY_TEXT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Why barriers that not all invocations reach are meant.", "\"a test of this check\""},
     {SECTION_RANGES, "*", KEY_MAP, SECTION_RANGE, NULL, OPTIONAL, NULL, "A range, by its name.",
      "{of: vpls, count: 32}"},
     {SECTION_RANGE, "of", KEY_REFERENCE, SECTION_NONE, NULL, REQUIRED, NULL,
@@ -700,6 +770,18 @@ const struct key table_keys[] = {
      "each pass on equal inputs. Between drivers of different makers all exact images of scene "
      "draws have `raster: 10%`.",
      "0.1%"},
+    {SECTION_CONTRACT, "of_exact", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, NULL,
+     "Of what a pass writes that its `exactness` leaves free: difference from what exact "
+     "arithmetic makes of the same inputs, relative to "
+     "the larger value, or to 0.001 if that is more. One code of a normalized format, and one step "
+     "of a half, always pass. `compare` runs the exact "
+     "twin of each such pass on every backend, on the pass's own inputs, and judges all passes on "
+     "equal inputs. Where every pass that "
+     "writes the resource is exact, the same as `exact`. Default for what such a pass writes: "
+     "`0.001`.",
+     "0.001"},
+    {SECTION_CONTRACT, "outliers", KEY_AMOUNT, SECTION_NONE, NULL, OPTIONAL, "0",
+     "of_exact: share of the elements that may differ by more, 0 to 1.", "0.1%"},
     {SECTION_CONTRACT, "margin", KEY_MEMBER, SECTION_NONE, NULL, OPTIONAL, "none",
      "flips: a buffer of float, or a float field of one, `BUFFER.FIELD`, that holds for every "
      "element how narrowly it was decided; written by the pass that writes the labels.",

@@ -1,7 +1,8 @@
 /* --sanitize=variable: variables that are read before they have a value. Each variable of a body has a word of bits beside it,
- * one bit per component of a vector, else one for all: set by stores, copied where a value is only copied, and passed with a
- * pointer to a function. A read that goes elsewhere is told if a bit is missing that it uses. Parts of arrays, structs and
- * matrices are not told apart. */
+ * one bit per component of a vector, column of a matrix, member of a struct or element of an array, of which there are up to
+ * 32: set by stores, copied where a value is only copied, and passed with a pointer to a function. A read that goes elsewhere is
+ * told if a bit is missing that it uses. Parts of parts are not told apart; a store by a variable index counts for all elements,
+ * and a read by one, or of a struct or array as a whole, is told where nothing was assigned. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -105,7 +106,27 @@ void assigned_reset(struct sanitizer *s, const struct spirv_function *function)
     }
 }
 
-/* The variable behind an access chain, and the bit of a constant component; all bits for other parts. */
+/* How many parts of a variable have a bit of their own. */
+static uint32_t part_count(const struct sanitizer *s, const uint32_t *type)
+{
+    uint32_t count = 1;
+    if (spirv_is(type, SpvOpTypeVector) || spirv_is(type, SpvOpTypeMatrix))
+        count = type[3];
+    else if (spirv_is(type, SpvOpTypeStruct))
+        count = spirv_length(type) - 2;
+    else if (spirv_is(type, SpvOpTypeArray) &&
+             spirv_is(spirv_definition(s->from, type[3]), SpvOpConstant))
+        count = spirv_definition(s->from, type[3])[3];
+    return count > 32 ? 1 : count;
+}
+
+static uint32_t all_parts(const struct sanitizer *s, const uint32_t *type)
+{
+    return UINT32_MAX >> (32 - part_count(s, type));
+}
+
+/* The variable behind an access chain, and the bit of a constant part; all bits for others, 0 for an array's element by a
+ * variable index. */
 static uint32_t variable_of(const struct sanitizer *s, uint32_t pointer, uint32_t *parts)
 {
     const struct spirv *from = s->from;
@@ -113,17 +134,14 @@ static uint32_t variable_of(const struct sanitizer *s, uint32_t pointer, uint32_
     *parts = UINT32_MAX;
     while (spirv_is(i, SpvOpAccessChain)) {
         const uint32_t *index = spirv_definition(from, i[4]), *type = pointee(s, i[3]);
-        bool component = type && spirv_is(type, SpvOpTypeVector) && spirv_is(index, SpvOpConstant);
-        *parts = component ? 1u << (index[3] & 31) : UINT32_MAX;
+        bool constant = spirv_is(index, SpvOpConstant), several = type && part_count(s, type) > 1;
+        *parts = several && constant                         ? 1u << (index[3] & 31)
+                 : several && spirv_is(type, SpvOpTypeArray) ? 0
+                                                             : UINT32_MAX;
         pointer = i[3];
         i = spirv_definition(from, pointer);
     }
     return pointer;
-}
-
-static uint32_t all_parts(const uint32_t *type)
-{
-    return spirv_is(type, SpvOpTypeVector) ? (1u << type[3]) - 1 : 1;
 }
 
 static uint32_t put_load(struct sanitizer *s, uint32_t bits)
@@ -174,7 +192,7 @@ static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
     sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
 }
 
-/* Components that a load needs. */
+/* Parts that a load needs; 0: any. */
 static uint32_t parts_of(const struct sanitizer *s, const uint32_t *load, uint32_t *variable)
 {
     uint32_t parts;
@@ -182,24 +200,33 @@ static uint32_t parts_of(const struct sanitizer *s, const uint32_t *load, uint32
     const uint32_t *type = pointee(s, *variable);
     if (!type)
         return 0;
-    if (*variable == load[3] && spirv_is(type, SpvOpTypeVector))
+    bool whole = *variable == load[3],
+         made = spirv_is(type, SpvOpTypeStruct) || spirv_is(type, SpvOpTypeArray);
+    if (whole && part_count(s, type) > 1)
         parts = s->ids[load[2]].parts;
-    return parts & all_parts(type);
+    if (whole && made && parts == UINT32_MAX)
+        return 0;
+    return parts & all_parts(s, type);
 }
 
-/* A copy is told where nothing has a value at all; a part that is missing is told where it is read. */
+/* Told where nothing has a value at all. */
+static void put_none(struct sanitizer *s, uint32_t variable)
+{
+    struct values values = {{put_load(s, bits_of(s, variable))}, 1};
+    put_check(s, variable, sanitizer_call(s, "diptych_none(u1;", &values));
+}
+
+/* Of a copy, a part that is missing is told where it is read. */
 static void put_read(struct sanitizer *s, const uint32_t *load)
 {
     uint32_t variable, parts = parts_of(s, load, &variable);
     if (!bits_of(s, variable) || s->ids[load[2]].chosen)
         return;
-    if (!is_copied(s, load)) {
+    bool copied = is_copied(s, load);
+    if (!copied && parts)
         put_check(s, variable, sanitizer_number(s, parts));
-    } else if (!is_temporary(s, variable) && !is_temporary(s, s->ids[load[2]].target)) {
-        uint32_t bits = put_load(s, bits_of(s, variable));
-        struct values values = {{bits}, 1};
-        put_check(s, variable, sanitizer_call(s, "diptych_none(u1;", &values));
-    }
+    else if (!copied || (!is_temporary(s, variable) && !is_temporary(s, s->ids[load[2]].target)))
+        put_none(s, variable);
 }
 
 /* `c ? a : b` of variables is a choice among values that are both loaded. */
@@ -238,7 +265,7 @@ static void put_stored(struct sanitizer *s, const uint32_t *store)
         SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits, after);
     }
     if (!copied)
-        put_set(s, bits, parts & all_parts(pointee(s, variable)));
+        put_set(s, bits, (parts ? parts : UINT32_MAX) & all_parts(s, pointee(s, variable)));
 }
 
 static const uint32_t *parameter_of(const struct sanitizer *s, uint32_t function, uint32_t index)
@@ -277,6 +304,7 @@ static void put_result(struct sanitizer *s, const uint32_t *instruction)
 
 void assigned_before(struct sanitizer *s, const uint32_t *instruction)
 {
+    s->kind = SANITIZE_VARIABLE;
     if (spirv_is(instruction, SpvOpLoad))
         put_read(s, instruction);
     else if (spirv_is(instruction, SpvOpSelect))

@@ -4,6 +4,7 @@
 #include "glsl/glsl.h"
 #include "plan/plan.h"
 #include "compile.h"
+#include "bind.h"
 #include "exact.h"
 #include "glsl/glslang.h"
 #include "link.h"
@@ -59,21 +60,61 @@ static bool sanitize(const struct model *model, const struct pass *pass, struct 
     struct adding adding = {model, pass};
     return !model->sanitize ||
            (spirv_sanitize(module,
-                           &(struct sanitize_request){model->sanitize, add_site, &adding}) &&
+                           &(struct sanitize_request){model->sanitize, pass, add_site, &adding}) &&
             !sanitize_failed(model));
+}
+
+/* The bits of a baked parameter, as a specialization constant. */
+static struct bind_constant constant_of(const struct param *param)
+{
+    struct bind_constant constant = {.name = param->name, .truth = param->type == DT_TYPE_BOOL};
+    float number = (float)param->value[0];
+    if (param->type == DT_TYPE_FLOAT)
+        memcpy(&constant.word, &number, sizeof number);
+    else
+        constant.word = (uint32_t)(int64_t)param->value[0];
+    return constant;
+}
+
+/* Resources and uniforms of a whole shader. */
+static bool bind(const struct model *model, const struct pass *pass, const struct shader *shader,
+                 struct spirv *module, char **log)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    struct bind_slot *slots = calloc(pass->access_count + 1, sizeof *slots);
+    struct bind_constant *constants = calloc(pipeline->param_count + 1, sizeof *constants);
+    struct bind_request request = {.slots = slots,
+                                   .constants = constants,
+                                   .inputs =
+                                       shader->stage == STAGE_IS_VERTEX || !pass->own_vertices,
+                                   .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
+    for (uint32_t i = 0; slots && i < pass->access_count; i++)
+        if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
+            slots[request.slot_count++] =
+                (struct bind_slot){access_word(&pass->accesses[i]), pass->accesses[i].binding};
+    for (uint32_t i = 0; constants && i < pipeline->param_count; i++)
+        if (!pipeline->params[i].live && !pipeline->params[i].uniform &&
+            pipeline->params[i].components == 1)
+            constants[request.constant_count++] = constant_of(&pipeline->params[i]);
+    bool good = slots && constants && spirv_bind(module, &request, log);
+    free(slots);
+    free(constants);
+    return good;
 }
 
 /* The passes; takes over `words`. */
 static bool pass_words(const struct model *model, const struct pass *pass, uint32_t *words,
-                       size_t count, struct shader *shader)
+                       size_t count, struct shader *shader, char **log)
 {
     struct spirv module;
-    bool good = spirv_read(&module, words, count) && sanitize(model, pass, &module) &&
-                spirv_end_entry(&module);
+    bool good = spirv_read(&module, words, count);
+    if (good && files_are_whole(shader->files))
+        good = bind(model, pass, shader, &module, log);
+    good = good && sanitize(model, pass, &module) && spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
-    good = good && (model->pipeline.fast || spirv_exact(&module)) && spirv_reach(&module);
+    good = good && (pass->fast || spirv_exact(&module)) && spirv_reach(&module);
     if (good && !model->pipeline.gpu)
         spirv_keep_loops(&module);
     if (good)
@@ -127,12 +168,13 @@ static bool compile(const struct model *model, const struct pass *pass, bool lin
                                     .stage = shader->stage,
                                     .minor = minor_version(shader),
                                     .lines = lines,
-                                    .marked = !model->pipeline.fast,
+                                    .whole = files_are_whole(shader->files),
+                                    .marked = !pass->fast,
                                     .include = glsl_include,
                                     .user = shader->files};
     size_t count;
     uint32_t *words = glslang_compile(&job, &count, log);
-    return words && pass_words(model, pass, words, count, shader);
+    return words && pass_words(model, pass, words, count, shader, log);
 }
 
 /* The same of text whose lines OpLine can name. */

@@ -1,20 +1,9 @@
-/* The entry point becomes a function that calls the body's main, then diptych_end(), which the
- * generator declares where something must run behind the body (glsl_body.c), then diptych_flush(), which
- * --sanitize adds. So the body may return where it likes, and its text stays as it is. */
+/* The entry point becomes a function that calls diptych_begin(), which fills the uniforms of a whole
+ * shader (bind.c), the body's main, then diptych_end(), which the generator declares where something
+ * must run behind the body (glsl_body.c), then diptych_flush(), which --sanitize adds. So the body may return where it likes, and its text stays as it is. */
 #include <spirv/unified1/spirv.h>
-#include <string.h>
 
 #include "passes.h"
-
-static const struct spirv_function *find_function(const struct spirv *module, const char *wanted)
-{
-    for (uint32_t i = 0; i < module->function_count; i++) {
-        const char *name = spirv_name(module, module->functions[i].id);
-        if (name && !strcmp(name, wanted))
-            return &module->functions[i];
-    }
-    return NULL;
-}
 
 /* What is said of the body is said of the entry point. */
 static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
@@ -33,15 +22,23 @@ static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
 
 bool spirv_end_entry(struct spirv *module)
 {
-    const struct spirv_function *const ends[] = {find_function(module, "diptych_end("),
-                                                 find_function(module, "diptych_flush(")};
-    if (!ends[0] && !ends[1])
+    enum { BODY = 1, CALLS = 4 };
+    uint32_t body = spirv_entry(module), calls[CALLS] = {0}, others = 0;
+    const char *const names[CALLS] = {"diptych_begin(", NULL, "diptych_end(", "diptych_flush("};
+    for (int i = 0; i < CALLS; i++) {
+        const struct spirv_function *function =
+            names[i] ? spirv_find_function(module, names[i]) : NULL;
+        calls[i] = function ? function->id : 0;
+        others += function != NULL;
+    }
+    if (!others)
         return true;
+    calls[BODY] = body;
     struct spirv_edit edit;
-    const uint32_t *words = module->words, *head = words + ends[ends[0] ? 0 : 1]->begin;
-    uint32_t void_type = head[1], function_type = head[4], body = spirv_entry(module);
+    const uint32_t *words = module->words, *head = spirv_definition(module, body);
+    uint32_t void_type = head[1], function_type = head[4];
     spirv_edit_begin(&edit, module);
-    uint32_t entry = edit.bound++, label = edit.bound++, first = edit.bound++;
+    uint32_t entry = edit.bound++, label = edit.bound++;
     rename_entry(&edit, body, entry);
     SPIRV_EACH(module, at, module->annotations, module->declarations)
     spirv_copy(&edit, &edit.annotations, words + at);
@@ -51,11 +48,10 @@ bool spirv_end_entry(struct spirv *module)
     SPIRV_PUT(&edit, &edit.code, SpvOpFunction, void_type, entry, SpvFunctionControlMaskNone,
               function_type);
     SPIRV_PUT(&edit, &edit.code, SpvOpLabel, label);
-    SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, first, body);
-    for (int i = 0; i < 2; i++) {
+    for (int i = 0; i < CALLS; i++) {
         uint32_t result = edit.bound++;
-        if (ends[i])
-            SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, result, ends[i]->id);
+        if (calls[i])
+            SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, result, calls[i]);
     }
     spirv_put(&edit, &edit.code, SpvOpReturn, NULL, 0);
     spirv_put(&edit, &edit.code, SpvOpFunctionEnd, NULL, 0);

@@ -115,16 +115,6 @@ static const char *replacement_of(const struct exact *exact, const uint32_t *ins
     return NULL;
 }
 
-/* The letter of a scalar type in mangled names; 0: of another width than 32, or no scalar. */
-static char letter_of(const uint32_t *type)
-{
-    if (spirv_is(type, SpvOpTypeBool))
-        return 'b';
-    if (spirv_is(type, SpvOpTypeFloat))
-        return type[2] == 32 ? 'f' : 0;
-    return spirv_is(type, SpvOpTypeInt) && type[2] == 32 ? (type[3] ? 'i' : 'u') : 0;
-}
-
 /* Appends a type as glslang mangles it: f1, vf3, mf34. False: no type of the library. */
 static bool mangle(const struct exact *exact, const uint32_t *type, bool scalar, char *name,
                    size_t room)
@@ -132,7 +122,7 @@ static bool mangle(const struct exact *exact, const uint32_t *type, bool scalar,
     const struct spirv *from = exact->from;
     bool matrix = spirv_is(type, SpvOpTypeMatrix), vector = spirv_is(type, SpvOpTypeVector);
     const uint32_t *column = matrix ? spirv_definition(from, type[2]) : type;
-    char letter = letter_of(matrix || vector ? spirv_definition(from, column[2]) : type);
+    char letter = spirv_letter(matrix || vector ? spirv_definition(from, column[2]) : type);
     size_t length = strlen(name);
     if (matrix)
         snprintf(name + length, room - length, "m%c%u%u;", letter, type[3], column[3]);
@@ -145,8 +135,8 @@ static bool mangle(const struct exact *exact, const uint32_t *type, bool scalar,
 
 /* The library's function for an instruction with operands from the word `first`; scalar: that for
  * their components. 0: none. */
-static uint32_t find_function(struct exact *exact, const uint32_t *instruction, const char *name,
-                              uint32_t first, bool scalar)
+static uint32_t find_replacement(struct exact *exact, const uint32_t *instruction, const char *name,
+                                 uint32_t first, bool scalar)
 {
     char mangled[96];
     snprintf(mangled, sizeof mangled, "%s(", name);
@@ -249,7 +239,7 @@ static bool put_product(struct exact *exact, const uint32_t *division)
     const uint32_t *type = spirv_type(exact->from, division[4]);
     const uint32_t *scalar =
         spirv_is(type, SpvOpTypeVector) ? spirv_definition(exact->from, type[2]) : type;
-    if (letter_of(scalar) != 'f')
+    if (spirv_letter(scalar) != 'f')
         return false;
     uint32_t factor =
         declare_constant(exact, division[1], (bits & 0x80000000u) | (254 - exponent) << 23);
@@ -276,7 +266,7 @@ static bool put_shift(struct exact *exact, const uint32_t *shift)
     const uint32_t *declared = spirv_definition(exact->from, type);
     const uint32_t *scalar =
         spirv_is(declared, SpvOpTypeVector) ? spirv_definition(exact->from, declared[2]) : declared;
-    if (!letter_of(scalar))
+    if (!spirv_letter(scalar))
         return false;
     struct spirv_edit *edit = &exact->edit;
     uint32_t mask = declare_constant(exact, type, 31), count = edit->bound++;
@@ -315,14 +305,15 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
         return put_shift(exact, instruction);
     if (put_product(exact, instruction))
         return true;
-    uint32_t function = find_function(exact, instruction, name, first, false);
+    uint32_t function = find_replacement(exact, instruction, name, first, false);
     const uint32_t *type = spirv_definition(exact->from, instruction[1]);
     if (function) {
         put_call(exact, instruction, first, function, instruction[1], instruction[2], -1);
         return true;
     }
-    function =
-        spirv_is(type, SpvOpTypeVector) ? find_function(exact, instruction, name, first, true) : 0;
+    function = spirv_is(type, SpvOpTypeVector)
+                   ? find_replacement(exact, instruction, name, first, true)
+                   : 0;
     if (function)
         put_components(exact, instruction, first, function, type);
     return function;

@@ -78,24 +78,15 @@ static uint32_t map_declaration(struct spirv_link *link, const uint32_t *declara
     return spirv_declare(link->edit, spirv_opcode(declaration), type, operands, count);
 }
 
-/* diptych_zero() is the module's own, where it has one. */
-static uint32_t find_own(const struct spirv *module, const char *name)
-{
-    for (uint32_t i = 0; name && !strcmp(name, "diptych_zero(") && i < module->function_count;
-         i++) {
-        const char *own = spirv_name(module, module->functions[i].id);
-        if (own && !strcmp(own, name))
-            return module->functions[i].id;
-    }
-    return 0;
-}
-
 static uint32_t want(struct spirv_link *link, uint32_t index)
 {
     uint32_t id = library.module.functions[index].id;
-    uint32_t own = find_own(link->edit->from, spirv_name(&library.module, id));
+    const char *name = spirv_name(&library.module, id);
+    const struct spirv_function *own = NULL; /* diptych_zero() is the module's, where it has one */
+    if (name && !strcmp(name, "diptych_zero("))
+        own = spirv_find_function(link->edit->from, name);
     if (own)
-        return link->ids[id] = own;
+        return link->ids[id] = own->id;
     link->wanted[link->wanted_count++] = index;
     return link->ids[id] = link->edit->bound++;
 }

@@ -27,7 +27,7 @@ static uint32_t numbers_in(const struct spirv *m, uint32_t type)
 }
 
 /* Whether a pointer leads to memory that invocations share. */
-static bool is_shared(const struct spirv *m, uint32_t pointer)
+static bool pointer_is_shared(const struct spirv *m, uint32_t pointer)
 {
     const uint32_t *type = m->words + m->definitions[m->words[m->definitions[pointer] + 1]];
     return type[2] == SpvStorageClassUniform || type[2] == SpvStorageClassStorageBuffer ||
@@ -39,7 +39,7 @@ static bool is_shared(const struct spirv *m, uint32_t pointer)
 static uint32_t operations_of(const struct spirv *m, const uint32_t *instruction)
 {
     uint32_t opcode = *instruction & 0xffff;
-    if ((opcode == SpvOpLoad && is_shared(m, instruction[3])) ||
+    if ((opcode == SpvOpLoad && pointer_is_shared(m, instruction[3])) ||
         (opcode >= SpvOpImageSampleImplicitLod && opcode <= SpvOpImageRead))
         return READ * numbers_in(m, instruction[1]);
     bool computes =

@@ -24,13 +24,6 @@ uint32_t spirv_result(const uint32_t *instruction)
     return word ? instruction[word] : 0;
 }
 
-bool spirv_ends_block(const uint32_t *instruction)
-{
-    uint32_t opcode = spirv_opcode(instruction);
-    return (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
-           opcode == SpvOpTerminateInvocation;
-}
-
 bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
 {
     switch (spirv_opcode(instruction)) {
@@ -217,6 +210,25 @@ const char *spirv_name(const struct spirv *module, uint32_t id)
     return NULL;
 }
 
+const struct spirv_function *spirv_find_function(const struct spirv *module, const char *name)
+{
+    for (uint32_t i = 0; i < module->function_count; i++) {
+        const char *own = spirv_name(module, module->functions[i].id);
+        if (own && !strcmp(own, name))
+            return &module->functions[i];
+    }
+    return NULL;
+}
+
+char spirv_letter(const uint32_t *type)
+{
+    if (spirv_is(type, SpvOpTypeBool))
+        return 'b';
+    if (spirv_is(type, SpvOpTypeFloat))
+        return type[2] == 32 ? 'f' : 0;
+    return spirv_is(type, SpvOpTypeInt) && type[2] == 32 ? (type[3] ? 'i' : 'u') : 0;
+}
+
 uint32_t spirv_glsl(const struct spirv *module)
 {
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
@@ -320,7 +332,7 @@ static uint32_t *find_slot(struct spirv_edit *edit, const uint32_t *instruction)
 }
 
 /* Structs, arrays of layouts and variables are never shared: their decorations may differ. */
-static bool is_shared(uint32_t opcode)
+static bool is_kept_once(uint32_t opcode)
 {
     return opcode != SpvOpTypeStruct && opcode != SpvOpTypeArray &&
            opcode != SpvOpTypeRuntimeArray && opcode != SpvOpVariable && opcode != SpvOpUndef &&
@@ -337,7 +349,7 @@ static void fill_slots(struct spirv_edit *edit, size_t count)
     edit->declared = 0;
     for (size_t at = 0; edit->slots && at < words->count; at += spirv_length(words->data + at)) {
         edit->declared++;
-        if (is_shared(spirv_opcode(words->data + at)))
+        if (is_kept_once(spirv_opcode(words->data + at)))
             *find_slot(edit, words->data + at) = (uint32_t)at + 1;
     }
 }

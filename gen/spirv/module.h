@@ -69,12 +69,14 @@ uint32_t spirv_result(const uint32_t *instruction);
 uint32_t spirv_result_word(const uint32_t *instruction);
 /* Whether a word of an instruction is a number or text, not an id. */
 bool spirv_is_literal(const uint32_t *instruction, uint32_t word);
-/* Whether the instruction ends its block: a branch, a return or a discard. */
-bool spirv_ends_block(const uint32_t *instruction);
 /* Whether it computes with floats and may be contracted with others. */
 bool spirv_is_arithmetic(const uint32_t *instruction);
 /* The name of an id; NULL: it has none. */
 const char *spirv_name(const struct spirv *module, uint32_t id);
+/* The function of that mangled name, as "exact_pow(f1;f1;"; NULL: there is none. */
+const struct spirv_function *spirv_find_function(const struct spirv *module, const char *name);
+/* The letter of a scalar type in mangled names; 0: of another width than 32, or no scalar. */
+char spirv_letter(const uint32_t *type);
 /* The id of the extended instructions GLSL.std.450; 0: not imported. */
 uint32_t spirv_glsl(const struct spirv *module);
 /* The function of the entry point. */

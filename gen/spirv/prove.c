@@ -3,7 +3,21 @@
  *
  * Sources: the Vulkan specification, "Precision of Individual Operations" in the appendix "Vulkan
  * Environment for SPIR-V", and GLSL 4.60, section 4.7.1, for OpenGL. What either leaves open is
- * open; so is an instruction that no table has. Zeros: GLSL.std.450 lets FMin(-0.0, 0.0) be either. */
+ * open. Zeros: GLSL.std.450 lets FMin(-0.0, 0.0) be either.
+ *
+ * The tables allow; they do not forbid. An instruction that no table has is open, so a new version
+ * of glslang can make the proof fail, but not hold where it should not.
+ *
+ * The module is the finished one, behind exact.c: what exact.c has replaced is proved by the
+ * instructions of its functions, and what it has missed is found here. The proof knows nothing of
+ * exact.c. The one judgement of where a value goes is `drops`: a result of an atomic operation that
+ * nothing reads cannot differ, and x and y of gl_FragCoord are exact (takes_xy). Beyond MOST_DEPTH
+ * calls and variables the answer is "open".
+ *
+ * An operation that has no value at all (WRONG) is an error without --prove, too. Who calls decides
+ * which passes count: those that write a resource with the contract `exact` (shaders.c).
+ * spirv_prove (compile.c) compiles a shader again with lines only if something is open. What no
+ * shader does, blending and coverage, is in prove_fixed.c. */
 #include "prove.h"
 
 #include <spirv/unified1/GLSL.std.450.h>
@@ -346,7 +360,8 @@ static const struct rule *find_rule(const struct rule *rules, size_t count, uint
          ? NULL                                                                                    \
          : find_rule(rules, DT_ARRAY_COUNT(rules), number))
 
-static void tell(struct proof *proof, const char *word, const char *why, enum verdict verdict)
+static void tell_finding(struct proof *proof, const char *word, const char *why,
+                         enum verdict verdict)
 {
     proof->at.word = word;
     proof->at.why = why;
@@ -355,18 +370,18 @@ static void tell(struct proof *proof, const char *word, const char *why, enum ve
     proof->found(proof->user, &proof->at);
 }
 
-struct use {
+struct value_use {
     const uint32_t *instruction;
     uint32_t operand;  /* its word that is the id */
     uint32_t function; /* that it stands in */
     int depth;         /* of calls of all_uses */
 };
-typedef bool allows_fn(const struct proof *proof, const struct use *use);
+typedef bool allows_fn(const struct proof *proof, const struct value_use *use);
 
 /* Whether `allows` every use of an id. Other literals that look like the id count as uses. */
 static bool all_uses(const struct proof *proof, uint32_t id, int depth, allows_fn *allows)
 {
-    struct use use = {.depth = depth};
+    struct value_use use = {.depth = depth};
     for (size_t at = SPIRV_HEADER; at < proof->module->count && depth < MOST_DEPTH;
          at += proof->module->words[at] >> 16) {
         use.instruction = proof->module->words + at;
@@ -383,7 +398,7 @@ static bool all_uses(const struct proof *proof, uint32_t id, int depth, allows_f
 }
 
 /* .x, .y or .xy of a vector. */
-static bool takes_xy(const struct proof *proof, const struct use *use)
+static bool takes_xy(const struct proof *proof, const struct value_use *use)
 {
     const uint32_t *instruction = use->instruction;
     (void)proof;
@@ -397,10 +412,10 @@ static bool takes_xy(const struct proof *proof, const struct use *use)
     return true;
 }
 
-static bool drops(const struct proof *proof, const struct use *use);
+static bool drops(const struct proof *proof, const struct value_use *use);
 
 /* Of a variable, or of a function: what is read from it is dropped. */
-static bool drops_reads(const struct proof *proof, const struct use *use)
+static bool drops_reads(const struct proof *proof, const struct value_use *use)
 {
     const uint32_t *instruction = use->instruction;
     if (spirv_is(instruction, SpvOpLoad) || spirv_is(instruction, SpvOpFunctionCall))
@@ -409,7 +424,7 @@ static bool drops_reads(const struct proof *proof, const struct use *use)
 }
 
 /* A value goes nowhere but through variables and out of functions whose results are dropped. */
-static bool drops(const struct proof *proof, const struct use *use)
+static bool drops(const struct proof *proof, const struct value_use *use)
 {
     const uint32_t *variable =
         proof->module->words + proof->module->definitions[use->instruction[1]];
@@ -431,7 +446,7 @@ static bool reads_xy(const struct proof *proof, const uint32_t *instruction)
     return spirv_is(index, SpvOpConstant) && index[3] < 2;
 }
 
-static const char *name_of(const struct proof *proof, uint32_t id)
+static const char *value_name(const struct proof *proof, uint32_t id)
 {
     const char *name = spirv_name(proof->module, id);
     return name ? name : "an input";
@@ -446,12 +461,12 @@ static void check_input(struct proof *proof, const uint32_t *instruction)
         return;
     if (!id->builtin) {
         if (proof->fragment && !id->flat)
-            tell(proof, name_of(proof, instruction[3]), BETWEEN, RASTER);
+            tell_finding(proof, value_name(proof, instruction[3]), BETWEEN, RASTER);
         return;
     }
     const struct rule *rule = RULE(exact_inputs, inputs, id->builtin - 1);
     if (rule && !(rule->verdict == INPUT && reads_xy(proof, instruction)))
-        tell(proof, rule->word, rule->why, rule->verdict == INPUT ? RASTER : rule->verdict);
+        tell_finding(proof, rule->word, rule->why, rule->verdict == INPUT ? RASTER : rule->verdict);
 }
 
 /* The rule for an instruction; NULL: it is exact. */
@@ -464,7 +479,7 @@ static const struct rule *rule_of(const struct proof *proof, const uint32_t *ins
 }
 
 /* Whether the use is the end of a function that returns a value. */
-static bool returns(const struct proof *proof, const struct use *use)
+static bool returns(const struct proof *proof, const struct value_use *use)
 {
     (void)proof;
     return spirv_is(use->instruction, SpvOpReturnValue);
@@ -477,7 +492,8 @@ static bool check_end(struct proof *proof, const uint32_t *instruction)
     if (!spirv_is(instruction, SpvOpUndef) || !name || !all_uses(proof, instruction[2], 0, returns))
         return false;
     snprintf(proof->name, sizeof proof->name, "%.*s", (int)strcspn(name, "("), name);
-    tell(proof, proof->name, "it may end without `return`, and its value is then undefined", WRONG);
+    tell_finding(proof, proof->name, "it may end without `return`, and its value is then undefined",
+                 WRONG);
     return true;
 }
 
@@ -486,14 +502,14 @@ static void check_instruction(struct proof *proof, const uint32_t *instruction)
     const struct rule *rule = check_end(proof, instruction) ? NULL : rule_of(proof, instruction);
     uint32_t result = spirv_result(instruction);
     if (result && proof->ids[result].relaxed && !spirv_is(instruction, SpvOpVariable))
-        tell(proof, "mediump", "its precision is open", DRIVER);
+        tell_finding(proof, "mediump", "its precision is open", DRIVER);
     if (!rule)
         return;
     if (rule->verdict == INPUT)
         check_input(proof, instruction);
     else if (!(rule->verdict == ROUNDED && proof->ids[result].no_contraction) &&
              !(rule->verdict == MEMORY && all_uses(proof, result, 0, drops)))
-        tell(proof, rule->word, rule->why, rule->verdict);
+        tell_finding(proof, rule->word, rule->why, rule->verdict);
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */
@@ -509,7 +525,7 @@ static void take_decoration(struct proof *proof, const uint32_t *instruction)
 }
 
 /* OpLine: its file is a string that holds the number of a source. */
-static void take_line(struct proof *proof, const uint32_t *instruction)
+static void take_op_line(struct proof *proof, const uint32_t *instruction)
 {
     const uint32_t *string = proof->module->words + proof->module->definitions[instruction[1]];
     proof->at.file = (uint32_t)strtoul((const char *)(string + 2), NULL, 10);
@@ -531,7 +547,7 @@ bool prove_module(const struct spirv *module,
         if (opcode == SpvOpDecorate)
             take_decoration(&proof, instruction);
         else if (opcode == SpvOpLine)
-            take_line(&proof, instruction);
+            take_op_line(&proof, instruction);
         else if (opcode == SpvOpFunction)
             proof.function = instruction[2];
         else if (opcode == SpvOpEntryPoint)

@@ -30,7 +30,7 @@ static uint32_t bool_type(struct sanitizer *s)
     return spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
 }
 
-static uint32_t vector_type(struct sanitizer *s, uint32_t scalar, uint32_t count)
+uint32_t sanitizer_vector(struct sanitizer *s, uint32_t scalar, uint32_t count)
 {
     return count == 1 ? scalar
                       : spirv_declare(&s->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
@@ -39,13 +39,6 @@ static uint32_t vector_type(struct sanitizer *s, uint32_t scalar, uint32_t count
 uint32_t sanitizer_number(struct sanitizer *s, uint32_t value)
 {
     return spirv_declare(&s->edit, SpvOpConstant, sanitizer_uint(s), &value, 1);
-}
-
-/* The letter of a scalar of 32 bits in mangled names; 0: another type. */
-static char letter_of(const uint32_t *type)
-{
-    bool narrow = (spirv_is(type, SpvOpTypeFloat) || spirv_is(type, SpvOpTypeInt)) && type[2] == 32;
-    return !narrow ? 0 : spirv_is(type, SpvOpTypeFloat) ? 'f' : type[3] ? 'i' : 'u';
 }
 
 static uint32_t width_of(const uint32_t *type)
@@ -65,7 +58,7 @@ static bool constant_of(const struct spirv *from, uint32_t id, uint32_t *value)
     return spirv_is(constant, SpvOpConstant);
 }
 
-static bool is_constant(const struct spirv *from, uint32_t id)
+static bool id_is_constant(const struct spirv *from, uint32_t id)
 {
     return from->definitions[id] < from->code &&
            !spirv_is(spirv_definition(from, id), SpvOpVariable);
@@ -73,23 +66,19 @@ static bool is_constant(const struct spirv *from, uint32_t id)
 
 /* ---- Calls ----------------------------------------------------------------------------------- */
 
-static const uint32_t *find_named(const struct spirv *from, const char *name)
+bool sanitizer_has(const struct sanitizer *s, const char *mangled)
 {
-    for (uint32_t i = 0; i < from->function_count; i++) {
-        const char *own = spirv_name(from, from->functions[i].id);
-        if (own && !strcmp(own, name))
-            return from->words + from->functions[i].begin;
-    }
-    return NULL;
+    return spirv_find_function(s->from, mangled);
 }
 
 /* The result of a call; 0: there is no such function. */
 uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values)
 {
-    const uint32_t *function = find_named(s->from, mangled);
+    const struct spirv_function *found = spirv_find_function(s->from, mangled);
     uint32_t operands[12] = {0}, count = 3;
-    if (!function)
+    if (!found)
         return 0;
+    const uint32_t *function = s->from->words + found->begin;
     operands[0] = function[1];
     operands[1] = s->edit.bound++;
     operands[2] = function[2];
@@ -111,10 +100,10 @@ static uint32_t find_variable(const struct spirv *from, const char *name)
 
 /* ---- Sites ----------------------------------------------------------------------------------- */
 
-/* How many operations of the word the line has had. */
-static uint32_t count_word(struct sanitizer *s, const char *word)
+/* How many operations of the word, of one kind, the line has had. */
+static uint32_t count_word(struct sanitizer *s, const char *word, uint32_t kind)
 {
-    uint32_t hash = 2166136261u ^ s->file * 31 ^ s->line * 16777619u;
+    uint32_t hash = 2166136261u ^ s->file * 31 ^ s->line * 16777619u ^ kind << 24;
     for (; word && *word; word++)
         hash = (hash ^ (unsigned char)*word) * 16777619u;
     for (size_t i = 0; i < s->seen.count; i += 2)
@@ -124,13 +113,22 @@ static uint32_t count_word(struct sanitizer *s, const char *word)
     return 0;
 }
 
+uint32_t sanitizer_add(struct sanitizer *s, struct sanitize_site *site)
+{
+    uint32_t kind = *site->text == '@' ? (uint32_t)site->text[1] : 0;
+    site->kind = s->kind;
+    site->file = s->file;
+    site->line = s->line;
+    site->nth = count_word(s, *site->name ? site->name : site->word, kind);
+    return s->request->add(s->request->user, site);
+}
+
 uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text)
 {
-    struct sanitize_site site = {.file = s->file, .line = s->line, .word = word};
-    site.nth = count_word(s, *name ? name : word);
+    struct sanitize_site site = {.word = word};
     snprintf(site.name, sizeof site.name, "%s", name);
     snprintf(site.text, sizeof site.text, "%s", text);
-    return s->request->add(s->request->user, &site);
+    return sanitizer_add(s, &site);
 }
 
 /* Appends place and operation. */
@@ -173,7 +171,6 @@ static const struct check operations[] = {
     {SpvOpSDiv, "divide", "/", "@0x / @1x", 0, 2, false},
     {SpvOpUDiv, "divide", "/", "@0x / @1x", 0, 2, false},
     {SpvOpSMod, "modulo", "%", "@0x % @1x", 0, 2, false},
-    {SpvOpSRem, "modulo", "%", "@0x % @1x", 0, 2, false},
     {SpvOpUMod, "modulo", "%", "@0x % @1x", 0, 2, false},
     {SpvOpShiftLeftLogical, "shift", "<<", "a shift by @0x of 32 bits", 1, 1, false},
     {SpvOpShiftRightLogical, "shift", ">>", "a shift by @0x of 32 bits", 1, 1, false},
@@ -273,9 +270,9 @@ static uint32_t put_check(struct sanitizer *s, const struct check *check, const 
         uint32_t id = operands[check->first + i];
         const uint32_t *type = spirv_type(s->from, id), *scalar = scalar_of(s->from, type);
         bool vector = spirv_is(type, SpvOpTypeVector);
-        if (!letter_of(scalar))
+        if (!spirv_letter(scalar))
             return 0;
-        const char letters[] = {letter_of(scalar), 0};
+        const char letters[] = {spirv_letter(scalar), 0};
         length +=
             vector && check->whole
                 ? snprintf(mangled + length, sizeof mangled - (size_t)length, "v%s%u;", letters,
@@ -327,8 +324,9 @@ static uint32_t put_operands(struct sanitizer *s, const struct check *check,
     char text[96];
     if (!check->function || is_safe(s, instruction))
         return 0;
+    s->kind = SANITIZE_ARITHMETIC;
     const uint32_t *type = spirv_type(s->from, operands[check->first]);
-    spell(check, letter_of(scalar_of(s->from, type)), text, sizeof text);
+    spell(check, spirv_letter(scalar_of(s->from, type)), text, sizeof text);
     uint32_t site = sanitizer_site(s, check->word, "", text);
     for (uint32_t i = 0; i < check->count && !check->whole; i++) {
         uint32_t own = width_of(spirv_type(s->from, operands[check->first + i]));
@@ -348,7 +346,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
     uint32_t all = 0;
     if (spirv_is(type, SpvOpTypeMatrix)) {
         const uint32_t *column = spirv_definition(s->from, type[2]);
-        for (uint32_t i = 0; i < type[3] && letter_of(scalar_of(s->from, column)) == 'f'; i++) {
+        for (uint32_t i = 0; i < type[3] && spirv_letter(scalar_of(s->from, column)) == 'f'; i++) {
             char mangled[40];
             struct values values = {{put_part(s, id, type, i)}, 1};
             snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", column[3]);
@@ -356,7 +354,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
         }
         return all;
     }
-    if (letter_of(scalar_of(s->from, type)) != 'f')
+    if (spirv_letter(scalar_of(s->from, type)) != 'f')
         return 0;
     char mangled[40] = "diptych_finite(f1;";
     if (spirv_is(type, SpvOpTypeVector))
@@ -385,7 +383,7 @@ static bool has_floats(const struct spirv *from, const uint32_t *type)
 {
     if (spirv_is(type, SpvOpTypeMatrix))
         type = spirv_definition(from, type[2]);
-    return letter_of(scalar_of(from, type)) == 'f';
+    return spirv_letter(scalar_of(from, type)) == 'f';
 }
 
 /* Behind the operation: whether it made NaN or infinity of finite numbers. */
@@ -403,11 +401,12 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
     }
     for (uint32_t word = first_operand(instruction); word < spirv_length(instruction); word++) {
         uint32_t finite =
-            is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
+            id_is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
         all = finite ? put_bool(s, SpvOpLogicalAnd, all, finite) : all;
     }
-    if (!all)
-        return;
+    if (!all) /* all operands are constants, or integers */
+        all = spirv_declare(&s->edit, SpvOpConstantTrue, bool_type(s), NULL, 0);
+    s->kind = SANITIZE_ARITHMETIC;
     snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
     put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));
 }
@@ -439,7 +438,7 @@ static const char *member_name(const struct spirv *from, uint32_t structure, uin
 
 static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const char *name)
 {
-    char letter = letter_of(spirv_type(s->from, index)), mangled[40], text[160];
+    char letter = spirv_letter(spirv_type(s->from, index)), mangled[40], text[160];
     struct values values = {{index, count}, 2};
     snprintf(text, sizeof text, "index @0%c of `%.60s`, which has @1u elements", letter, name);
     snprintf(mangled, sizeof mangled, "diptych_index(%c1;u1;u1;u1;", letter);
@@ -485,7 +484,7 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
             continue;
         }
         uint32_t count =
-            letter_of(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
+            spirv_letter(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
         (void)index;
         if (count)
             put_index(s, chain[word], count, name && *name ? name : "an array");
@@ -497,7 +496,7 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
 static void put_component(struct sanitizer *s, const uint32_t *instruction, uint32_t index)
 {
     const char *name = base_name(s->from, instruction[3]);
-    if (is_constant(s->from, index))
+    if (id_is_constant(s->from, index))
         return;
     put_index(s, index, sanitizer_number(s, spirv_type(s->from, instruction[3])[3]),
               name && *name ? name : "a vector");
@@ -508,7 +507,7 @@ static void put_component(struct sanitizer *s, const uint32_t *instruction, uint
 static uint32_t put_size(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t lod,
                          uint32_t width)
 {
-    uint32_t size = s->edit.bound++, result_type = vector_type(s, int_type(s), width);
+    uint32_t size = s->edit.bound++, result_type = sanitizer_vector(s, int_type(s), width);
     if (type[7] == 1 && !type[6] && type[3] != SpvDimBuffer && type[3] != SpvDimRect) {
         uint32_t zero = spirv_declare(&s->edit, SpvOpConstant, int_type(s), (uint32_t[]){0}, 1);
         SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQuerySizeLod, result_type, size, image,
@@ -539,8 +538,8 @@ static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image,
         return;
     if (type[3] == SpvDimCube) { /* without its face */
         uint32_t part = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, vector_type(s, int_type(s), 2), part,
-                  place, place, 0, 1);
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, sanitizer_vector(s, int_type(s), 2),
+                  part, place, place, 0, 1);
         place = part;
     }
     snprintf(name, sizeof name, "%s", base ? base : "an image");
@@ -610,6 +609,7 @@ static uint32_t put_turn(struct sanitizer *s)
               sanitizer_number(s, 1));
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, turns);
     struct values values = {{turns}, 1};
+    s->kind = SANITIZE_LOOP;
     sanitizer_place(
         s, &values,
         sanitizer_site(s, "loop", "",
@@ -646,15 +646,13 @@ static void put_before(struct sanitizer *s, const uint32_t *instruction)
 {
     if (!(s->request->kinds & SANITIZE_INDEX))
         return;
+    s->kind = SANITIZE_INDEX;
     switch (spirv_opcode(instruction)) {
     case SpvOpAccessChain:
         put_chain(s, instruction);
         break;
     case SpvOpVectorExtractDynamic:
         put_component(s, instruction, instruction[4]);
-        break;
-    case SpvOpVectorInsertDynamic:
-        put_component(s, instruction, instruction[5]);
         break;
     case SpvOpImageRead:
     case SpvOpImageFetch:
@@ -681,6 +679,8 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     put_before(s, i);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_before(s, i);
+    race_before(s, i);
+    content_before(s, i);
     if (spirv_is(i, SpvOpFunctionCall))
         put_caller(s, i);
     if (spirv_is(i, SpvOpKill) || spirv_is(i, SpvOpTerminateInvocation))
@@ -697,6 +697,7 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         put_result(s, check, i, bad);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_after(s, i);
+    content_after(s, i);
     return more;
 }
 
@@ -709,6 +710,7 @@ static size_t put_checked(struct sanitizer *s, const struct spirv_function *func
         s->begun = true;
         if (s->request->kinds & SANITIZE_VARIABLE)
             assigned_reset(s, function);
+        content_enter(s, function);
     }
     at += put_instruction(s, function, at);
     s->label = spirv_is(i, SpvOpLabel) ? i[1] : s->label;
@@ -723,6 +725,9 @@ static void put_function(struct sanitizer *s, const struct spirv_function *funct
     bool check = name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_end(") != 0;
     s->file = s->line = s->label = 0;
     s->begun = false;
+    s->function = function->id;
+    if (name && !strncmp(name, "diptych_number(", 15)) /* content.c writes it */
+        return;
     if (!check && s->request->kinds & SANITIZE_VARIABLE)
         assigned_find(s, function);
     SPIRV_EACH(s->from, at, function->begin, function->end)
@@ -782,15 +787,17 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
                           .glsl = spirv_glsl(module),
                           .counters = calloc(module->words[3], sizeof *s.counters)};
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |= !s.counters || !assigned_begin(&s);
+    s.edit.failed |= !s.counters || !assigned_begin(&s) || !content_begin(&s);
     if (!s.edit.failed) {
         spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
                      module->declarations - module->annotations);
         for (uint32_t i = 0; i < module->function_count; i++)
             put_function(&s, &module->functions[i]);
+        content_end(&s);
         drop_lines(&s.edit.declarations);
         copy_front(&s);
     }
+    content_free(&s);
     free(s.seen.data);
     free(s.ids);
     free(s.variables.data);

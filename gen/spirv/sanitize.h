@@ -9,6 +9,7 @@
  * get calls of them; OpLine goes. `add` takes a site and returns its index. False when out of memory. */
 struct sanitize_request {
     unsigned kinds; /* mask of enum sanitize_kind */
+    const struct pass *pass;
     uint32_t (*add)(void *user, const struct sanitize_site *site);
     void *user;
 };

@@ -2,6 +2,7 @@
 #ifndef DIPTYCH_GEN_SPIRV_SANITIZER_H
 #define DIPTYCH_GEN_SPIRV_SANITIZER_H
 
+#include "model/model.h"
 #include "sanitize.h"
 
 struct sanitizer {
@@ -10,11 +11,14 @@ struct sanitizer {
     struct spirv_edit edit;
     uint32_t glsl;
     uint32_t file, line;     /* of the operation; file 0: text of the generator */
+    unsigned kind;           /* of the next sites */
+    uint32_t function;       /* that is written */
     uint32_t label;          /* of the block that is written; 0: none yet */
     bool begun;              /* the variables of the function are written */
     struct spirv_words seen; /* pairs of a hash of file, line and word, and the operations so far */
     uint32_t *counters;      /* by label of a loop's header: its variable; 0: no loop */
     struct assigned *ids;    /* by id */
+    struct content *content; /* of content.c */
     struct spirv_words variables; /* of this pass, in the private storage class */
 };
 
@@ -31,7 +35,72 @@ uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name,
 /* Appends place and operation. */
 void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site);
 
-/* assigned.c: before a function is written, and around each instruction. */
+/* The same of a site with its text; file, line and operation are added. */
+uint32_t sanitizer_add(struct sanitizer *s, struct sanitize_site *site);
+uint32_t sanitizer_vector(struct sanitizer *s, uint32_t scalar, uint32_t count); /* the type */
+bool sanitizer_has(const struct sanitizer *s, const char *mangled); /* such a function */
+
+/* ---- pointers.c: where in memory an operation reads or stores -------------------------------- */
+
+struct memory {
+    uint32_t variable;           /* 0: none that is followed */
+    const struct access *access; /* NULL: a `shared` variable */
+};
+/* Of a pointer, image or sampled image. */
+struct memory memory_of(const struct sanitizer *s, uint32_t id);
+/* The variable or parameter that a pointer leads into. */
+uint32_t memory_base(const struct spirv *from, uint32_t id);
+/* Name, resource and words of an element for a site. */
+void memory_name(const struct sanitizer *s, const struct memory *memory,
+                 struct sanitize_site *site);
+uint32_t memory_shared_words(const struct sanitizer *s); /* of all `shared` variables */
+
+/* Visits each word of what a pointer leads to. word: its id; mark: of the value there, 0: none. Returns the mark of what is
+ * read there, or 0. */
+struct words {
+    struct sanitizer *s;
+    const struct memory *memory;
+    uint32_t (*visit)(struct words *words, uint32_t word, uint32_t mark);
+    uint32_t number, site; /* for the visitor */
+};
+/* mark: of the value that is stored, 0: none. Returns that of all words, 0 where no visitor returned one. */
+uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark);
+/* The index of a texel in its image, by diptych_at_B(); 0: it is not followed. */
+uint32_t memory_texel(struct sanitizer *s, const struct memory *memory, uint32_t place,
+                      uint32_t lod);
+/* The id of the cell of a texel or word: of an index by diptych_at_B(), or of a word of a `shared` variable. 0: none. */
+uint32_t memory_cell(struct sanitizer *s, const struct memory *memory, uint32_t at);
+/* diptych_NAME_B(at, ...) of the memory's binding: values get no more. Returns the result; 0: there is none. */
+uint32_t memory_call(struct sanitizer *s, const struct memory *memory, const char *name,
+                     const struct values *values);
+/* The index of a word of a buffer in its resource, by diptych_at_B(). */
+uint32_t memory_at(struct sanitizer *s, const struct memory *memory, uint32_t word);
+
+/* What an image operation touches. */
+struct texel_use {
+    uint32_t image, place, lod; /* ids; lod 0: none */
+};
+bool memory_image(const uint32_t *instruction, struct texel_use *use);
+bool memory_is_atomic(const uint32_t *instruction, bool *stores); /* on a pointer */
+
+/* ---- content.c ------------------------------------------------------------------------------- */
+
+bool content_begin(struct sanitizer *s);
+void content_enter(struct sanitizer *s, const struct spirv_function *function);
+void content_before(struct sanitizer *s, const uint32_t *instruction);
+void content_after(struct sanitizer *s, const uint32_t *instruction);
+void content_end(struct sanitizer *s); /* writes diptych_number() */
+void content_free(struct sanitizer *s);
+/* The type of marks of a value; 0: it has none. */
+uint32_t content_shape(struct sanitizer *s, uint32_t type);
+
+/* ---- race.c: race and flow ------------------------------------------------------------------- */
+
+void race_before(struct sanitizer *s, const uint32_t *instruction);
+
+/* ---- assigned.c ------------------------------------------------------------------------------ */
+
+/* Before a function is written, and around each instruction. */
 void assigned_find(struct sanitizer *s, const struct spirv_function *function);
 void assigned_reset(struct sanitizer *s, const struct spirv_function *function);
 void assigned_before(struct sanitizer *s, const uint32_t *instruction);

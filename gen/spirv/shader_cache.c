@@ -127,11 +127,10 @@ static void hash_text(XXH3_state_t *state, const struct text *glsl)
 }
 
 /* `seed` is part of the name. It seeds the hash of the content, so a renamed file is a miss. */
-static bool name_of(char name[NAME_SIZE], uint64_t *seed, const struct model *model,
-                    enum backend backend, const struct shader *shader)
+static bool cache_name(char name[NAME_SIZE], uint64_t *seed, const struct model *model,
+                       enum backend backend, const struct shader *shader)
 {
-    const uint32_t kind[] = {REWRITING, backend, shader->stage, model->pipeline.gpu,
-                             model->pipeline.fast};
+    const uint32_t kind[] = {REWRITING, backend, shader->stage, model->pipeline.gpu, shader->fast};
     const char *tools = spirv_tools();
     XXH3_state_t *state = XXH3_createState();
     if (!state)
@@ -193,7 +192,7 @@ bool shader_cache_find(struct shader_cache *cache, const struct model *model, en
 {
     char name[NAME_SIZE];
     uint64_t seed;
-    if (!cache || !name_of(name, &seed, model, backend, shader))
+    if (!cache || !cache_name(name, &seed, model, backend, shader))
         return false;
     int file = openat(cache->folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     bool found = file >= 0 && read_entry(file, seed, shader);
@@ -211,7 +210,7 @@ void shader_cache_add(struct shader_cache *cache, const struct model *model, enu
     struct head head = {.word_count = shader->word_count};
     char name[NAME_SIZE], temporary[NAME_SIZE];
     uint64_t seed;
-    if (!cache || !name_of(name, &seed, model, backend, shader))
+    if (!cache || !cache_name(name, &seed, model, backend, shader))
         return;
     head.hash = XXH3_64bits_withSeed(shader->words, size, seed);
     memcpy(head.magic, magic, sizeof magic);

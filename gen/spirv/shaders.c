@@ -4,7 +4,7 @@
  * for drivers that take text. */
 #include "shader_cache.h"
 #include "compile.h"
-#include "cross.h"
+#include "model/cross.h"
 #include "watchdog.h"
 
 #include <pthread.h>
@@ -105,14 +105,15 @@ static void compile_rest(struct jobs *jobs)
 /* ---- All ------------------------------------------------------------------------------------- */
 
 /* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
-static bool emit_pass(struct model *model, struct pass_shaders *shaders[2], uint32_t index,
-                      struct shader_cache *cache, struct job job, struct jobs *jobs,
-                      struct diag *diag)
+static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[2], uint32_t index,
+                              struct shader_cache *cache, struct job job, struct jobs *jobs,
+                              struct diag *diag)
 {
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
         struct shader *shader = &shaders[job.backend][index].stage[stage];
         shader->stage = stage;
+        shader->fast = job.pass->fast;
         shader->own = shaders[BACKEND_VK][index].stage[stage].own;
         if (!has_stage(job.pass, stage))
             continue;
@@ -208,7 +209,7 @@ static const struct text *same_text(const struct pass_shaders *shaders, uint32_t
 }
 
 /* OpenGL's GLSL text of every shader. */
-static bool write_text(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
+static bool write_glsl(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
 {
     bool good = true;
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
@@ -244,7 +245,7 @@ static void prove_draws(const struct model *model, const struct pass_shaders *sh
                         struct diag *diag)
 {
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
-        if (model->pipeline.order[i]->kind != DT_PASS_DISPATCH)
+        if (model->pipeline.order[i]->kind != DT_PASS_DISPATCH && !model->pipeline.order[i]->fast)
             prove_fixed(model->pipeline.order[i], &shaders[i].stage[STAGE_IS_FRAGMENT], diag);
 }
 
@@ -254,7 +255,8 @@ static void prove(const struct model *model, const struct pass_shaders *shaders,
 {
     for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
         for (int stage = 0; stage < 3; stage++)
-            if (shaders[i].stage[stage].word_count && writes_exact(model->pipeline.order[i]) &&
+            if (shaders[i].stage[stage].word_count && !shaders[i].stage[stage].fast &&
+                writes_exact(model->pipeline.order[i]) &&
                 (backend == BACKEND_VK || shaders[i].stage[stage].own))
                 spirv_prove(model, model->pipeline.order[i], &shaders[i].stage[stage], diag);
 }
@@ -275,7 +277,7 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
             good = false;
         }
         for (uint32_t i = 0; shaders[BACKEND_VK] && shaders[backend] && jobs.list && i < count; i++)
-            good &= emit_pass(
+            good &= emit_pass_shaders(
                 model, shaders, i, cache,
                 (struct job){.pass = model->pipeline.order[i], .backend = (enum backend)backend},
                 &jobs, diag);
@@ -289,15 +291,15 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
     if (good)
         check_listed(model, shaders[BACKEND_VK], diag);
     if (good && model->text)
-        good = write_text(model, shaders[BACKEND_GL], diag);
+        good = write_glsl(model, shaders[BACKEND_GL], diag);
     free(jobs.list);
-    if (model->pipeline.fast && model->prove)
+    if (model->pipeline.exactness == EXACTNESS_FAST && model->prove)
         diag_error(diag, model->pipeline.loc,
                    "`exactness: fast` leaves operations to the driver: nothing can be proved");
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
-        if (good && !model->pipeline.fast)
+        if (good)
             prove(model, shaders[backend], backend, diag);
-    if (good && !model->pipeline.fast && model->prove)
+    if (good && model->prove)
         prove_draws(model, shaders[BACKEND_VK], diag);
     return good && !diag_error_count(diag);
 }

@@ -16,20 +16,18 @@ struct texels {
     uint32_t at, length; /* the functions */
 };
 
-static uint32_t find_function(const struct spirv *module, const char *format, const char *name)
+/* 0: there is none. */
+static uint32_t find_texel_function(const struct spirv *module, const char *format,
+                                    const char *name)
 {
     char wanted[96];
     snprintf(wanted, sizeof wanted, format, name);
-    for (uint32_t i = 0; i < module->function_count; i++) {
-        const char *found = spirv_name(module, module->functions[i].id);
-        if (found && !strcmp(found, wanted))
-            return module->functions[i].id;
-    }
-    return 0;
+    const struct spirv_function *found = spirv_find_function(module, wanted);
+    return found ? found->id : 0;
 }
 
 /* The variable of the block NAME_block; 0: there is none. */
-static uint32_t find_buffer(const struct spirv *module, const char *name)
+static uint32_t find_texel_buffer(const struct spirv *module, const char *name)
 {
     char block[96];
     snprintf(block, sizeof block, "%s_block", name);
@@ -125,9 +123,9 @@ static void put_instruction(struct texels *texels, const uint32_t *instruction)
 bool spirv_texels(struct spirv *module, const char *name)
 {
     struct texels texels = {.module = module,
-                            .variable = find_buffer(module, name),
-                            .at = find_function(module, "%s_at(u1;", name),
-                            .length = find_function(module, "%s_length(", name)};
+                            .variable = find_texel_buffer(module, name),
+                            .at = find_texel_function(module, "%s_at(u1;", name),
+                            .length = find_texel_function(module, "%s_length(", name)};
     if (!texels.variable || !texels.at || !texels.length)
         return true;
     spirv_edit_begin(&texels.edit, module);

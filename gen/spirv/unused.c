@@ -77,8 +77,9 @@ static void check_access(const struct pass *pass, const struct pass_shaders *sha
     static const char *const constants[] = {"_count", "_size", NULL}, *const alone[] = {"", NULL};
     const char *word = access_word(access);
     bool target = access->kind & DT_WRITE_COLOR;
-    if (is_silent(pass, access) || reads_by_range(pass, access) ||
-        mentions(pass, word, constants) || (target && mentions(pass, word, alone)) ||
+    if (is_silent(pass, access) || (target && files_are_whole(pass->files)) ||
+        reads_by_range(pass, access) || mentions(pass, word, constants) ||
+        (target && mentions(pass, word, alone)) ||
         (!target && access->binding >= 0 && has_binding(shaders, access->binding)))
         return;
     diag_warning(diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it",

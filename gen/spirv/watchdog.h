@@ -6,7 +6,8 @@
 
 #include <stdbool.h>
 
-enum { SPEC_SECONDS = 60 }; /* of processor time, which is enough for a hundred of ssvp's size */
+enum { SPEC_GIBIBYTES = 8 }; /* of memory, of diptych-gen */
+enum { SPEC_SECONDS = 60 };  /* of processor time, which is enough for a hundred of ssvp's size */
 
 /* From here on, the process ends with status 1 after so many seconds of processor time of all its
  * threads, and when C++ code runs out of memory. False: errno. */

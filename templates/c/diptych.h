@@ -86,17 +86,19 @@ struct dt_field {
 /* How far the two backends may differ in one resource; see the spec's `contracts`. */
 enum dt_contract_kind {
     DT_CONTRACT_EXACT,
-    DT_CONTRACT_ULP,   /* tolerance: units in the last place */
-    DT_CONTRACT_ABS,   /* tolerance: absolute */
-    DT_CONTRACT_REL,   /* tolerance: relative to the larger magnitude */
-    DT_CONTRACT_IMAGE, /* tolerance: absolute, beyond which a texel is an outlier */
-    DT_CONTRACT_FLIPS, /* tolerance: elements that may have another value */
-    DT_CONTRACT_RASTER /* tolerance: share of the texels that may differ, all at edges, 0..1 */
+    DT_CONTRACT_ULP,    /* tolerance: units in the last place */
+    DT_CONTRACT_ABS,    /* tolerance: absolute */
+    DT_CONTRACT_REL,    /* tolerance: relative to the larger magnitude */
+    DT_CONTRACT_IMAGE,  /* tolerance: absolute, beyond which a texel is an outlier */
+    DT_CONTRACT_FLIPS,  /* tolerance: elements that may have another value */
+    DT_CONTRACT_RASTER, /* tolerance: share of the texels that may differ, all at edges, 0..1 */
+    /* tolerance: of each copy, relative to what exact arithmetic makes of the same inputs; outliers: as IMAGE */
+    DT_CONTRACT_OF_EXACT
 };
 struct dt_contract {
     enum dt_contract_kind kind;
     double tolerance; /* unused for EXACT */
-    double outliers;  /* IMAGE: share of texels that may be outliers, 0..1 */
+    double outliers;  /* IMAGE, OF_EXACT: share of texels that may be outliers, 0..1 */
     /* FLIPS: buffer (index into resources) and field with the margin of each element: how narrowly
      * its value was decided; margin_field -1: none */
     uint16_t margin_resource;
@@ -128,6 +130,7 @@ struct dt_resource {
     enum dt_shape shape;
     bool layered; /* texels have a third coordinate: not a single 2D image */
     uint32_t mips;
+    bool top; /* row 0 is the first of a picture, not the last */
 };
 
 enum dt_pass_kind {
@@ -289,7 +292,8 @@ struct dt_frame {
     struct dt_view previous_camera;
     float jitter[2]; /* pixels by which the camera's picture is moved, -0.5 to 0.5 */
     float time;      /* seconds */
-    uint32_t first;  /* 1: index is 0, or no frame was rendered since resize */
+    /* 1: index is 0, or no frame was rendered since resize, unless it has kept all history */
+    uint32_t first;
 };
 static_assert(sizeof(struct dt_frame) == 288 * 3 + 64 + 48, "std140");
 
@@ -335,7 +339,10 @@ struct dt_runtime_options {
     bool labels; /* vk: names for debuggers, as `debug` gives; gl has them always */
     bool glsl;   /* gl: programs from GLSL text instead of SPIR-V */
     bool timing; /* timestamps around every pass */
-    /* 1..255: new resources without history are filled with this byte; 0: not filled */
+    /* Resources with history keep their content over resize and create, where name, size and layout
+     * are the same. Not after a failed frame, nor from one not rendered to its end. */
+    bool keep_history;
+    /* 1..255: resources without history are filled with this byte before their first use in each frame; 0: not filled */
     int poison;
     /* vk: omits the barrier of this number, to test whether its absence is detected; 0: none.
      * Counts from 1 over the frame in recording order. Logs its pass and resource. An observer
@@ -393,6 +400,9 @@ struct dt_window_frame {
     uint32_t vertex_count;
     const struct dt_window_draw *draws;
     uint32_t draw_count;
+    /* NULL, or gets what is shown: RGBA8, row 0 at the top, in its width and height; left as it is
+     * while nothing is shown. The caller frees its data */
+    struct dt_bytes *photo;
 };
 
 /* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the pointer
@@ -403,6 +413,7 @@ struct dt_runtime {
     const char *(*device_name)(void *runtime);
     const char *(*driver)(void *runtime); /* its name and version, as it tells them */
     bool (*is_software)(void *runtime);
+    uint64_t (*most_texels)(void *runtime); /* elements of a texel buffer */
     bool (*set_scene)(void *runtime,
                       const struct dt_scene *scene); /* before resize; replaces the old scene */
     bool (*create)(void *runtime,

@@ -8,7 +8,13 @@
  *     texels.origin = TAP_TOP;                                (where row 0 is)
  *     texels.bytes = pixels;
  *     tap_image(tap, "lighting", "radiance", &texels);
+ *     struct tap_field fields[] = {{"position", "vec3", 0, 0, 0}, {"power", "float", 12, 0, 0}};
+ *     tap_buffer(tap, "lighting", "lights", lights, count, 16, fields, 2);
  *     if (!tap_close(tap)) ...                                (the folder has no manifest)
+ *
+ * The origin is that of your memory: where y grows upwards from row 0, as in OpenGL's textures and many software
+ * renderers, it is TAP_BOTTOM. Formats may differ between two renderers, and layouts of fields; sizes may not. More than
+ * one frame: tap_frame before each, with the same numbers in both.
  *
  * Use the same names of passes and resources in both renderers. Call in the order of execution, from one
  * thread. diptych_tap_gl.h and diptych_tap_vk.h read textures and buffers back. Failures are printed once,
@@ -126,14 +132,20 @@ TAP_FUNCTION char *tap_path(const struct tap *tap, const char *name)
     return path;
 }
 
-/* "03.lighting.radiance.raw", with _ for what is no letter, digit, - or _. */
+/* Puts _ for what is no letter, digit, dot, +, - or _. */
+TAP_FUNCTION void tap_clean(char *name)
+{
+    for (char *c = name; *c; c++)
+        if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.+", *c))
+            *c = '_';
+}
+
+/* "0003.lighting.radiance.raw". */
 TAP_FUNCTION void tap_name(const struct tap *tap, const char *pass, const char *resource,
                            char *name, size_t size)
 {
     snprintf(name, size, "%04u.%.80s.%.80s.raw", tap->count, pass, resource);
-    for (char *c = name; *c; c++)
-        if (!strchr("abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.", *c))
-            *c = '_';
+    tap_clean(name);
 }
 
 /* `rows` rows of `size` bytes, `stride` bytes apart, in each layer. */
@@ -299,6 +311,30 @@ TAP_FUNCTION void tap_buffer(struct tap *tap, const char *pass, const char *reso
         tap_write(tap, "}", 1);
     }
     tap_write(tap, "]}", 2);
+}
+
+/* For `diptych compare A B --run PROGRAM`, which calls PROGRAM PASS INPUTS OUTPUTS FRAME to run a pass of B's renderer
+ * on A's resources: reads one from the folder INPUTS, as it was before the pass, in the form in which B taps it, without
+ * padding. Then run the pass and tap what it writes into the folder OUTPUTS. 0: the reason was printed. */
+TAP_FUNCTION int tap_input(const char *folder, const char *resource, unsigned mip, void *bytes,
+                           size_t size)
+{
+    struct tap tap;
+    char name[200], number[24];
+    memset(&tap, 0, sizeof tap);
+    tap.folder = (char *)folder;
+    snprintf(number, sizeof number, mip ? ".mip%u.raw" : ".raw", mip);
+    snprintf(name, sizeof name, "%.170s%s", resource, number);
+    tap_clean(name);
+    char *path = tap_path(&tap, name);
+    FILE *file = path ? fopen(path, "rb") : NULL;
+    int good = file && fread(bytes, 1, size, file) == size && fgetc(file) == EOF;
+    if (!good)
+        tap_fail(&tap, file ? "has another size" : strerror(errno), name);
+    if (file)
+        fclose(file);
+    free(path);
+    return good;
 }
 
 /* Writes the manifest and frees the tap. 0: something failed, and the folder is no dump. */

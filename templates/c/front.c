@@ -343,10 +343,12 @@ static bool take_program(struct dt_core *core, const struct made *before, uint32
 
 static void release_resources(struct dt_core *core)
 {
+    if (core->resources)
+        dt_history_keep(core);
     for (uint32_t i = 0; core->programs && i < core->pipeline->pass_count; i++)
         core->backend->disconnect_program(core, dt_program(core, i));
     for (uint32_t i = core->pipeline->resource_count; core->resources && i-- > 0;)
-        core->backend->destroy_resource(core, i);
+        core->backend->destroy_resource(core, dt_resource(core, i));
     if (core->backend->release_memory)
         core->backend->release_memory(core);
     core->width = core->height = 0;
@@ -379,11 +381,12 @@ static struct made take_apart(struct dt_core *core)
     free(core->ran);
     free(core->written);
     free(core->imported);
+    free(core->resumed);
     free(core->live);
     core->live = NULL;
     core->slot = 0;
     core->resources = core->programs = core->samplers = NULL;
-    core->ran = core->imported = NULL;
+    core->ran = core->imported = core->resumed = NULL;
     core->written = NULL;
     core->shaders = NULL;
     core->panel = NULL;
@@ -391,10 +394,17 @@ static struct made take_apart(struct dt_core *core)
     return made;
 }
 
-void dt_front_destroy(struct dt_core *core)
+static void destroy_pipeline(struct dt_core *core)
 {
     struct made made = take_apart(core);
     destroy_programs(core, &made);
+}
+
+void dt_front_destroy(struct dt_core *core)
+{
+    core->keep_history = false;
+    destroy_pipeline(core);
+    dt_history_drop(core);
 }
 
 static bool allocate(struct dt_core *core)
@@ -411,9 +421,10 @@ static bool allocate(struct dt_core *core)
     core->ran = calloc(dt_run(core, core->frames, 1), sizeof *core->ran);
     core->written = calloc(core->pipeline->resource_count + 1, sizeof *core->written);
     core->imported = calloc(core->pipeline->resource_count + 1, sizeof *core->imported);
+    core->resumed = calloc(core->pipeline->resource_count + 1, sizeof *core->resumed);
     core->live = calloc(1, core->pipeline->block_size + 1);
     return (core->resources && core->programs && core->samplers && core->ran && core->written &&
-            core->imported && core->live) ||
+            core->imported && core->resumed && core->live) ||
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
@@ -472,7 +483,7 @@ bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
         good = make(core, &before, from);
         destroy_programs(core, &before);
         if (!good)
-            dt_front_destroy(core);
+            destroy_pipeline(core);
     }
     return leave(core, good);
 }
@@ -498,7 +509,8 @@ static bool create_resource(struct dt_core *core, uint32_t index)
 {
     uint32_t extent[3];
     extent_of(core, index, extent);
-    return core->backend->create_resource(core, index, extent);
+    return dt_history_take(core, index, extent) ||
+           core->backend->create_resource(core, index, extent);
 }
 
 static bool create_resources(struct dt_core *core)
@@ -510,7 +522,7 @@ static bool create_resources(struct dt_core *core)
         good = create_resource(core, i);
     good = good && (!backend->place_resources || backend->place_resources(core));
     for (uint32_t i = 0; good && i < count; i++)
-        good = backend->fill_resource(core, i);
+        good = core->resumed[i] || backend->fill_resource(core, i);
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
         good = backend->connect_program(core, dt_program(core, i), i);
     return good;
@@ -561,7 +573,11 @@ static bool check_geometry(const struct dt_core *core, uint32_t pass)
         if ((program->attributes & ~core->attributes) >> i & 1)
             return dt_error(core, "resize: the pass %s reads %s; give it to import_scene",
                             pass_name(core, pass), dt_attributes[i].name);
-    return true;
+    return core->numbered || !(program->attributes >> DT_TRIANGLE & 1) ||
+           dt_error(core,
+                    "resize: the pass %s reads vertex_triangle; number the triangles by "
+                    "dt_number_triangles, and tell import_scene that they are `numbered`",
+                    pass_name(core, pass));
 }
 
 static bool check_work(struct dt_core *core);
@@ -592,10 +608,15 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
         release_resources(core);
         core->width = width;
         core->height = height;
+        memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
+        memset(core->resumed, 0, core->pipeline->resource_count * sizeof *core->resumed);
         good = check_sizes(core) && create_resources(core);
         if (!good)
             release_resources(core);
-        memset(core->written, 0, core->pipeline->resource_count * sizeof *core->written);
+        else
+            dt_history_drop(core);
+        core->has_camera =
+            good && core->keep_history && core->kept_camera && dt_history_goes_on(core);
         core->sized = good;
     }
     return leave(core, good);
@@ -637,8 +658,9 @@ bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offse
                     (unsigned long long)size, core->device_name, (unsigned long long)most);
 }
 
-bool dt_front_import_scene(struct dt_core *core, uint32_t index_count)
+bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered)
 {
+    core->numbered = numbered;
     core->sized = false; /* programs are connected with the former scene until the next resize */
     return (index_count && index_count % 3 == 0) ||
            dt_error(core, "import_scene: %u indices, but triangles have three each", index_count);
@@ -786,6 +808,39 @@ static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
     return enter(core) ? action : DT_STOP; /* the observer may have used other contexts */
 }
 
+static bool writes(const struct dt_core *core, uint32_t pass, uint32_t resource)
+{
+    const struct dt_pass *info = &core->pipeline->passes[pass];
+    for (uint32_t i = 0; i < info->write_count; i++)
+        if (info->writes[i] == resource)
+            return true;
+    return false;
+}
+
+/* Whether a frame uses the resource from this pass on, which discards what its memory held. */
+static bool is_discarded(const struct dt_core *core, uint32_t pass, uint32_t resource)
+{
+    if (core->pipeline->resources[resource].history || !writes(core, pass, resource))
+        return false;
+    for (uint32_t earlier = 0; earlier < pass; earlier++)
+        if (writes(core, earlier, resource))
+            return false;
+    return true;
+}
+
+/* With core->poison: fills the memory that the pass discards. An observer has let all earlier work finish. */
+static bool poison(struct dt_core *core, uint32_t pass)
+{
+    bool good = true, paused = core->observer;
+    for (uint32_t i = 0; i < core->pipeline->resource_count && core->poison && good; i++) {
+        if (!is_discarded(core, pass, i))
+            continue;
+        good = (paused || core->backend->pause(core)) && core->backend->fill_resource(core, i);
+        good = good && (paused || core->backend->resume(core));
+    }
+    return good;
+}
+
 static bool begin(void *runtime, uint32_t pass, bool runs)
 {
     struct dt_core *core = runtime;
@@ -793,8 +848,10 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
     core->skips = core->outside && !core->measures;
     if (core->outside)
         return true;
-    enum dt_action action = ask_observer(core, pass);
     core->pass = pass;
+    if (!poison(core, pass))
+        return false;
+    enum dt_action action = ask_observer(core, pass);
     core->has_viewport = core->has_scissor = false;
     core->skips = action == DT_SKIP;
     runs = runs && action == DT_RUN;
@@ -1089,6 +1146,7 @@ bool dt_front_render(struct dt_core *core, const char *verb, const struct dt_fra
     core->next_pass = good && end < pipeline->pass_count ? end : 0;
     core->rendered = good && end == pipeline->pass_count;
     core->sized = good; /* else the recorded layouts may never take effect */
+    memset(core->resumed, 0, pipeline->resource_count * sizeof *core->resumed);
     return good;
 }
 
@@ -1112,6 +1170,11 @@ bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
 const char *dt_verb_device_name(void *runtime)
 {
     return ((struct dt_core *)runtime)->device_name;
+}
+
+uint64_t dt_verb_most_texels(void *runtime)
+{
+    return ((struct dt_core *)runtime)->limits.most[DT_LIMIT_TEXELS];
 }
 
 const char *dt_verb_driver(void *runtime)
@@ -1153,6 +1216,7 @@ bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
 {
     struct dt_core *core = runtime;
     core->sized = false; /* programs are connected with the former scene until the next resize */
+    core->numbered = true;
     return check_scene(core, scene) &&
            leave(core, enter(core) && core->backend->upload_scene(core, scene));
 }

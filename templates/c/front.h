@@ -20,10 +20,12 @@ struct dt_core {
     char device_name[256], driver[520];
     bool hosted; /* the host owns device or context */
     bool timing, window;
-    int poison;                                /* see struct dt_runtime_options */
-    uint32_t messages;                         /* of validation or KHR_debug so far */
-    bool lost;                                 /* a call reported a lost device */
+    bool keep_history; /* over resize and create, where a resource has the same name and layout */
+    int poison;        /* see struct dt_runtime_options */
+    uint32_t messages; /* of validation or KHR_debug so far */
+    bool lost;         /* a call reported a lost device */
     bool has_scene, has_objects, has_vertices; /* vertices: as struct dt_vertex[] */
+    bool numbered;                             /* the scene's triangles, for vertex_triangle */
     uint8_t attributes;                        /* mask by enum dt_attribute */
 
     /* The pipeline; NULL before create. */
@@ -35,11 +37,15 @@ struct dt_core {
     uint32_t width, height; /* 0: the resources do not exist */
     uint32_t *written;      /* per resource: mask of the mips written since resize */
     bool *imported;         /* per resource: uses an image or buffer of the host */
+    bool *resumed;          /* per resource: has content from before resize, and no frame since */
     bool sized;             /* a frame may be rendered: nothing has changed since resize */
     bool rendered;          /* a whole frame was rendered since resize */
-    uint32_t next_pass;     /* where the next part begins; 0: with a new frame */
-    void *live;             /* live parameters of the frame */
-    bool has_camera;        /* of the last frame since resize, without jitter */
+    struct dt_kept *kept;   /* history.c */
+    uint32_t kept_count;
+    bool kept_camera;   /* has_camera, when they were put aside */
+    uint32_t next_pass; /* where the next part begins; 0: with a new frame */
+    void *live;         /* live parameters of the frame */
+    bool has_camera;    /* of the last frame since resize, without jitter */
     struct dt_view camera;
 
     /* While a frame is recorded. */
@@ -92,11 +98,15 @@ struct dt_backend {
      * connect programs. */
     bool (*create_resource)(struct dt_core *core, uint32_t resource, const uint32_t extent[3]);
     bool (*place_resources)(struct dt_core *core); /* allocates the slots; NULL: not needed */
-    /* Fills with zero if it has history; else with core->poison, if set. */
+    /* Fills with zero if it has history; else with core->poison, if set. Nothing is in flight. */
     bool (*fill_resource)(struct dt_core *core, uint32_t resource);
     bool (*connect_program)(struct dt_core *core, void *program, uint32_t pass);
     void (*disconnect_program)(struct dt_core *core, void *program);
-    void (*destroy_resource)(struct dt_core *core, uint32_t resource);
+    void (*destroy_resource)(struct dt_core *core, void *resource);
+    /* Makes the resource the owner of its memory; false: it shares memory. */
+    bool (*detach_resource)(struct dt_core *core, uint32_t index);
+    /* Whether a detached one, of the same layout, can be this resource; if so, gives it its name. */
+    bool (*adopt_resource)(struct dt_core *core, uint32_t index, void *resource);
     void (*release_memory)(struct dt_core *core); /* after all resources; NULL: nothing to do */
 
     /* A frame or a part of one: calls dt_front_record between its own first and last commands.
@@ -190,10 +200,17 @@ extern const struct dt_field_place dt_attributes[DT_ATTRIBUTES];
 /* Whether elements of a host's buffer can be this attribute. */
 bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride);
 /* Checks that index_count fits triangles. A resize must follow. */
-bool dt_front_import_scene(struct dt_core *core, uint32_t index_count);
+bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered);
 /* `age`: 0 is the frame rendered last, 1 the one before. */
 bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms);
 void dt_front_destroy(struct dt_core *core); /* destroys the pipeline and its objects */
+
+/* history.c; nothing without keep_history. keep: before resources are destroyed. take: in place of
+ * creating one; false: create it. drop: what no resource took. goes_on: no history begins as zero. */
+void dt_history_keep(struct dt_core *core);
+bool dt_history_take(struct dt_core *core, uint32_t index, const uint32_t extent[3]);
+void dt_history_drop(struct dt_core *core);
+bool dt_history_goes_on(const struct dt_core *core);
 
 static inline void *dt_resource(const struct dt_core *core, uint32_t resource)
 {
@@ -217,6 +234,7 @@ static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 
 const char *dt_verb_device_name(void *runtime);
 const char *dt_verb_driver(void *runtime);
+uint64_t dt_verb_most_texels(void *runtime);
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders);
 bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height);

@@ -60,5 +60,6 @@ void main()
         sum += v.flux * (geometry * open[v.cluster]);
     }
     /* Half floats end at 65504. */
-    irradiance_store(p, vec4(min(sum * (float(class_count) / PI), 60000.0), 1.0));
+    if (all(equal(p / pattern_tile, invocation().xy))) /* others repeat the last pixel of the class */
+        irradiance_store(p, vec4(min(sum * (float(class_count) / PI), 60000.0), 1.0));
 }

@@ -68,5 +68,6 @@ void main()
     vec3 bounce = sum.rgb * (2.0 * PI / max(sum.w, 0.25 * float(samples)));
     float open = max(1.0 - sqrt(hidden * (PI / float(samples))), 0.0);
     vec3 irradiance = x.w > 0.0 ? bounce + ambient * (PI * open) : vec3(0.0);
-    irradiance_store(p, vec4(min(irradiance, 60000.0), 1.0)); /* half floats end at 65504 */
+    if (all(equal(p, invocation().xy))) /* invocations beside the image repeat its edge */
+        irradiance_store(p, vec4(min(irradiance, 60000.0), 1.0)); /* half floats end at 65504 */
 }

@@ -64,6 +64,9 @@ void diptych_report(const uint key, const Diptych_found found)
     diptych_reports[record + 5u] = found.d;
 }
 
+/* The findings of shadow.glsl. */
+void diptych_finish(const uint key);
+
 void diptych_flush()
 {
     uvec3 place = diptych_place(), extent = diptych_extent();
@@ -72,6 +75,7 @@ void diptych_flush()
     diptych_report(key, diptych_found[1]);
     diptych_report(key, diptych_found[2]);
     diptych_report(key, diptych_found[3]);
+    diptych_finish(key);
 }
 
 bool diptych_told(const bool bad, const float a, const float b, const uint site, const uint what)
@@ -145,7 +149,7 @@ bool diptych_shift(const int count, const uint site, const uint what)
 
 bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
 {
-    return diptych_told(any(bvec4(offset < 0, bits < 0, offset > 32, bits > 32 - offset)), uint(offset), uint(bits), site, what);
+    return diptych_told(any(bvec3(offset < 0, bits < 0, bits > 32 - offset)), uint(offset), uint(bits), site, what);
 }
 
 bool diptych_clamp(const int low, const int high, const uint site, const uint what)

@@ -35,5 +35,6 @@ void main()
     }
 
     /* Texels in the disk, pi radius^2, times flux / pi. Half floats end at 65504. */
-    irradiance_store(p, vec4(min(sum * (radius * radius), 60000.0), 1.0));
+    if (all(equal(p, invocation().xy))) /* invocations beside the image repeat its edge */
+        irradiance_store(p, vec4(min(sum * (radius * radius), 60000.0), 1.0));
 }

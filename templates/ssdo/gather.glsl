@@ -42,5 +42,6 @@ void main()
         sum += hidden ? bounce : light;
     }
     vec3 irradiance = sum * (x.w > 0.0 ? PI / float(samples) : 0.0);
-    irradiance_store(p, vec4(min(irradiance, 60000.0), 1.0)); /* half floats end at 65504 */
+    if (all(equal(p, invocation().xy))) /* invocations beside the image repeat its edge */
+        irradiance_store(p, vec4(min(irradiance, 60000.0), 1.0)); /* half floats end at 65504 */
 }

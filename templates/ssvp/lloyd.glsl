@@ -52,7 +52,7 @@ void seed(int c)
             chosen = k;
         rank += lives ? 1 : 0;
     }
-    bool seen = reuse_centres == 1 && centres[c].seen != 0u;
+    bool seen = reuse_centres == 1 && frame.first == 0u && centres[c].seen != 0u;
     centre_position[c] = seen ? centres[c].mean : points[chosen].position;
     vec3 normal = unit_or(points[chosen].normal, vec3(0.0, 0.0, 1.0));
     centre_normal[c] = seen ? centres[c].mean_normal : normal;

@@ -480,6 +480,52 @@ static void live_parameters_are_checked(void **state)
 
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
+/* Every texel of a layered image has its own place in the sheet, which leads back to it. */
+static void places_lead_to_texels(void **state)
+{
+    (void)state;
+    static const uint32_t extent[3] = {3, 2, 5}; /* a sheet of 3 x 2 layers */
+    bool seen[9 * 4] = {false};
+    for (uint64_t texel = 0; texel < 30; texel++) {
+        uint32_t place[2];
+        uint64_t back = 99;
+        picture_place(extent, texel, place);
+        assert_true(place[0] < 9 && place[1] < 4 && !seen[place[1] * 9 + place[0]]);
+        seen[place[1] * 9 + place[0]] = true;
+        assert_true(picture_texel(extent, place, &back));
+        assert_int_equal(back, texel);
+    }
+    uint64_t none;
+    assert_false(picture_texel(extent, (uint32_t[2]){8, 3}, &none)); /* of the sixth layer */
+    assert_false(picture_texel(extent, (uint32_t[2]){9, 0}, &none));
+}
+
+/* A range makes its ends black and white, whatever the channel; NaN stays magenta in false colour. */
+static void looks_have_ranges(void **state)
+{
+    (void)state;
+    const struct dt_resource resource = {
+        .name = "r", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA32F, .mips = 1};
+    float texels[3][4] = {{0, 0, 0, 10}, {0, 0, 0, 30}, {0, 0, 0, 20}};
+    const struct dt_bytes bytes = {(uint8_t *)texels, sizeof texels, {3, 1, 1}};
+    static const uint8_t expected[9] = {0, 0, 0, 255, 255, 255, 128, 128, 128};
+    struct picture_look look = {.channel = 4, .ranged = true};
+    struct ear ear;
+    const struct dt_log log = log_to(&ear);
+    struct picture picture;
+    picture_range(&resource, &bytes, 4, look.range);
+    assert_true(look.range[0] == 10 && look.range[1] == 30);
+    assert_true(picture_look(&picture, &resource, &bytes, &look, &log));
+    assert_memory_equal(picture.codes, expected, sizeof expected);
+    picture_free(&picture);
+    texels[1][3] = NAN;
+    look.tinted = true;
+    assert_true(picture_look(&picture, &resource, &bytes, &look, &log));
+    assert_memory_equal(picture.codes + 3, ((uint8_t[3]){255, 0, 255}), 3);
+    assert_memory_not_equal(picture.codes, picture.codes + 6, 3);
+    picture_free(&picture);
+}
+
 static void pictures_are_upright(void **state)
 {
     (void)state;
@@ -754,6 +800,8 @@ int main(void)
         cmocka_unit_test(components_are_named),
         cmocka_unit_test(live_parameters_are_checked),
         cmocka_unit_test(pictures_are_upright),
+        cmocka_unit_test(places_lead_to_texels),
+        cmocka_unit_test(looks_have_ranges),
         cmocka_unit_test(normals_become_colours),
         cmocka_unit_test(layers_make_a_sheet),
         cmocka_unit_test(dumps_replace_only_dumps),

@@ -13,7 +13,7 @@
 #include <libfyaml.h>
 
 #include "base/files.h"
-#include "app/view/camera.h"
+#include "app/run/camera.h"
 
 static const struct scene_camera ahead = {{1, 2, 3}, {1, 2, -1}, {0, 1, 0}, 0.7f};
 

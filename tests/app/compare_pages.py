@@ -30,6 +30,13 @@ assert len(page.all("img")) == 2 + sum(name in images for name in rows), "of the
 verdicts = [e[2] for e in page.all("td") if "DIFFERS" in e[1].get("class", "")]
 assert verdicts == ["DIFFERS"]
 assert "Guilty: pass gather (shader rsm/gather.glsl): resource irradiance, in frame 0." in text
+guilty = next(i for i, name in enumerate(rows) if name == "irradiance")
+assert f'in frame 0. <a href="#r0-{guilty}">Show it</a>' in text, "the verdict leads to the guilty pass"
+heads = [e[2] for e in page.all("th")]
+assert heads[heads.index("Verdict"):] == ["Verdict", "Of bound", "Inputs", "Own error", "Largest error"], heads
+(row,) = re.findall(r'<tr>(?:(?!</tr>).)*DIFFERS.*?</tr>', text)
+assert "<td class=\"word\">equal</td><td class=\"word\">1 differ</td>" in row, row
+assert text.count('class="stop"') == 1, "j leads to what differs"
 heights = re.search(r'<div class="bins">(.*?)</div>', text, re.DOTALL)[1]
 assert re.findall(r"<span>([^<]*)</span>.*<b>([0-9]*)</b>", heights) == [("8192 to 16383", "4")], heights
 

@@ -280,22 +280,24 @@ check "--update alone" refuses "needs --golden" "${mine[@]}" --size 8x8 --update
 # ---- Processes ---------------------------------------------------------------------------------------------------------
 
 # shellcheck disable=SC2317
+has_workers() { # text: three processes have it in their command
+    [ "$(pgrep -fc -- "$1")" -ge 3 ]
+}
+# shellcheck disable=SC2317
+all_gone() { # text: no process has it in its command
+    ! pgrep -f -- "$1" >/dev/null
+}
+# shellcheck disable=SC2317
 alone() { # signal status: a comparison that the signal ends leaves no worker
     local mark=$work/mark-$1 got
     "$diptych" compare --scene "$scene" --size 640x360 --frames 1000 --json "$mark" >"$work/table" 2>"$work/said" &
     local parent=$!
-    for _ in $(seq 100); do
-        [ "$(pgrep -fc -- "$mark")" -ge 3 ] && break
-        sleep 0.1
-    done
+    wait_until has_workers "$mark"
     kill "-$1" "$parent"
     wait "$parent"
     got=$?
     cat "$work/said"
-    for _ in $(seq 20); do
-        pgrep -f -- "$mark" >/dev/null || break
-        sleep 0.1
-    done
+    wait_until all_gone "$mark"
     echo "exit status $got, left: $(pgrep -f -- "$mark" | xargs)"
     [ "$got" = "$2" ] && ! pgrep -f -- "$mark" && ! grep 'error:' "$work/said" && [ ! -s "$work/table" ] && [ ! -e "$mark" ]
 }

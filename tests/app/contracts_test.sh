@@ -71,4 +71,19 @@ check "an image that differs has one" pictures 1 --fault vk:paint:texel:9
 check "... of both sides: 1.25 against 0" grep -qF "02.paint.stripes.png: difference x 0.5" "$work/found"
 check "a missing pass has one of each" pictures 3 --fault vk:paint:missing
 check_status 2 "a folder that cannot be made" "${compare[@]}" --pictures "$0/folder"
+
+# The table's share of the bound, contracts of a file in place of the spec's, and measured ones.
+printf 'stripes: {abs: 5}\nsides: {flips: 4, margin: side_margins}\nside_margins: {abs: 0.001}\n' >"$work/wide.yaml"
+check "a file's contracts replace the spec's" finds 0 "all 9 resources of 3 passes agree" "${compare[@]}" --contracts "$work/wide.yaml" --fault vk:paint:texel:9
+check "... and the share of the bound stands in the table" grep -Eq '^paint +stripes .* within +25 %  1.25 at' "$work/found"
+check "... with margins that they name" finds 0 "; margin gl 0 (0x00000000), vk 5.9604645e-08 (0x33800000)" "${flip[@]}" --contracts "$work/wide.yaml"
+printf 'sums: {image: {max: 1}}\n' >"$work/wrong.yaml"
+check_status 2 "outliers of a buffer are refused" "${compare[@]}" --contracts "$work/wrong.yaml"
+check "runs are measured, side by side" finds 0 "equal in all runs" "${compare[@]}" --measure 2 --write-contracts "$work/measured.yaml"
+check "... and the contracts are read again" finds 1 "grown: stripes, difference of backends: none when it was measured, is 1.25" \
+    "${compare[@]}" --measure 2 --contracts "$work/measured.yaml" --fault vk:paint:texel:9
+check "memory that no pass has written is noise" finds 1 "grown: stripes, noise of vk: none when it was measured" \
+    "${compare[@]}" --measure 2 --contracts "$work/measured.yaml" --fault vk:paint:missing
+check_status 2 "too many processes" "${compare[@]}" --measure 33
+check_status 2 "a dump is one run" "${compare[@]}" --measure 2 --against "$work"
 finish

@@ -6,10 +6,10 @@ cd "$root" || exit 1
 grey=(--spec tests/specs/grey.yaml --size 16x8)
 
 # shellcheck disable=SC2317 # called through check
-refuses() { # text command...: exit status 1 or 2, with that message, within 20 s and 1 GB
+refuses() { # text command...: exit status 1 or 2, with that message, within 20 s of processor time and 4 GB
     local text=$1 status
     shift
-    (ulimit -v 4000000 && timeout 20 "$@") >"$work/said" 2>&1
+    (ulimit -v 4000000 && limited 20 "$@") >"$work/said" 2>&1
     status=$?
     cat -v "$work/said"
     [[ $status = [12] ]] && grep -qF -- "$text" "$work/said"
@@ -167,6 +167,7 @@ cat >"$work/driver/spy.c" <<'END'
 #include <net/if.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <sys/resource.h>
 #include <unistd.h>
 __attribute__((constructor)) static void spy(void)
 {
@@ -174,6 +175,10 @@ __attribute__((constructor)) static void spy(void)
     int count = 0;
     while (names && names[count].if_index)
         count++;
+    struct rlimit memory, seconds;
+    getrlimit(RLIMIT_DATA, &memory);
+    getrlimit(RLIMIT_CPU, &seconds);
+    fprintf(stderr, "limits: %d GiB, %d s\n", (int)(memory.rlim_cur >> 30), (int)seconds.rlim_cur);
     fprintf(stderr, "spy: file %s, variable %s, written %s, networks %d\n", access(SECRET, R_OK) ? "no" : "yes",
             getenv("SPY_SECRET") ? "yes" : "no", access(FOLDER, W_OK) ? "no" : "yes", count);
 }
@@ -193,6 +198,7 @@ spied() { # text option...: replays with that driver
 if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
     check "a replay sees no files, no variables, no network, and writes nothing" \
         spied "file no, variable no, written no, networks [01]$"
+    check "... and has limits of memory and time" grep -q "^limits: 16 GiB, 1800 s$" "$work/said"
     # shellcheck disable=SC2016
     check "... but as JSON what it found" \
         bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"

@@ -39,6 +39,9 @@ arrays("ulp", gbuffer__depth=up(depth, 1), light__radiance=radiance, count__bins
 arrays("ulp9", gbuffer__depth=depth, light__radiance=up(radiance, 9), count__bins=bins)
 holes = depth.copy(); holes[1, 1:3] = np.nan; holes[2, 2] = np.inf
 arrays("nan", gbuffer__depth=holes)
+signs = np.zeros((6, 8), np.float32)
+arrays("zeros", a__b=signs)
+arrays("minus", a__b=-signs)
 more_holes = holes.copy(); more_holes[4, 4] = np.nan
 arrays("nan2", gbuffer__depth=more_holes)
 arrays("size", a__b=depth.reshape(1, 6, 8, 1))
@@ -60,6 +63,42 @@ mixed = np.array([(0.5, 3)] * 20, "f4,u4")
 manifest("integers", mixed, {**buffer, "stride": 8, "fields": fields})
 mixed["f1"][3] = 4
 manifest("other_integers", mixed, {**buffer, "stride": 8, "fields": fields})
+
+# Triangle numbers of two halves, and a picture that differs beside their edge alone, or elsewhere too.
+ids = np.where(np.arange(8) < 4, 1, 2).astype(np.uint32) * np.ones((6, 1), np.uint32)
+edge = depth.copy(); edge[2, 4] += 1
+elsewhere = edge.copy(); elsewhere[2, 7] += 1
+for name, picture in ("drawn", depth), ("at_edge", edge), ("elsewhere", elsewhere):
+    arrays(name, draw__ids=ids, draw__picture=picture)
+flags, distance = np.zeros(9, np.uint32), np.linspace(0, 1, 9).astype(np.float32)
+arrays("flags", cull__visible=flags, cull__distance=distance)
+flipped = flags.copy(); flipped[1] = 1
+arrays("flipped", cull__visible=flipped, cull__distance=distance)
+speck = radiance.copy(); speck[0, 0] += 1
+arrays("speck", gbuffer__depth=depth, light__radiance=speck, count__bins=bins)
+for name, text in {"raster": "picture: {raster: 3%}", "flips": "visible: {flips: 2, margin: distance}", "no_margin": "visible: {flips: 2, margin: distence}",
+                   "image": "radiance: {image: {max: 1/255, outliers: 4%}}", "two": "radiance: {ulp: 1, abs: 1}", "share": "radiance: {raster: 300%}"}.items():
+    open(name + ".yaml", "w").write(text + "\n")
+# Three runs of each side: the second has noise of 1 ulp, and is 0.001 away; later noise grows, then the difference.
+for name, noise, away in ("gl", 0, 0), ("vk", 1, 1e-3), ("noisy", 400, 1e-3), ("far", 1, 0.1):
+    for k in range(3):
+        arrays(f"runs/{name}/{k}", gbuffer__depth=depth, light__radiance=up(radiance, noise * k) + np.float32(away))
+
+# Runs of two versions of one backend: codes, counts, few texels far off, rounding.
+for version in range(2):
+    for k in range(2):
+        folder = f"versions/{version}/{k}"
+        os.makedirs(folder)
+        codes = np.full((20, 60, 4), 100, np.uint8); codes[3, 3 + k] += 1 + 4 * version
+        counts = np.arange(50, dtype=np.uint32); counts[: 3 * version] += 1
+        far = np.tile(radiance[:, :, :1], (20, 20, 1))[:100, :100, 0].copy() + np.float32(1e-4 * k); far[7, 7] += np.float32(version)
+        near = up(depth, 5 * version)
+        entries = []
+        for name, a, more in (("codes", codes, {"format": "rgba8"}), ("far", far, {"format": "r32f"}), ("near", near, {"format": "r32f"}),
+                              ("counts", counts, {"kind": "buffer", "count": 50, "stride": 4, "fields": [{"name": "", "type": "uint", "offset": 0}]})):
+            a.tofile(f"{folder}/{name}.raw")
+            entries.append({"pass": "p", "resource": name, "file": name + ".raw", "kind": "image", "width": a.shape[1] if a.ndim > 1 else 1, "height": a.shape[0], **more})
+        json.dump({"version": 1, "backend": "gl", "entries": entries}, open(f"{folder}/manifest.json", "w"))
 
 open("loose.yaml", "w").write("default: exact\nlight.radiance: {rel: 1e-5}\n")
 open("wrong.yaml", "w").write("default: exact\nradience: {rel: 1e-5}\n")

@@ -450,6 +450,34 @@ static void materials_are_those_of_the_file(void **state)
     scene_free(&scene);
 }
 
+/* What a material has beyond what scenes keep is told, each once. */
+static void more_is_told(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard;
+    static const char *const told[] = {
+        "`normalTexture` is not supported", "the alpha of `baseColorFactor` is not supported",
+        "`alphaMode` BLEND is not supported; materials without texture are opaque",
+        "materials[2].baseColorFactor: 5 is not from 0 to 1", "animations are not supported"};
+    put_texel("a.png", 1);
+    put_gltf(&(struct file){
+        .top =
+            ",\"materials\":[{\"alphaMode\":\"MASK\",\"normalTexture\":{\"index\":0},"
+            "\"pbrMetallicRoughness\":{\"baseColorFactor\":[1,1,1,0.2]}},"
+            "{\"alphaMode\":\"BLEND\"},{\"pbrMetallicRoughness\":{\"baseColorFactor\":[5,1,1,1]}}],"
+            "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.png\"}],"
+            "\"animations\":[{\"channels\":[],\"samplers\":[]}]"});
+    assert_true(try(&scene, "a.gltf", &heard));
+    for (size_t i = 0; i < DT_ARRAY_COUNT(told); i++)
+        if (!strstr(heard.text, told[i]))
+            fail_msg("not told: %s", told[i]);
+    assert_int_equal(heard.count[DT_WARNING], DT_ARRAY_COUNT(told));
+    scene_free(&scene);
+    assert_refused(&(struct file){.top = ",\"materials\":[{\"emissiveFactor\":[0,-1,0]}]"},
+                   "materials[0].emissiveFactor: -1 is negative");
+}
+
 /* ---- Extensions ------------------------------------------------------------------------------ */
 
 static void unknown_extensions_are_named(void **state)
@@ -643,6 +671,7 @@ int main(void)
         cmocka_unit_test(wrong_numbers_are_named),
         cmocka_unit_test(material_chooses_texture_coordinates),
         cmocka_unit_test(samplers_are_told),
+        cmocka_unit_test(more_is_told),
         cmocka_unit_test(embedded_pictures_are_layers),
         cmocka_unit_test(materials_are_those_of_the_file),
         cmocka_unit_test(unknown_extensions_are_named),

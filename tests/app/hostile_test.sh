@@ -48,7 +48,7 @@ sed "s|shader: fill.glsl|shader: zero|" "$work/fill.yaml" >"$work/body_zero.yaml
 refuses() { # text command...
     local text=$1 status
     shift
-    timeout 20 "$@" >"$work/said" 2>&1
+    limited 20 "$@" >"$work/said" 2>&1
     status=$?
     cat "$work/said"
     [[ $status = [12] ]] && grep -qF -- "$text" "$work/said"
@@ -77,7 +77,7 @@ if [ -n "${DIPTYCH_LONG:-}" ]; then # every call, for a small pipeline; a large 
     small=("$gen" "$work/fill.yaml" --templates templates -o "$out")
     check "a small generation when any call fails" env "OLD=--set exactness=fast" FOREIGN=1 "${failing[@]}" 0 "$out" -- "${small[@]}"
 fi
-check "generation when a call fails" env "OLD=--set bins=8" "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
+check "generation when a call fails" env "OLD=--set bins=8" FOREIGN=1 "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
 # shellcheck disable=SC2317
 sweeps_its_own() { # removes temporary files of a killed run, but no file with a similar name
     mkdir -p "$out"
@@ -105,20 +105,21 @@ for backend in gl vk; do
 done
 
 # shellcheck disable=SC2317
+has_children() { # pid
+    pgrep -f "$work/orphans" | grep -vqx "$1"
+}
+# shellcheck disable=SC2317
+are_gone() {
+    ! pgrep -f "$work/orphans" >/dev/null
+}
+# shellcheck disable=SC2317
 leaves_nobody() { # command...: killed once its children run
     "$@" >"$work/said" 2>&1 &
     local pid=$! began=no
-    for _ in $(seq 300); do
-        ! pgrep -f "$work/orphans" | grep -vqx "$pid" || began=yes
-        [ "$began" = no ] || break
-        sleep 0.1
-    done
+    wait_until has_children "$pid" && began=yes
     sleep 0.5
     kill -KILL "$pid"
-    for _ in $(seq 100); do
-        pgrep -f "$work/orphans" >/dev/null || { [ "$began" = yes ] && return; }
-        sleep 0.1
-    done
+    wait_until are_gone && [ "$began" = yes ] && return
     cat "$work/said"
     pgrep -af "$work/orphans"
     return 1
@@ -134,7 +135,7 @@ check "... a killed comparison" leaves_nobody "$diptych" compare --scene scenes/
 warns() { # text command...: prints the warning and succeeds
     local text=$1
     shift
-    timeout 60 "$@" >"$work/said" 2>&1 || { cat "$work/said"; return 1; }
+    limited 60 "$@" >"$work/said" 2>&1 || { cat "$work/said"; return 1; }
     cat "$work/said"
     grep -qF -- "$text" "$work/said"
 }
@@ -150,8 +151,51 @@ check "a mesh that is a device" refuses "/dev/zero: it is no regular file" "${sc
 check "materials" refuses "zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
 check "nodes that double" refuses "doubling.dae: reading it takes more memory than there is" "${scene[@]}" --scene "$work/doubling_nodes.yaml"
 check "too few open files" refuses "this process may not open so many" bash -c 'ulimit -n 7 && exec "$@"' bash "${scene[@]}" --scene scenes/cornell.yaml
+printf 'newmtl red one\r\nKd 1 0 0\n' >"$work/named.mtl"
+printf 'mtllib named.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red one\nf 1 2 3\nusemtl rde\nf 1 3 2\n' >"$work/named.obj"
+sed 's|^mesh: .*|mesh: named.obj|' scenes/cornell.yaml >"$work/named.yaml"
+check "a material that no library has" warns "named.obj: no material library has \`rde\`, which" "${scene[@]}" --scene "$work/named.yaml"
+check "... and no other" [ "$(grep -c 'no material library' "$work/said")" = 1 ]
+printf 'newmtl a\nKd 5 0 0\nd 0.5\nmap_Bump b.png\nmap_Kd -s 2 2 2 b.png\nnewmtl a\nd 0.5\n' >"$work/more.mtl"
+sed 's/named.mtl/more.mtl/; s/red one/a/; s/rde/a/' "$work/named.obj" >"$work/more.obj"
+sed 's|^mesh: .*|mesh: more.obj|' scenes/cornell.yaml >"$work/more.yaml"
+check "what a library of materials has beyond a scene's" warns "more.mtl:5: \`map_Kd -s 2 2 2 b.png\`: options" "${scene[@]}" --scene "$work/more.yaml"
+check "... each kind once" [ "$(grep -c 'more.mtl:' "$work/said")" = 5 ]
 check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
+
+# shellcheck disable=SC2317
+has_limit() { # the process that reads a scene has one of memory
+    cat >"$work/limit.c" <<'END'
+#include <stdio.h>
+#include <sys/resource.h>
+#include <unistd.h>
+__attribute__((visibility("default"))) int setrlimit(__rlimit_resource_t kind, const struct rlimit *limit)
+{
+    if (kind == RLIMIT_AS || kind == RLIMIT_DATA)
+        fprintf(stderr, "limit %d\n", limit->rlim_cur != RLIM_INFINITY);
+    return 0;
+}
+END
+    cc -shared -fPIC -D_GNU_SOURCE -o "$work/limit.so" "$work/limit.c" && LD_PRELOAD=$work/limit.so "$@" 2>&1 | grep -q "limit 1"
+}
+check "who reads a mesh has a limit of memory" has_limit "${scene[@]}" --scene scenes/cornell.yaml
+check "... who reads a spec" has_limit "$gen" tests/specs/grey.yaml --check
+# A driver that maps its cache dies of a full disk.
+# shellcheck disable=SC2317
+full_disk() {
+    # shellcheck disable=SC2016
+    unshare -rm sh -c 'mount -t tmpfs -o size=8k none "$1" && shift && MESA_SHADER_CACHE_DIR=$0 "$@"' "$work/full" "$work/full" "$diptych" render \
+        --backend gl+glsl -o "$work/a.png" --spec tests/specs/mips.yaml --scene scenes/cornell.yaml --size 16x8 2>&1 | tee "$work/said"
+    grep -q "Mesa keeps no shaders" "$work/said" && [ -s "$work/a.png" ]
+}
+mkdir "$work/full"
+if unshare -rm mount -t tmpfs none "$work/full" 2>/dev/null; then
+    rm -f "$work/a.png"
+    check "a full disk under Mesa's cache" full_disk
+else
+    skip "a full disk under Mesa's cache" "the kernel allows no file system of its own"
+fi
 
 # ---- Evidence -------------------------------------------------------------------------------------------------------
 

@@ -53,13 +53,16 @@ fine "(lambda r: (r['kept']['kind'], r['kept']['count'], r['kept']['fields'][0][
     "${features[@]}"
 fine "(lambda p: len(p) == 12 and p['blur']['kind'] == 'draw fullscreen' and p['scene']['kind'] == 'draw scene' and
     set(p['count']['reads']) == {'color', 'label'} and set(p['count']['writes']) == {'histogram', 'pattern', 'arguments'} and
-    p['count']['shader'] == 'features_count.glsl')({p['name']: p for p in it['passes']})" "${features[@]}"
+    p['count']['shader'] == 'features_count.glsl' and p['mark']['kind'] == 'dispatch indirect' and
+    p['keep']['arguments'] == {'x': -(-300153 // 64), 'y': 1, 'z': 1} and p['slice']['arguments'] == {'layers': 3} and
+    p['halves']['arguments'] == {'layers': 1, 'indices': 'kept', 'arguments': 'draw_arguments'})({p['name']: p for p in it['passes']})" "${features[@]}"
 # shellcheck disable=SC2317
 table_has() { # in this order
     "$diptych" "${features[@]}" >"$work/table" && grep -A1 '^  histogram *buffer' "$work/table" | grep 'mean: vec3' &&
         grep -E '^  slices +image +rgba32f +8x8x3$' "$work/table" && grep -E '^  bins +int +16 +2 to 64 +histogram bins$' "$work/table"
 }
 check "list prints a table" table_has
+check "... with what passes call" grep -E '^  follow +dispatch 3 2 1 +features_follow.glsl$' "$work/table"
 fine "it['width'] == 16 and it['output'].endswith('a.exr') and it['resource'] == 'radiance' and it['backend'] == 'vk'" \
     render "${small[@]}" --backend vk -o "$work/a.exr"
 fine "it['agree'] and it['guilty'] is None and it['devices']" compare "${small[@]}"
@@ -96,8 +99,16 @@ sed -i 's/rgba32g/rgba32f/' "$wrong"
 fails "wrong GLSL" 1 "errors[-1]['file'].endswith('rsm/gather.glsl') and 'sampels' in errors[-1]['message']" render "${scene[@]}" --spec "$wrong" --size 8x8 \
     --backend vk -o "$work/b.exr"
 printf 'mesh: cornell.obj\ncamra: {}\nlight: [1]\n' >"$work/scene.yaml"
-fails "a wrong scene" 1 "[(error['line'], error['column']) for error in errors][:1] == [(2, 1)] and len(errors) >= 3" \
+fails "a wrong scene" 1 "[(error['line'], error['column']) for error in errors] == [(1, 7), (2, 1), (3, 9)]" \
     reference --scene "$work/scene.yaml" -o "$work/b.exr"
+printf 'mesh: %s\ncamera: absent\n' "$root/scenes/cornell.obj" >"$work/wish.yaml"
+fails "no such camera, which a child process says" 1 "errors[0]['file'].endswith('wish.yaml') and (errors[0]['line'], errors[0]['column']) == (2, 9)" \
+    reference --scene "$work/wish.yaml" -o "$work/b.exr"
+printf -- '- include=a.yaml\n' >"$work/overlay.yaml"
+fails "a wrong overlay" 2 "(errors[0]['line'], errors[0]['column']) == (1, 3)" render --with "$work/overlay.yaml" -o "$work/b.exr"
+# freed memory is overwritten: messages must not point into it
+MALLOC_PERTURB_=165 fails "a grid of no parameter" 2 "errors[0]['file'] == '--set' and 'no \`sampels\`' in errors[0]['message']" \
+    sweep -o "$work/sweep3" "${scene[@]}" --spec "$root/templates/rsm.yaml" --grid sampels=2,4
 fails "no picture" 1 "'file' not in errors[0] and 'absent.exr' in errors[0]['message']" metrics --reference "$work/absent.exr" --test "$work/a.exr"
 fails "no folder" 2 "'absent' in errors[0]['message']" replay "$work/absent" --backend vk
 fails "nothing to vary" 2 "'grid' in errors[0]['message'] or 'random' in errors[0]['message']" sweep -o "$work/sweep2" "${scene[@]}"
@@ -107,7 +118,7 @@ check_status 1 "a file that cannot be written" "$diptych" reference "${scene[@]}
 check "... is told before the work" [ ! -e "$work/c.exr" ]
 mkfifo "$work/pipe"
 for verb in check reference; do
-    timeout 20 cat "$work/pipe" >"$work/piped.json" &
+    limited 20 cat "$work/pipe" >"$work/piped.json" &
     if [ $verb = check ]; then
         "$build/diptych-gen" --check "$wrong" --json "$work/pipe" 2>"$work/said"
     else

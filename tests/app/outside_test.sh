@@ -107,7 +107,7 @@ check "an OpenEXR of a part of its window" says as_light window.exr ""
 check "... is zero in the rest" /usr/bin/python3 "$root/tests/app/outside.py" window said
 # shellcheck disable=SC2016
 for wrong in 'bottom.hdr:its rows and columns are `+Y 1 +X 4`' "runs.hdr:it has run lengths of Radiance's first version" \
-    "half.jpg:Premature end of JPEG file"; do
+    "half.jpg:it ends in the middle"; do
     check "${wrong%%:*} is refused" told 1 "${wrong#*:}" "$diptych" render --spec as_is.yaml --input "picture=${wrong%%:*}" --backend gl --dump large
 done
 

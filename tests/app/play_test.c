@@ -64,7 +64,7 @@ static void open_pair(struct pair *pair, const struct subject *subject)
     struct diag *diag = diag_create();
     memset(pair, 0, sizeof *pair);
     if (!spec_load(&pair->spec, &request, true, diag)) {
-        diag_flush(diag);
+        diag_print(diag, "diptych-gen", stderr);
         fail_msg("%s: cannot be read", subject->spec);
     }
     diag_free(diag);

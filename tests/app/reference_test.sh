@@ -34,10 +34,7 @@ interruption_leaves_no_trace() {
     local one=("${reference[@]}" --threads 1) # the first checkpoint comes after 2 s, in which two would trace twice as much
     "${one[@]}" --noise 0.00001 --checkpoint "$work/sums" -o "$work/cut.exr" &
     pid=$!
-    for _ in {1..200}; do
-        [ ! -e "$work/sums" ] || break
-        sleep 0.05
-    done
+    wait_until [ -e "$work/sums" ]
     kill -INT "$pid"
     wait "$pid"
     got=$?

@@ -47,6 +47,13 @@ check "... with its pass" /usr/bin/python3 "$root/tests/app/report.py" --collect
 check_status 2 "a folder without results" "$diptych" report --collect "$work"
 check_status 2 "a folder without --collect" "$diptych" report "$work/ran"
 
+# shellcheck disable=SC2317
+told_first() { # without gnuplot in PATH
+    PATH=$work/none "$diptych" report --spec "$root/templates/ssvp.yaml" -o "$work/undone" 2>"$work/said"
+    [ $? = 2 ] && [ ! -e "$work/undone" ] && grep "gnuplot: cannot be started.*install the package gnuplot-nox" "$work/said"
+}
+check "gnuplot is asked for before the work" told_first
+
 if ! command -v gnuplot >/dev/null; then
     skip "a report" "gnuplot is missing, the package gnuplot-nox"
     finish

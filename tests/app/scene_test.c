@@ -5,6 +5,7 @@
 #include "child.h"
 #include "diptych_scene.h"
 #include "image.h"
+#include "base/log.h"
 #include "mesh.h"
 #include "motion.h"
 #include "scene.h"
@@ -544,7 +545,7 @@ static void textures_keep_their_numbers(void **state)
     assert_true(codes[0] == 10 && codes[4] == 200);
     free(codes);
     put("g.obj", textured_obj);
-    put("t.mtl", "newmtl a\nmap_Kd linear.png\n");
+    put("t.mtl", "newmtl a\nmap_Kd linear.png\nnewmtl b\nnewmtl c\n");
     put("g.yaml", "mesh: g.obj\ntexture_size: 2\n" CAMERA SUN);
     load(&scene, at("g.yaml"), &heard);
     assert_int_equal(heard.count[DT_WARNING], 1);
@@ -598,6 +599,18 @@ static void textures_have_a_budget(void **state)
     assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
     assert_non_null(
         strstr(heard.text, "26 textures of 4096x4096 take 2218 MiB; 2048 is the limit"));
+    *strstr(mtl, "newmtl m9") = 0; /* little memory, but much time for small files */
+    put("t.mtl", mtl);
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_non_null(strstr(heard.text, "for 10 layers of 4096x4096, in files of "));
+    strcpy(mtl, "newmtl a\nmap_Kd a.pgm\nnewmtl b\nmap_Kd b.pgm\nnewmtl c\nmap_Kd c.pgm\n");
+    put("a.pgm", "P5 8000 8000 255\n");
+    put("b.pgm", "P5 8000 8000 255\n");
+    put("c.pgm", "P5 8000 8000 255\n");
+    put("t.mtl", mtl);
+    put("t.yaml", "mesh: t.obj\n" CAMERA SUN);
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_non_null(strstr(heard.text, "the scene's textures have 192000000 pixels"));
     assert_int_equal(heard.count[DT_WARNING], 0);
 }
 
@@ -1174,7 +1187,7 @@ static bool crash(FILE *result, void *user, const struct dt_log *log)
 {
     (void)result;
     child_opens(user);
-    log_message(log, DT_WARNING, "before");
+    report_message(log, DT_WARNING, "before");
     raise(SIGKILL); /* which no sanitizer catches */
     return true;
 }
@@ -1182,7 +1195,7 @@ static bool crash(FILE *result, void *user, const struct dt_log *log)
 static bool refuse(FILE *result, void *user, const struct dt_log *log)
 {
     (void)result;
-    log_message(log, DT_ERROR, "no %s", (const char *)user);
+    report_error(log, "no %s", (const char *)user);
     return false;
 }
 

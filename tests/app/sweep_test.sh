@@ -251,10 +251,7 @@ for row in csv.DictReader(open(folder + "/rows.csv", newline="")):
         local pid
         "${grey[@]}" --spp 400000 --measure error --backend vk --grid level=0.1,0.4 -o "$folder/held" &
         pid=$!
-        for _ in $(seq 600); do
-            [ ! -e "$folder/held/a scene/reference_16x9.json.txt" ] || break
-            sleep 0.1
-        done
+        wait_until [ -e "$folder/held/a scene/reference_16x9.json.txt" ]
         kill -INT "$pid"
         wait "$pid"
     }
@@ -314,10 +311,7 @@ interrupted() {
     sed -i 's|^mesh: .*|mesh: heavy.obj|' "$held/two.yaml"
     "${sweep[@]}" &
     pid=$!
-    for _ in $(seq 600); do
-        [ ! -e "$held/sweep/runs/1.result" ] || [ ! -e "$held/sweep/runs/2.txt" ] || break
-        sleep 0.1
-    done
+    wait_until [ -e "$held/sweep/runs/1.result" ] && wait_until [ -e "$held/sweep/runs/2.txt" ]
     kill -INT "$pid"
     wait "$pid"
 }

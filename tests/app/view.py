@@ -11,7 +11,11 @@ becomes FILE, a PPM.
   not=FILE       it is another picture than that PPM
   top=FILE       its upper third is that PPM's
   still          it has not changed for half a second
-  alarm          its lower half has a dark red panel"""
+  alarm          its lower half has a dark red panel
+  verdict=COLOR  the bar on top is that: red or green
+  like=FILE      reduced to 160x90 it is nearly that PNG; UPDATE=1 writes it"""
+import os
+import random
 import struct
 import subprocess
 import sys
@@ -32,6 +36,8 @@ def grab():
     header = struct.unpack(">25I", data[:100])
     width, height, bits, pitch = header[4], header[5], header[11], header[12]
     start, step = header[0] + header[19] * 12, bits // 8
+    if len(data) < start + height * pitch or height < 3:  # it got another size meanwhile
+        return 0, 0, []
     rows = []
     for y in range(height):
         row = data[start + y * pitch:start + y * pitch + width * step]
@@ -84,6 +90,45 @@ def is_dark_red(pixel):
     return 20 < pixel[0] and pixel[1] * 4 < pixel[0] and pixel[2] * 4 < pixel[0]
 
 
+def reduce(picture):
+    """Means of 160x90 blocks."""
+    width, height, rows = picture
+    out = []
+    for y in range(90):
+        block = [0] * 480
+        top, bottom = y * height // 90, (y + 1) * height // 90
+        for row in rows[top:bottom]:
+            for x in range(160):
+                left, right = x * width // 160 * 3, (x + 1) * width // 160 * 3
+                for c in range(3):
+                    block[x * 3 + c] += sum(row[left + c:right:3]) * 160 // width
+        out.append(bytes(min(value // (bottom - top), 255) for value in block))
+    return 160, 90, out
+
+
+def write_png(path, picture):
+    width, height, rows = picture
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    with open(path, "wb") as file:
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 0)) +
+                   chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows), 9)) + chunk(b"IEND", b""))
+
+
+def is_like(picture, path):
+    """Letters and times may be others: few blocks are far apart, and the mean is near."""
+    if picture[0] < 160 or picture[1] < 90:
+        return False
+    small = reduce(picture)
+    if os.environ.get("UPDATE"):
+        write_png(path, small)
+    kept = read(path)
+    apart = [abs(a - b) for a, b in zip(b"".join(small[2]), b"".join(kept[2]))]
+    return sum(apart) < 5 * len(apart) and sum(a > 48 for a in apart) < len(apart) // 40
+
+
 def holds(condition, picture, age):
     width, height, rows = picture
     name, _, value = condition.partition("=")
@@ -103,19 +148,56 @@ def holds(condition, picture, age):
         return picture != read(value)
     if name == "top":
         return rows[:height // 3] == read(value)[2][:height // 3]
+    if name == "verdict":
+        red, green, _ = rows[2][:3]
+        return green > red + 10 if value == "green" else red > green + 10
+    if name == "like":
+        return is_like(picture, value)
     if name == "alarm":
         lower = b"".join(rows[height // 2:])
         return sum(is_dark_red(lower[i:i + 3]) for i in range(0, len(lower), 3)) * 4 > len(lower) // 3
     raise ValueError(condition)
 
 
+def play(count):
+    seed = int(os.environ.get("SEED", random.SystemRandom().randrange(1 << 30)))
+    print(f"random input of seed {seed}", file=sys.stderr)
+    chance = random.Random(seed)
+    keys = ("Tab shift+Tab Home Up Down Next Prior space period v c plus minus g t r b h f F1 F2 F3 F4 0 1 2 w a s d q e "
+            "ctrl+z ctrl+plus ctrl+minus Return BackSpace 7").split()
+    for _ in range(count):
+        kind = chance.randrange(10)
+        print(f"mousemove {chance.randrange(1280)} {chance.randrange(720)}")
+        if kind < 4:
+            print(f"key {chance.choice(keys)}")
+        elif kind < 7:
+            print(f"click {chance.choice((1, 1, 1, 2, 3))}")
+        elif kind < 8:
+            print(f"click {chance.choice((4, 5))}")
+        else:
+            button = chance.choice((1, 1, 2, 3))
+            print(f"mousedown {button} mousemove {chance.randrange(1280)} {chance.randrange(720)}")
+            print(f"sleep 0.05 mouseup {button}")
+        print(f"sleep {chance.choice((0, 0.02, 0.1))}")
+    return 0
+
+
 def main():
+    if sys.argv[1] == "--random":  # COUNT: lines for xdotool, without what ends the window or saves many cases
+        return play(int(sys.argv[2]))
+    if sys.argv[1] == "--photo":  # PNG KEPT: a photograph of the window
+        return not is_like(read(sys.argv[2]), sys.argv[3])
     path, seconds, conditions = sys.argv[1], float(sys.argv[2]), sys.argv[3:]
     end, picture, since = time.monotonic() + seconds, None, 0
     while True:
         before, picture = picture, grab()
         since = since if picture == before else time.monotonic()
-        missing = [c for c in conditions if not (picture[2] and holds(c, picture, time.monotonic() - since))]
+        missing = []
+        for condition in conditions:  # the last is looked at only when the others hold: it may take time
+            if missing and condition == conditions[-1]:
+                break
+            if not (picture[2] and holds(condition, picture, time.monotonic() - since)):
+                missing.append(condition)
         if not missing or time.monotonic() > end:
             break
         time.sleep(0.03)

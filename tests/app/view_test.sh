@@ -17,18 +17,18 @@ small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32)
 cd "$work" || exit 1 # where screenshots go
 
 exec 3<>display.number
-Xvfb -noreset -screen 0 800x400x24 -displayfd 3 2>/dev/null &
+Xvfb -noreset -screen 0 2560x1440x24 -displayfd 3 2>/dev/null &
 server=$!
 trap 'kill $server; rm -rf "$work"' EXIT
-for _ in $(seq 100); do
-    [ ! -s display.number ] || break
-    sleep 0.1
-done
+wait_until [ -s display.number ]
 DISPLAY=:$(cat display.number)
 export DISPLAY
 unset WAYLAND_DISPLAY
 
+export XDG_CONFIG_HOME=$work/config # where the sizes of panes are kept
+mkdir -p config/diptych
 open_window() { # option...: does not wait for the first picture; `see` does
+    echo 'hidden: 1' >config/diptych/view.yaml # all but the picture
     "$diptych" view "${small[@]}" --debug --json view.json "$@" >view.out 2>view.err &
     window=$!
 }
@@ -36,14 +36,11 @@ open_window() { # option...: does not wait for the first picture; `see` does
 see() { # file condition...
     local file=$1
     shift
-    /usr/bin/python3 "$root/tests/app/view.py" "$file" 30 "$@" || { cat view.err && return 1; }
+    /usr/bin/python3 "$root/tests/app/view.py" "$file" $((tap_failed ? 60 : 600)) "$@" || { cat view.err && return 1; }
 }
 # shellcheck disable=SC2317
-says() { # text: the window's process prints the text within 30 s
-    for _ in $(seq 300); do
-        ! grep -qF -- "$1" view.err || return 0
-        sleep 0.1
-    done
+says() { # text: the window's process prints the text
+    wait_until grep -qF -- "$1" view.err && return
     cat view.err
     return 1
 }
@@ -69,15 +66,17 @@ is_told() { # status text command...
     grep -F -- "$text" told
 }
 
-# Both backends in one window, from the first picture to the last.
-open_window --backend both --size 240x180
-check "a window opens" see first.ppm shown size=480x180
+# Both backends in one window, from the first picture to the last. References are taken at rest: frame 0 has no history yet.
+open_window --backend both --size 240x180 --window 480x180
+check "a window opens, and OpenGL's half is Vulkan's half" see panels.ppm shown size=480x180 halves still
 xdotool key h
-check "OpenGL's half is Vulkan's half" see panels.ppm not=first.ppm shown halves
+check "H shows what is around the picture" see panes.ppm not=panels.ppm shown
+xdotool key h
+check "... and hides it" see bare.ppm as=panels.ppm
 xdotool key 1
 check "1 is one bounce" see one.ppm not=panels.ppm shown halves
 xdotool key 0
-check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves
+check "0 is none" see none.ppm not=one.ppm not=panels.ppm shown halves still
 check "it is what render makes of either" "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o none.png
 xdotool key c c
 check "the difference is black" see black.ppm black size=480x180
@@ -152,7 +151,7 @@ printf '#!/bin/sh\ncase $(cat "%s/try") in crash) kill -SEGV $$ ;; hang) ulimit 
     "$work" "$work/tools/build/real-gen" >tools/build/diptych-gen
 chmod +x tools/build/diptych-gen
 echo fine >try
-diptych=$work/tools/build/diptych open_window --backend vk --spec "$spec"
+diptych=$work/tools/build/diptych open_window --backend vk --window 480x270 --spec "$spec"
 check "a window whose specs are tried elsewhere" see tried.ppm shown
 for end in crash hang; do
     echo $end >try
@@ -169,22 +168,12 @@ check "... and the window ends as ever" ends 0
 
 # The screen shows the picture, row by row.
 for backend in gl vk; do
-    open_window --backend $backend --size 240x180 --set bounces=0
-    check "$backend alone" see $backend.ppm shown size=240x180
-    xdotool key h
+    open_window --backend $backend --size 240x180 --window 240x180 --set bounces=0
     check "$backend shows what render writes with the saved camera" see $backend.ppm as=saved.png
-    xdotool key space h # pauses: from here only keys and mouse change the window
-    check "$backend has a panel" see panel.ppm not=$backend.ppm still
-    xdotool mousemove 60 96 click 1
-    check "... whose table of times can be folded" see folded.ppm not=panel.ppm still
-    xdotool mousemove 85 142 mousedown 1 # bounces
-    check "... and whose sliders move" see slider.ppm not=folded.ppm still
-    xdotool mouseup 1 key h
-    check "... and change the picture" see slid.ppm not=$backend.ppm not=slider.ppm still
     xdotool key Escape
     check "$backend ends in silence" ends 0
 done
-open_window --backend gl --size 80x60 --frames 3 --screenshot all.png
+open_window --backend gl --size 80x60 --window 80x60 --frames 3 --screenshot all.png
 check "with all bounces, too" ends 0
 "$diptych" render "${small[@]}" --backend gl --size 80x60 --frames 3 -o rendered.png
 check "... it is what render makes" cmp all.png rendered.png
@@ -209,7 +198,7 @@ void main()
         picture_store(p, photo(p / 2) + tint(ivec2(0)));
 }
 END
-"$diptych" view --spec enlarge.yaml --input photo=photo.png --backend gl --size 90x42 >view.out 2>view.err &
+"$diptych" view --spec enlarge.yaml --input photo=photo.png --backend gl --size 90x42 --window 90x42 >view.out 2>view.err &
 window=$!
 check "a window with an input" see enlarged.ppm shown size=90x42
 touch TINT.PNG
@@ -222,45 +211,35 @@ check "... and ends by Esc" ends 0
 # From here on, any pipeline would do: one that opens sooner.
 small=(--scene "$scene" --spec "$work/templates/rsm.yaml" --set rsm_size=64)
 "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o saved.png
-LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x180 --set bounces=0 --frames 12 --screenshot lost.png
+LD_PRELOAD=$build/tests/view_losses.so open_window --backend vk --size 240x180 --window 240x180 --set bounces=0 --frames 12 --screenshot lost.png
 check "surfaces that are lost, and swapchains out of date" ends 0
 check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
 check "... and it is the same picture" cmp lost.png saved.png
 
 # A window manager minimises and restores the window, and a user drags its corner.
 # shellcheck disable=SC2317 # called through check
-rests() { # within 30 s, the window's process is idle for a second
-    local before after=0
-    for _ in $(seq 30); do
-        before=$after
-        after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") || return 1
-        [ $((after - before)) -gt 15 ] || return 0
-        sleep 1
-    done
-    echo "in the last second it took $((after - before)) ticks"
-    return 1
+rests() { # the window's process is idle for a second
+    local before after
+    before=$(awk '{ print $14 + $15 }' "/proc/$window/stat") && sleep 1 &&
+        after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") && [ $((after - before)) -le 15 ]
 }
 # shellcheck disable=SC2317
-is_gone() { # within 10 s, the window is not visible
-    for _ in $(seq 100); do
-        xdotool search --onlyvisible --name '^diptych' || return 0
-        sleep 0.1
-    done
-    return 1
+is_gone() { # the window is not visible
+    ! xdotool search --onlyvisible --name '^diptych'
 }
 if command -v twm >/dev/null; then
     printf '%s\n' NoTitle RandomPlacement IconifyByUnmapping NoGrabServer 'BorderWidth 0' \
         {Title,Resize,Menu,Icon,IconManager}'Font "fixed"' >twmrc # the font that any X server has
     LC_ALL=C twm -f twmrc 2>twm.err &
     for backend in gl vk; do
-        open_window --backend $backend --size 200x150 --set bounces=0
+        open_window --backend $backend --size 200x150 --window 200x150 --set bounces=0
         check "$backend under a window manager" see $backend.ppm shown
         id=$(xdotool search --name '^diptych')
-        xdotool mousemove --window "$id" 50 75 key h
-        check "... without the panel" see bare.ppm shown not=$backend.ppm still
+        xdotool mousemove --window "$id" 50 75
+        check "... at rest" see bare.ppm shown still
         xdotool windowminimize "$id"
-        check "... is gone when it is minimised" is_gone
-        check "... lets the processor be, then" rests
+        check "... is gone when it is minimised" wait_until is_gone
+        check "... lets the processor be, then" wait_until rests
         xdotool windowmap --sync "$id"
         check "... comes back as it was" see back.ppm as=bare.ppm
         xdotool key Tab
@@ -269,11 +248,11 @@ if command -v twm >/dev/null; then
             xdotool windowsize "$id" $((1 + k * 97 % 300)) $((1 + k * 53 % 200))
         done
         xdotool windowminimize "$id"
-        is_gone >/dev/null
+        wait_until is_gone >/dev/null
         xdotool windowsize "$id" 260 90 windowmap --sync "$id"
         check "... stands being pulled about" see storm.ppm shown size=260x90
         xdotool windowminimize "$id"
-        is_gone >/dev/null
+        wait_until is_gone >/dev/null
         xdotool windowmap --sync "$id" mousemove --window "$id" 50 75 key Escape
         check "... and ends in silence" ends 0
     done
@@ -284,25 +263,179 @@ fi
 # The window opens a lost device again, any number of times if losses are rare. After two quick losses it waits for the user.
 losses=$build/tests/view_losses.so
 for backend in gl vk both; do # with `both`, the second device is lost
-    LOSE=61 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --set bounces=0 --frames 40 --screenshot alive.png
+    LOSE=61 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --window 240x180 --set bounces=0 --frames 40 --screenshot alive.png
     check "$backend outlives a device" ends 0
     check "... that was lost" says "told: the device is lost"
     check "... and opened anew" says "reopening the device"
     [ $backend = both ] || check "... and shows what it showed" cmp alive.png saved.png
 done
-LOSE=40,60 LD_PRELOAD=$losses open_window --backend vk --size 240x180 --set bounces=0
+LOSE=40,60 LD_PRELOAD=$losses open_window --backend vk --size 240x180 --window 240x180 --set bounces=0
 check "a device that is lost twice" says "Space, or a change of the pipeline, tries once more"
 check "... leaves the panel" see lost.ppm shown still size=240x180
 xdotool key space h
 check "... and goes on by hand" see alive.ppm as=saved.png
 xdotool key Escape
 check "... up to its end" ends 0
-LOSE=40,60 LD_PRELOAD=$losses open_window --backend gl --size 240x180 --set bounces=0 --frames 100
+LOSE=40,60 LD_PRELOAD=$losses open_window --backend gl --size 240x180 --window 240x180 --set bounces=0 --frames 100
 check "with nobody there it is an error" ends 1
 check "... that says so" says "the window ends"
 
+# ---- The panes ------------------------------------------------------------------------------------------------------
+
+cp "$root/scenes/cornell.yaml" "$scene" # with its own camera
+panes=(--scene "$scene" --spec "$work/templates/rsm.yaml" --set rsm_size=64 --set samples=4 --size 160x120)
+open_panes() { # option...
+    rm -f config/diptych/view.yaml
+    "$diptych" view "${panes[@]}" --json view.json "$@" >view.out 2>view.err &
+    window=$!
+}
+click() { # x y: in the window at the left top corner of the screen; waits until the pointer has been seen
+    xdotool mousemove "$1" "$2"
+    sleep 0.4
+    xdotool click 1
+    sleep 1
+    steps=$((steps + 1))
+}
+press() { # key...
+    xdotool key "$@"
+    sleep 0.7
+    steps=$((steps + $#))
+}
+
+# Photographs, which were looked at: both backends and one, on a usual screen.
+photograph() { # description name condition option...
+    local name=$2 condition=$3
+    open_panes "${@:4}"
+    check "$1" see "$name.ppm" "$condition" "like=$root/tests/app/view/$name.png"
+    xdotool key Escape
+    wait "$window"
+}
+photograph "two sides look as they did" two verdict=green --window 1280x720
+photograph "three sides" three verdict=green --window 1280x720 --backend gl,vk,vk@llvmpipe
+for backend in gl vk; do
+    check "$backend photographs its window, alone and without a verdict" "$diptych" view "${panes[@]}" --frames 2 --backend $backend --window 480x270 --present $backend.png
+    check "... as it is" /usr/bin/python3 "$root/tests/app/view.py" --photo $backend.png "$root/tests/app/view/small.png"
+done
+# A session of real work: find the guilty pass, read the texel, mend the body, save what was changed.
+steps=0
+body=$work/templates/shared/composite.glsl
+sed -i 's/radiance_store(p, vec4(/#ifdef VULKAN\n#define SHARE 0.75\n#else\n#define SHARE 1.0\n#endif\n&SHARE * /' "$body"
+open_panes --backend both --window 1280x720
+check "a body that is another in Vulkan is seen" see guilty.ppm verdict=red
+press g
+sleep 1
+check "... shown by one key" see texel.ppm verdict=red "like=$root/tests/app/view/texel.png"
+xdotool mousemove 472 272
+steps=$((steps + 1))
+sleep 1
+cp "$root/templates/shared/composite.glsl" "$body"
+check "... mended" says "reloaded in"
+check "... and the verdict says so" see mended.ppm verdict=green
+press space # no frames but for edits: clicks are seen at once
+click 1076 206 # bounces: one less
+press b        # ... and none of it again
+press b
+xdotool mousemove 640 20
+click 1181 72 # save
+check "what was changed is saved" says "wrote diptych-000.yaml"
+check "... as overrides" grep -qx -- "- bounces=0" diptych-000.yaml
+check "... in at most 12 steps" [ $steps -le 12 ]
+
+# The numbers on the screen, as files.
+xdotool key Home
+click 422 91 # .npy
+check "arrays are saved" says "wrote diptych-000-vk.npy"
+# Sizes of panes are kept.
+xdotool mousemove 302 400
+sleep 0.5
+xdotool mousedown 1
+sleep 0.5
+xdotool mousemove 362 400
+sleep 0.5
+xdotool mouseup 1
+sleep 0.5
+press F4 Escape
+check "the session ends" ends 0
+check "... with equal sides" holds_json 'd["verdict"].startswith("equal, ")'
+check "sizes of panes are kept" grep -qx 'left: 3[56][0-9]' config/diptych/view.yaml
+check "... and what is folded" grep -qx 'bottom_folded: 1' config/diptych/view.yaml
+# shellcheck disable=SC2317
+same_numbers() { # the array is what render dumps
+    "$diptych" render "${panes[@]}" --backend vk --with diptych-000.yaml --dump dumped || return
+    /usr/bin/python3 -c 'import glob, numpy
+array = numpy.load("diptych-000-vk.npy")
+dump = numpy.fromfile(glob.glob("dumped/*tonemap*display*")[0], "u1")
+assert array.shape == (1, 120, 160, 4) and (array.ravel() == dump).all(), array.shape'
+}
+check "the array is what render dumps" same_numbers
+
+# A planted fault, bisection, a table.
+# shellcheck disable=SC2317
+agrees() { # the window's verdict is that of compare
+    "$diptych" compare "${panes[@]}" --fault vk:rsm_map:sign --json compare.json >/dev/null
+    /usr/bin/python3 -c 'import json
+seen, told = json.load(open("fault.json"))["verdict"], json.load(open("compare.json"))["guilty"]
+assert seen.startswith("differs: first pass %s, %s, " % (told["pass"], told["resource"])), (seen, told)'
+}
+open_panes --backend both --window 1280x720 --fault vk:rsm_map:sign
+check "a fault is red, and marked in its pass" see fault.ppm verdict=red "like=$root/tests/app/view/fault.png"
+xdotool key space
+click 1024 141 # bisect here
+check "a case is written from the window" says "wrote diptych-000-case"
+check "... and replays" "$diptych" replay diptych-000-case --backend gl
+click 60 393 # taps
+sleep 1
+check "a buffer is a table" see table.ppm verdict=red "like=$root/tests/app/view/table.png"
+click 1099 649 # samples: one more, for which the plan is made again
+check "another number of samples makes the plan again" says "reloaded in"
+: >view.err
+xdotool key ctrl+z
+check "... and undo makes it as it was" says "reloaded in"
+xdotool key Escape
+check "... and the window ends" ends 0
+check "... with nothing changed" holds_json 'd["changes"] == ""'
+cp view.json fault.json
+check "its verdict names what compare names" agrees
+
+# What a body does that is undefined.
+/usr/bin/python3 -B "$root/tests/gen/sanitize.py" make "$work"
+check "undefined behaviour is found" "$diptych" view --spec wrong.yaml --sanitize --backend vk --size 16x16 --window 640x480 --frames 2 --json view.json
+check "... in its line" holds_json '": undefined: index 8 of " in d["undefined"]'
+
+# Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.
+# shellcheck disable=SC2317 # called through check
+survives() { # seconds
+    local end=$((SECONDS + $1))
+    while [ "$SECONDS" -lt "$end" ] && kill -0 "$window"; do
+        /usr/bin/python3 "$root/tests/app/view.py" --random 40 | xdotool - || return
+    done
+    kill -0 "$window" && ! grep -E 'AddressSanitizer|runtime error' view.err
+}
+if [ -n "${DIPTYCH_LONG:-}" ] && [ -x "$root/build/asan/diptych" ]; then
+    mkdir -p sanitized/build # it finds templates beside its folder
+    ln -s "$work/templates" "$root/scenes" sanitized/
+    cp "$build/diptych-gen" "$root"/build/asan/{diptych,libdiptych_image.so} sanitized/build/
+    diptych=$work/sanitized/build/diptych
+    export ASAN_OPTIONS=detect_leaks=0 # drivers keep memory
+fi
+open_panes --backend both --window 1280x720
+check "a window for random input" see played.ppm verdict=green
+seconds=2
+[ -z "${DIPTYCH_LONG:-}" ] || seconds=600
+check "random input does no harm" survives $seconds
+xdotool key Escape
+check "... up to the end" ends 0
+
+# Without a second driver, both backends become one, unless they were asked for.
+# shellcheck disable=SC2317 # called through check
+alone() { # option...
+    VK_ICD_FILENAMES=/dev/null "$diptych" view "${panes[@]}" --window 480x270 --frames 1 "$@"
+}
+check "OpenGL is shown alone where Vulkan is missing" alone
+check_status 1 "... but not when both are asked for" alone --backend gl,vk
+
 DISPLAY='' check "no display is an error" is_told 1 "no display" "$diptych" view "${small[@]}" --backend vk
 DISPLAY=:4711 check "... for either" is_told 1 "no display" "$diptych" view "${small[@]}" --backend gl
-check "three backends are too many" is_told 1 "one backend, or two" "$diptych" view "${small[@]}" --backend gl,vk,gl
+check "four backends are too many" is_told 1 "at most 3 backends" "$diptych" view "${small[@]}" --backend gl,vk,gl,vk
 check "zink has no window" is_told 1 "only gl and vk" "$diptych" view "${small[@]}" --backend zink
 finish

@@ -57,6 +57,10 @@ static const struct dt_pipeline pipeline_info = {.name = "made",
                                                  .passes = passes,
                                                  .pass_count = PASSES};
 
+static const struct dt_program made_programs[PASSES];
+static const struct dt_panel made_panel = {.pipeline = &pipeline_info, .programs = made_programs};
+static const struct dt_shaders made_shaders = {.panel = &made_panel};
+
 /* ---- Two runtimes ------------------------------------------------------------------------------- */
 
 enum trouble {
@@ -132,6 +136,12 @@ static const char *device_name(void *runtime)
 {
     (void)runtime;
     return "a made device";
+}
+
+static uint64_t most_texels(void *runtime)
+{
+    (void)runtime;
+    return 65536;
 }
 
 static bool is_software(void *runtime)
@@ -266,9 +276,9 @@ static void close_runtime(void *runtime)
 #define MADE_RUNTIME(label, opening)                                                               \
     {                                                                                              \
         .name = (label), .open = (opening), .device_name = device_name, .driver = device_name,     \
-        .is_software = is_software, .set_scene = set_scene, .create = create, .resize = resize,    \
-        .render = render, .read = read_resource, .write = write_resource, .timings = timings,      \
-        .messages = messages, .close = close_runtime                                               \
+        .is_software = is_software, .most_texels = most_texels, .set_scene = set_scene,            \
+        .create = create, .resize = resize, .render = render, .read = read_resource,               \
+        .write = write_resource, .timings = timings, .messages = messages, .close = close_runtime  \
     }
 const struct dt_runtime runtime_gl = MADE_RUNTIME("gl", open_gl);
 const struct dt_runtime runtime_vk = MADE_RUNTIME("vk", open_vk);
@@ -355,6 +365,7 @@ static int set_up(void **state)
     pthread_mutex_init(&bench->console.writing, NULL);
     bench->setup = (struct setup){.size = {8, 8}, .frames = 3};
     bench->pipeline.info = &pipeline_info;
+    bench->pipeline.gl = bench->pipeline.vk = &made_shaders;
     bench->sides[0] = (struct side){.label = (char *)"gl", .backend = "gl"};
     bench->sides[1] = (struct side){.label = (char *)"vk", .backend = "vk"};
     memset(scripts, 0, sizeof scripts);
@@ -556,7 +567,7 @@ static void a_pass_that_was_left_out_is_an_error(void **state)
 {
     struct bench *bench = *state;
     const struct worker_info info = info_of(bench, 0);
-    struct source source;
+    struct row_source source;
     scripts[0] = (struct script){LEAVE_OUT, DOUBLE, 0};
     assert_true(source_start(&source, &info, NULL));
     assert_true(source_reach(&source, (struct worker_place){.stop = WORKER_READY}));

@@ -5,11 +5,12 @@ A body is compute GLSL for one invocation. It reads the live parameters one, two
 import json
 import os
 import re
+import resource
 import shutil
 import struct
 import subprocess
 
-TIMEOUT = 240  # seconds for one command
+SECONDS = 240  # of processor time, for each process of a command
 HEAD = """pipeline: {name}
 params:
   one: {{value: 1.0, live: true}}
@@ -23,12 +24,20 @@ class Failure(Exception):
     """A command that failed, with its output."""
 
 
-def run(*command):
+def limited(command, seconds=SECONDS, **more):
+    """subprocess.run with limits: on a busy machine the time on the wall says nothing, so that limit is for commands that wait
+    for something that does not come. Raises Failure after it."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_CPU, (seconds, seconds + 5))
     try:
-        done = subprocess.run(command, stdin=subprocess.DEVNULL, check=False, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              encoding="utf-8", errors="replace", timeout=TIMEOUT)
+        return subprocess.run(command, stdin=subprocess.DEVNULL, check=False, encoding="utf-8", errors="replace", preexec_fn=limit,
+                              timeout=20 * seconds, **more)
     except subprocess.TimeoutExpired:
-        raise Failure(f"{' '.join(command)}\nnot done after {TIMEOUT} s") from None
+        raise Failure(f"{' '.join(command)}\nnot done after {20 * seconds} s") from None
+
+
+def run(*command):
+    done = limited(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
     if done.returncode != 0:
         raise Failure(f"{' '.join(command)}\nexit status {done.returncode}\n{done.stdout}")
 

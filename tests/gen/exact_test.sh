@@ -79,7 +79,7 @@ with open(sys.argv[1] + "/many.yaml", "w", encoding="utf-8") as file:
     file.write("pipeline: many\nbuffers:\n  result: {of: float, count: 64}\n"
                "passes:\n  - {name: many, dispatch: 64, writes: [result], shader: many.glsl}\n")
 END
-check "a shader with 1,500 constants compiles" timeout 60 "$build/diptych-gen" "$work/many.yaml" --check
+check "a shader with 1,500 constants compiles" limited 60 "$build/diptych-gen" "$work/many.yaml" --check
 
 . "$root/tests/lib/drivers.sh"
 if [ ${#strangers[@]} -gt 0 ]; then

@@ -246,7 +246,7 @@ static void kept_passes(const char *spec, char kept[256])
     bool good =
         read_spec(&model, spec, NULL, 0, diag) && check_model(&model, model.templates_dir, diag);
     if (!good)
-        diag_flush(diag);
+        diag_print(diag, "diptych-gen", stderr);
     assert_true(good);
     kept[0] = '\0';
     for (uint32_t i = 0; i < model.pipeline.pass_count; i++)

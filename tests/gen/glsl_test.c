@@ -14,7 +14,7 @@
 
 #include "read/body_files.h"
 #include "model/expr.h"
-#include "spirv/cross.h"
+#include "model/cross.h"
 #include "load.h"
 #include "spirv/compile.h"
 
@@ -324,7 +324,7 @@ static struct shader build(struct fixture *f, int pass, enum backend backend, en
     char *why = NULL;
     if (ok && backend == BACKEND_GL)
         ok = spirv_cross(shader.words, shader.word_count, &shader.glsl, &why);
-    diag_flush(f->diag);
+    diag_print(f->diag, "diptych-gen", stderr);
     assert_true(ok);
     assert_true(shader.word_count > 5 && shader.words[0] == SpvMagicNumber);
     shader_free(&vulkan);
@@ -359,7 +359,7 @@ static void test_no_contraction(void **state)
 {
     struct fixture *f = *state;
     for (int fast = 0; fast < 2; fast++) {
-        f->model.pipeline.fast = fast;
+        f->passes[TONE].fast = fast;
         set_body(f, TONE, "tone.glsl", "void main() { display = result(ivec2(0)) * 2.0 + 1.0; }\n");
         struct shader shader = build(f, TONE, BACKEND_VK, STAGE_IS_FRAGMENT);
         uint32_t decorated = 0, operations = 0;
@@ -381,7 +381,7 @@ static void test_products_are_written_out(void **state)
     struct fixture *f = *state;
     for (int fast = 0; fast < 2; fast++)
         for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
-            f->model.pipeline.fast = fast;
+            f->passes[TONE].fast = fast;
             set_body(f, TONE, "tone.glsl",
                      "void main()\n{\n"
                      "    vec4 v = result(ivec2(0));\n"
@@ -411,7 +411,7 @@ static void test_matrices_are_divided(void **state)
     for (int fast = 0; fast < 2; fast++)
         for (uint32_t i = 0; i < COUNT(bodies); i++) {
             uint32_t divisions = 0;
-            f->model.pipeline.fast = fast;
+            f->passes[TONE].fast = fast;
             set_body(f, TONE, "tone.glsl", bodies[i]);
             struct shader shader = build(f, TONE, BACKEND_VK, STAGE_IS_FRAGMENT);
             for (size_t at = 5; at < shader.word_count; at += shader.words[at] >> 16)
@@ -500,7 +500,7 @@ static void test_words_of_a_pass(void **state)
 {
     struct fixture *f = *state;
     char *body = in_other_words(strdup(shade_body));
-    f->model.pipeline.fast = true; /* exact mode has a `result` of its own */
+    f->passes[SHADE].fast = true; /* exact mode has a `result` of its own */
     for (int storage = STORAGE_SHARED; storage <= STORAGE_BUFFER; storage++)
         for (int backend = BACKEND_GL; backend <= BACKEND_VK; backend++) {
             f->ranges[0].storage = (enum storage_class)storage;
@@ -762,19 +762,13 @@ static void test_compile_error_place(void **state)
 {
     struct fixture *f = *state;
     struct shader shader;
-    char *text = NULL;
-    size_t size = 0;
     assert_non_null(emit_shade(
         f, "#ifdef FRAGMENT\nnonsense\n#endif\nvoid main()\n{\n    int a = wrong;\n}\n", &shader));
     char *log = NULL;
     assert_false(spirv_compile(&f->model, &f->passes[SHADE], BACKEND_VK, &shader, &log, f->diag));
     glsl_report(&f->model, &f->passes[SHADE], log, f->diag);
     free(log);
-    FILE *old = stderr, *memory = open_memstream(&text, &size);
-    stderr = memory;
-    diag_flush(f->diag);
-    stderr = old;
-    fclose(memory);
+    char *text = diag_text(f->diag, "diptych-gen");
     assert_non_null(strstr(text, "shade.glsl:6:13: error: 'wrong' : undeclared identifier"));
     free(text);
     shader_free(&shader);

@@ -12,12 +12,13 @@ import shutil
 import subprocess
 import sys
 
+import bodies
 import metamorphic_rewrites as rewrites
+from bodies import Failure
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SCENE = os.path.join(ROOT, "scenes/cornell.yaml")
 BACKENDS = ("gl", "vk")
-TIMEOUT = 120   # seconds for one command, most of which take less than two
 PIPELINES = {
     "ssvp": ("templates/ssvp.yaml", {"first_vpls": 24, "second_vpls": 30, "clusters": 3, "second_clusters": 2,
                                      "kmeans_iterations": 3, "rsm_size": 32, "map_size": 32, "map_triangles": 300,
@@ -26,10 +27,6 @@ PIPELINES = {
     "features": ("tests/specs/features.yaml", {}),
     "mips": ("tests/specs/mips.yaml", {}),
 }
-
-
-class Failure(Exception):
-    """The reason why a test fails, as a message."""
 
 
 class Workshop:
@@ -42,11 +39,7 @@ class Workshop:
         self.generated = {}
 
     def run(self, *command):
-        try:
-            done = subprocess.run(command, cwd=ROOT, stdin=subprocess.DEVNULL, check=False, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, encoding="utf-8", errors="replace", timeout=TIMEOUT)
-        except subprocess.TimeoutExpired:
-            raise Failure(f"{' '.join(command)}\nnot done after {TIMEOUT} s") from None
+        done = bodies.limited(command, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         if done.returncode != 0:
             raise Failure(f"{' '.join(command)}\nexit status {done.returncode}\n{done.stdout}")
 

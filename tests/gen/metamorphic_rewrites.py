@@ -700,6 +700,7 @@ def split_and_gather(pipeline):
         images[new] = dict(images[old])
         replace_access(shade, old, new)
     text = replace_words(pipeline.bodies[shade["shader"]], moved)
+    text = re.sub(r"    if \(all\(equal\(p / pattern_tile.*\n    ", "", text) # every pixel of a split image is one of the class
     pipeline.bodies[shade["shader"]] = text.replace("interleave_pixel()", "interleave_split()")
     guard = "    ivec2 p = invocation().xy, size = irradiance_size(), q = pattern_split(p, size);\n" \
             "    if (any(greaterThanEqual(p, size)))\n        return;\n"

@@ -556,8 +556,7 @@ class Pipeline:
 
     def check(self):
         """The errors of --check, "": none."""
-        done = subprocess.run([self.build + "/diptych-gen", self.path, "--check", "--cache", self.build + "/cache"], check=False,
-                              stdin=subprocess.DEVNULL, capture_output=True, encoding="utf-8", timeout=bodies.TIMEOUT)
+        done = bodies.limited([self.build + "/diptych-gen", self.path, "--check", "--cache", self.build + "/cache"], capture_output=True)
         if done.returncode not in (0, 1):
             raise bodies.Failure(f"--check ends with {done.returncode}\n{done.stderr}")
         return done.stderr if done.returncode else ""

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """For sanitize_test.sh: `make FOLDER` writes wrong.yaml, whose bodies are undefined in the line that ends with `// here`, and
-fine.yaml, whose bodies come near but are not. `found FILE.json` checks the findings of wrong.yaml against the messages below,
-`silent FILE.json` those of fine.yaml, `equal DUMP DUMP` that two dumps have the same bits."""
+fine.yaml, whose bodies come near but are not. `found FILE.json NAME` checks the findings of NAME.yaml (wrong, wrong_memory) against the messages below,
+`silent FILE.json NAME` those of fine.yaml or fine_memory.yaml, `equal DUMP DUMP` that two dumps have the same bits."""
 import json
 import os
 import re
@@ -14,27 +14,38 @@ params:
 buffers:
   taps: {{of: float, count: 8}}
   cells: {{of: Cell, count: 4}}
+  sparse: {{of: float, count: 64}}
+  steps: {{of: uint, count: 64}}
+  vectors: {{of: vec4, count: 64}}
+  partial: {{of: Cell, count: 4}}
 {buffers}structs:
   Cell: {{weight: float, parts: {{type: float, count: 4}}}}
 images:
   grid: {{format: rgba32f, size: [8, 4]}}
+  patchy: {{format: rgba16f, size: [8, 8]}}
   stack: {{format: r32ui, size: [4, 4], layers: 2}}
 passes:
   - {{name: fill, dispatch: 8, writes: [taps], shader: fill.glsl}}
   - {{name: cells, dispatch: 4, writes: [cells], shader: cells.glsl}}
   - {{name: paint, dispatch: grid, writes: [grid], shader: paint.glsl}}
   - {{name: stack, dispatch: stack, writes: [stack], shader: stack.glsl}}
+  - {{name: some, dispatch: 64, writes: [sparse, steps, vectors, partial], shader: some.glsl}}
+  - {{name: patching, dispatch: patchy, writes: [patchy], shader: patching.glsl}}
 {passes}"""
-PASS = ("  - {{name: {0}, dispatch: 64, reads: [taps, cells, grid], updates: [stack], "
+PASS = ("  - {{name: {0}, dispatch: 64, local: 32, reads: [taps, cells, grid, sparse, steps, vectors, partial, patchy], updates: [stack], "
         "writes: [{{name: out_{0}, as: result}}], shader: {0}.glsl}}\n")
 FILES = {
     "fill": "void main() { int i = invocation().x; if (i < 8) taps[i] = float(i + 1); }\n",
     "cells": "void main() { int i = invocation().x;\n"
              "    if (i < 4) cells[i] = Cell(1.0, float[4](1.0, 2.0, 3.0, 4.0)); }\n",
     "paint": "void main() { ivec2 p = invocation().xy; if (all(lessThan(p, grid_size()))) grid_store(p, vec4(p, 1, 1)); }\n",
+    "some": "void main() { int i = invocation().x;\n"
+            "    if (i % 2 == 0) { sparse[i] = 1.0; steps[i] = 2u; }\n"
+            "    vectors[i].xy = vec2(i);\n    if (i < 4) partial[i].weight = 1.0; }\n",
+    "patching": "void main() { ivec2 p = invocation().xy; if (p.x % 2 == 0) patchy_store(p, vec4(1)); }\n",
     "stack": "void main() { ivec3 p = invocation(); if (p.x < 4 && p.y < 4) stack_store(p, uvec4(p.z)); }\n",
 }
-START = "    int i = invocation().x; /* 0 to 63 */\n    int null = int(zero); float x = float(i);\n"
+START = "    int i = invocation().x, l = i % 32; /* 0 to 63, and 0 to 31 in each workgroup */\n    int null = int(zero); float x = float(i);\n"
 
 
 def body(code, functions=""):
@@ -52,9 +63,9 @@ WRONG = [
     ("r = cells[i / 8].weight;", "cells", "index 4 of `cells`, which has 4 elements", 32),
     ("r = grid(ivec2(i, 0)).x;", "grid", "texel (8, 0) of `grid`, which has 8 x 4 texels", 8),
     ("r = grid(ivec2(0, 3 - i)).x;", "grid", "texel (0, -1) of `grid`, which has 8 x 4 texels", 4),
-    ("stack_store(ivec3(0, 0, i / 32 + 1), uvec4(1)); r = 1.0;", "stack_store",
+    ("if (l == 0) stack_store(ivec3(0, 0, i / 32 + 1), uvec4(1)); r = 1.0;", "stack_store",
      "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
-    ("scratch[i / 8] = x; r = 1.0;", "scratch", "index 4 of `scratch`, which has 4 elements", 32, "shared float scratch[4];\n"),
+    ("if (i % 8 == 0) scratch[i / 8] = x; r = 1.0;", "scratch", "index 4 of `scratch`, which has 4 elements", 32, "shared float scratch[4];\n"),
     # arithmetic of integers
     ("r = float(7 / (i - 3));", "/ (", "7 / 0", 3),
     ("int least = null - 2147483647 - 1; r = float(least / (i - 5));", "/ (i", "-2147483648 / -1", 4),
@@ -64,6 +75,10 @@ WRONG = [
     ("r = float(-8 >> i - 1);", ">> i", "a shift by -1 of 32 bits", 0),
     ("r = float(bitfieldExtract(i, i, 8));", "bitfieldExtract", "8 bits from bit 25 of 32", 25),
     ("r = float(clamp(i, i, 50));", "clamp", "clamp from 51 to 50", 51),
+    ("r = float(7u / uint(i));", "/ uint", "7 / 0", 0),
+    ("int k = 7; k %= i - 2; r = float(k);", "%= i", "7 % -2", 0),
+    ("ivec2 q = ivec2(7) / ivec2(1, i - 9); r = float(q.y);", "/ ivec2", "7 / 0", 9),
+    ("r = float(bitfieldInsert(i, 3, i, 8));", "bitfieldInsert", "8 bits from bit 25 of 32", 25),
     # arithmetic of floats
     ("r = float(int(x * 1e8));", "int(x", "2.20000000e+09 as an int", 22),
     ("r = float(uint(x - 1.0));", "uint(", "-1 as a uint", 0),
@@ -74,6 +89,14 @@ WRONG = [
     ("r = log(x);", "log", "log(0)", 0),
     ("r = pow(x - 2.0, 0.5);", "pow", "pow(-2, 0.5)", 0),
     ("r = asin(x / 32.0);", "asin", "asin(1.03125)", 33),
+    ("r = acos(x / 32.0);", "acos", "acos(1.03125)", 33),
+    ("r = atanh(x / 32.0);", "atanh", "atanh(1)", 32),
+    ("r = inversesqrt(x);", "inversesqrt", "inversesqrt(0)", 0),
+    ("r = pow(x, zero - 1.0);", "pow", "pow(0, -1)", 0),
+    ("r = mix(x, uintBitsToFloat(0x7fc00000u), 0.5);", "mix", "mix of a NaN", 0),
+    ("r = ldexp(1.0, i * 4);", "ldexp", "`ldexp` of finite numbers makes inf", 32),
+    ("r = inverse(mat2(x, x, x, x))[0].x;", "inverse", "`inverse` of finite numbers makes", 0),
+    ("r = float(int(uintBitsToFloat(0x7fc00000u + uint(i))));", "int(uint", "nan as an int", 0),
     ("r = atan(x, x);", "atan", "atan(0, 0)", 0),
     ("r = normalize(vec3(x, 0.0, zero)).y;", "normalize", "normalize of zero", 0),
     ("r = smoothstep(x, 32.0, 5.0);", "smoothstep", "smoothstep from 32 to 32", 32),
@@ -95,12 +118,49 @@ WRONG = [
     ("Cell c, d; d = c; // here\n    r = d.weight;", "c; //", "`c` is read before it has a value", 0),
     ("int n; for (int k = 0; k < 3; k++) n += k; r = float(n);", "n +=", "`n` is read before it has a value", 0),
     ("r = g;", "g;", "`g` is read before it has a value", 0, "float g;\n"),
+    ("Cell c; c.parts[0] = x; r = c.weight;", "c.weight", "`c` is read before it has a value", 0),
+    ("float a[4]; a[0] = x; r = a[1];", "a[1]", "`a` is read before it has a value", 0),
+    ("mat2 m; m[0] = vec2(x); r = (m * vec2(x)).x;", "m *", "`m` is read before it has a value", 0),
+    ("float a[4]; r = a[i % 4];", "a[i", "`a` is read before it has a value", 0),
+]
+WRONG_MEMORY = [
+    # content
+    ("r = sparse[i];", "sparse", "element 1 of `sparse` was never written in this frame", 1),
+    ("r = sparse[2] + sparse[i | 1];", "sparse[i", "element 1 of `sparse` was never written in this frame", 0),
+    ("r = patchy(ivec2(i % 8, i / 8)).x;", "patchy", "texel (1, 0) of `patchy` was never written in this frame", 1),
+    ("if (vectors[i].z > 0.5) r = 1.0;", "vectors", "element 0 of `vectors` was never written in this frame", 0),
+    ("Cell c = partial[i % 4]; r = c.parts[1];", "partial", "element 0 of `partial` was never written in this frame", 0),
+    ("r = taps[steps[i] & 7u];", "steps", "element 1 of `steps` was never written in this frame", 1),
+    ("r = f(i);", "sparse", "element 1 of `sparse` was never written in this frame", 1,
+     "float f(int k) { float v = sparse[k]; // here\n    return k > 0 ? v : 2.0; }\n"),
+    ("if (l > 3) scratch[l] = x; barrier(); r = scratch[l];", "scratch", "element 0 of `scratch` was never written", 0,
+     "shared float scratch[32];\n", 2),
+    # races
+    ("scratch[l] = 0.0; barrier(); scratch[l] = x; r = scratch[l ^ 1];", "scratch",
+     "element 1 of `scratch` is also touched by invocation (1, 0, 0), and no barrier is between", 0, "shared float scratch[32];\n", 2),
+    ("scratch[l] = x; barrier(); for (int k = 16; k > 0; k /= 2) if (l < k) scratch[l] += scratch[l + k];", "scratch",
+     "element 1 of `scratch` is also touched by invocation (1, 0, 0), and no barrier is between", 0, "shared float scratch[32];\n", 2),
+    ("stack_store(ivec3(1), uvec4(i));", "stack_store", "texel (1, 1, 1) of `stack` is also touched by invocation (1, 0, 0)", 0),
+    ("cell.weight = 1.0; r = 1.0;", "cell", "`cell` is also touched by invocation (1, 0, 0)", 0, "shared Cell cell;\n"),
+    ("if (l == 7) stack_store(ivec3(1), uvec4(i));", "stack_store", "texel (1, 1, 1) of `stack` is also touched by invocation (39, 0, 0)", 7),
+    ("stack_atomicAdd(ivec3(2, 0, 0), 1u); if (i == 40) stack_store(ivec3(2, 0, 0), uvec4(0));", "stack_store",
+     "texel (2, 0, 0) of `stack` is also touched by invocation (40, 0, 0)", 0),
+    ("result[i / 2] = x;", "result", "element 0 of `out_", 0),
+    # control flow
+    ("if (l < 10) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 10),
+    ("for (int k = 0; k < 1 + l / 16; k++) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 0),
+    ("if (l < 16) barrier(); else barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 16, "", 2),
+    ("if (l > 20) return; barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 21),
+    ("switch (l / 16) { case 0: barrier(); break; default: break; }", "barrier",
+     "some invocations of the workgroup do not reach this barrier", 16),
+    ("f(l);", "barrier", "some invocations of the workgroup do not reach this barrier", 5,
+     "void f(int k) {\n    if (k < 5) barrier(); // here\n}\n"),
 ]
 FINE = [
     "r = taps[i / 8];", "float a[7] = float[7](x, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0); r = a[i % 7];", "vec4 v = vec4(x); r = v[i / 16];",
     "mat2 m = mat2(x); r = m[i & 1].x;", "r = cells[i % 4].parts[i / 16];", "r = i < 8 ? taps[i] : 0.0;",
     "r = grid(ivec2(i % 8, i / 16)).x;", "if (i < 8) r = grid(ivec2(i, 0)).x;",
-    "stack_store(ivec3(i % 4, i / 4 % 4, i / 32), uvec4(1)); r = 1.0;",
+    "if (i < 32) stack_store(ivec3(i % 4, i / 4 % 4, i / 16), uvec4(1)); r = 1.0;",
     "r = float(7 / (i - 64));", "r = float(-2147483647 / (i - 5 == 0 ? 1 : i - 5));", "r = float((i + 3) % 5);", "r = float(-7 / 2);",
     "r = float(7u % uint(i + 1));", "r = float(1 << (i & 31));", "r = float(-8 >> i / 2);",
     "r = float(bitfieldExtract(i, i / 2, 1));", "r = float(clamp(i, 50, 50));", "r = float(int(x * 3.4e7));",
@@ -116,7 +176,27 @@ FINE = [
     "float best; bool found = false; for (int k = 0; k < 4; k++) if (!found || taps[k] > best) { best = taps[k]; found = true; } r = best;",
     "float a[4]; for (int k = 0; k < 4; k++) a[k] = x; r = a[i % 4];",
     "Cell c; c.weight = x; Cell d = c; r = d.weight;",
+    "float a[4]; a[1] = x; r = a[1]; mat2 m; m[0] = vec2(x); m[1] = m[0]; r += (m * vec2(x)).x;",
+    "r = float(7u / uint(i + 1)); int k = 7; k %= i + 2; ivec2 q = ivec2(7) / ivec2(1, i + 9); r += float(q.y + bitfieldInsert(i, 3, i / 2, 1));",
+    "r = acos(x / 64.0) + atanh(x / 64.0) + inversesqrt(x + 1.0) + pow(zero, one) + mix(x, 1e38, one) + ldexp(1.0, i) + inverse(mat2(1.0, x, 0.0, 1.0))[0].x;",
 ]
+FINE_MEMORY = [
+    # content
+    "float v = sparse[i]; if (i % 2 == 0) r = v;", "float v = sparse[i]; r = i % 2 == 0 ? v : 1.0;",
+    "vec4 v = vectors[i]; r = v.x + v.y;", "Cell c = partial[i % 4]; r = c.weight;", "r = sparse[i & 62]; uint k = steps[i];",
+    "vec4 v = patchy(ivec2(i % 8, i / 8)); if (i % 2 == 0) r = v.x;", "r = f(i & 62);",
+    "float v[2]; v[0] = sparse[i & 62]; v[1] = sparse[i | 1]; r = v[0];",
+    "vec2 v = vec2(sparse[i], x); if (i == 64) r = v.x; r += v.y;",
+    # races
+    "scratch[l] = 0.0; barrier(); scratch[l] = x; barrier(); r = scratch[l ^ 1];",
+    "scratch[l] = x; barrier(); for (int k = 16; k > 0; k /= 2) { if (l < k) scratch[l] += scratch[l + k]; barrier(); } r = scratch[0];",
+    "stack_atomicAdd(ivec3(1), 1u);", "if (l == 0) scratch[5] = x; barrier(); r = scratch[5];", "result[i] = x; result[i] = result[i] + one;",
+    "scratch[l] = x; r = scratch[l]; barrier(); scratch[(l + 1) % 32] = r;", "if (i == 40) stack_store(ivec3(3, 3, 1), uvec4(0));",
+    # control flow
+    "barrier();", "for (int k = 0; k < 3; k++) barrier();", "if (zero < one) barrier();", "if (gl_WorkGroupID.x == 0u) barrier();",
+    "if (gl_WorkGroupID.x > 0u) return; barrier();", "if (l < 5) r = 1.0; else r = 2.0; barrier();",
+]
+FINE_FUNCTIONS = "shared float scratch[32];\nfloat f(int k) { float v = sparse[k]; return v * 2.0; }\n"
 
 
 def write_spec(folder, name, bodies):
@@ -133,9 +213,15 @@ def wrong_body(row):
     return body(row[0] if "// here" in functions + row[0] else row[0] + " // here", functions)
 
 
+TABLES = {"wrong": WRONG, "wrong_memory": WRONG_MEMORY, "fine": FINE, "fine_memory": FINE_MEMORY}
+
+
 def make(folder):
-    write_spec(folder, "wrong", {f"w{i}": wrong_body(row) for i, row in enumerate(WRONG)})
-    write_spec(folder, "fine", {f"f{i}": body(code) for i, code in enumerate(FINE)})
+    for name, rows in TABLES.items():
+        fine = name.startswith("fine")
+        memory = "memory_" if name.endswith("memory") else ""
+        functions = FINE_FUNCTIONS if memory else ""
+        write_spec(folder, name, {f"{name[0]}_{memory}{i}": body(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)})
 
 
 def place(row):
@@ -148,12 +234,16 @@ def place(row):
     return line + 1, column + 1
 
 
-def found(path):
+def findings_of(path):
     with open(path, encoding="utf-8") as file:
-        findings = json.load(file)["undefined"]
-    bad = 0
-    for i, row in enumerate(WRONG):
-        own = [f for f in findings if f["pass"] == f"w{i}"]
+        return json.load(file)["undefined"]
+
+
+def found(path, name):
+    findings, rows, bad = findings_of(path), TABLES[name], 0
+    own_name = "w_memory_" if name.endswith("memory") else "w_"
+    for i, row in enumerate(rows):
+        own = [f for f in findings if f["pass"] == f"{own_name}{i}"]
         told = [(f["line"], f["column"], f["message"], f["invocation"][0]) for f in own]
         wanted = (*place(row), row[2], row[3])
         number = re.sub(r"(\d)e\+0", r"\1e+0", wanted[2]).replace("2.20000000e+09", "2.2e+09")
@@ -162,15 +252,15 @@ def found(path):
             print(f"{row[0]}\n  wanted {wanted}\n  found {told}")
             bad += 1
     strange = [f for f in findings if not f["pass"].startswith("w")]
-    print(f"{len(WRONG) - bad} of {len(WRONG)} found, {len(strange)} beside them")
+    print(f"{len(rows) - bad} of {len(rows)} found, {len(strange)} beside them")
     return bad or strange
 
 
-def silent(path):
-    with open(path, encoding="utf-8") as file:
-        findings = json.load(file)["undefined"]
+def silent(path, name):
+    findings = findings_of(path)
     for finding in findings:
-        print(finding, FINE[int(finding["pass"][1:])] if finding["pass"].startswith("f") else "")
+        number = finding["pass"].rsplit("_", 1)[-1]
+        print(finding, TABLES[name][int(number)] if number.isdigit() else "")
     return findings
 
 

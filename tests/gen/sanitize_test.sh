@@ -1,30 +1,68 @@
 #!/usr/bin/env bash
 # --sanitize finds undefined behaviour of bodies that are wrong in one place, there, on every driver; bodies that come near stay
-# silent and keep their bits. TAP.
+# silent and keep their bits. Long: all mutants of the checks, and all pipelines. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 . "$root/tests/lib/drivers.sh"
 tool() { /usr/bin/python3 "$root/tests/gen/sanitize.py" "$@"; }
 tool make "$work" || exit 1
 
+# The kinds that each table is about: checks of all kinds take the drivers' compilers several times as long.
+declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow")
+kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]}
 # shellcheck disable=SC2317 # called through check
-finds() { # backend
-    "$diptych" render --spec "$work/wrong.yaml" --size 16x16 --backend "$1" --dump "$work/dump" --sanitize --json "$work/found.json"
-    [ $? = 1 ] && tool found "$work/found.json"
+sanitized() { # table backend folder
+    "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize=${kinds[$1]}" --json "$work/found.json"
+}
+# shellcheck disable=SC2317 # called through check
+finds() { # table backend
+    sanitized "$1" "$2" dump
+    [ $? = 1 ] && tool found "$work/found.json" "$1"
 }
 # shellcheck disable=SC2317
-silent() { # backend
-    "$diptych" render --spec "$work/fine.yaml" --size 16x16 --backend "$1" --dump "$work/checked" --sanitize --json "$work/silent.json"
+silent() { # table backend
+    sanitized "$1" "$2" checked
     local status=$?
-    tool silent "$work/silent.json" && [ "$status" = 0 ] &&
-        "$diptych" render --spec "$work/fine.yaml" --size 16x16 --backend "$1" --dump "$work/plain" &&
+    tool silent "$work/found.json" "$1" && [ "$status" = 0 ] &&
+        "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/plain" --poison 7 &&
         tool equal "$work/plain" "$work/checked"
 }
 
 for backend in gl vk@llvmpipe "${strangers[@]}"; do
-    check "$backend finds each undefined operation in its line" finds "$backend"
-    check "$backend is silent about what comes near, and changes no bit" silent "$backend"
+    check "$backend finds each undefined operation in its line" finds wrong "$backend"
+    check "$backend is silent about what comes near, and changes no bit" silent fine "$backend"
+    check "$backend finds unwritten content, races and diverging barriers in their line" finds wrong_memory "$backend"
+    check "$backend is silent about memory that is used as it may be, and changes no bit" silent fine_memory "$backend"
 done
 [ ${#strangers[@]} -gt 0 ] || skip "another driver finds each undefined operation in its line" "$no_strangers"
+
+# The second of two images that share memory holds equal texels of the first where it was not written: no driver shows it.
+cat >"$work/shares.yaml" <<'END'
+pipeline: shares
+images:
+  first: {format: rgba16f, size: [8, 8]}
+  middle: {format: rgba16f, size: [8, 8]}
+  second: {format: rgba16f, size: [8, 8]}
+  last: {format: rgba16f, size: [8, 8]}
+passes:
+  - {name: one, dispatch: first, writes: [first], shader: one.glsl}
+  - {name: two, dispatch: middle, reads: [first], writes: [middle], shader: two.glsl}
+  - {name: three, dispatch: second, reads: [middle], writes: [second], shader: three.glsl}
+  - {name: four, dispatch: last, reads: [second], writes: [last], shader: four.glsl}
+END
+echo 'void main() { first_store(invocation().xy, vec4(1)); }' >"$work/one.glsl"
+echo 'void main() { middle_store(invocation().xy, first(invocation().xy)); }' >"$work/two.glsl"
+echo 'void main() { ivec2 p = invocation().xy; if (p.y != 5) second_store(p, middle(p)); }' >"$work/three.glsl"
+echo 'void main() { last_store(invocation().xy, second(invocation().xy)); }' >"$work/four.glsl"
+# shellcheck disable=SC2317
+shares() { # backend
+    "$diptych" render --spec "$work/shares.yaml" --size 8x8 --frames 2 --backend "$1" --sanitize=content --dump "$work/shared" >"$work/found"
+    # shellcheck disable=SC2016
+    [ $? = 1 ] && grep -qF 'four.glsl:1:43: undefined: texel (0, 5) of `second` was never written in this frame' "$work/found" &&
+        grep -qF '  pass four, invocation (0, 5, 0), 16 times; first in frame 0' "$work/found" && [ "$(wc -l <"$work/found")" = 2 ]
+}
+for backend in gl vk@llvmpipe; do
+    check "$backend: memory of another resource counts as unwritten" shares "$backend"
+done
 
 # shellcheck disable=SC2317
 refused() {
@@ -34,11 +72,68 @@ refused() {
 check "an unknown kind is refused" refused
 # shellcheck disable=SC2317
 compared() {
-    timeout 60 "$diptych" compare --spec "$work/wrong.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize=index,loop >"$work/compared"
+    limited 60 "$diptych" compare --spec "$work/wrong.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize=index,loop >"$work/compared"
 # shellcheck disable=SC2016
-    [ $? = 1 ] && grep -qF 'w0.glsl:5:9: undefined: index 8 of `taps`, which has 8 elements' "$work/compared" &&
-        grep -qF '  pass w0, invocation (32, 0, 0), 32 times; first in frame 0; gl, vk@llvmpipe' "$work/compared" &&
+    [ $? = 1 ] && grep -qF 'w_0.glsl:5:9: undefined: index 8 of `taps`, which has 8 elements' "$work/compared" &&
+        grep -qF '  pass w_0, invocation (32, 0, 0), 32 times; first in frame 0; gl, vk@llvmpipe' "$work/compared" &&
         ! grep -q 'sqrt' "$work/compared"
 }
 check "compare tells the kinds that it is asked for, and the sides" compared
+
+# What is found goes everywhere that results go; `allow` silences it, and is told where it silences nothing.
+specs=$root/tests/specs
+cp "$specs"/meant* "$work"
+sed '/meant_rest/,$d; s/, allow: .*}}/}/; /name: rest/,$d' "$specs/meant.yaml" >"$work/bare.yaml"
+# shellcheck disable=SC2317
+meant() {
+    "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend vk@llvmpipe --dump "$work/meant" --sanitize >"$work/told" 2>&1 || return
+    cat "$work/told"
+    [ ! -s "$work/told" ] || return
+    "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend gl --dump "$work/meant" --sanitize --set turns=9 >"$work/told" 2>&1 || return
+    cat "$work/told"
+    # shellcheck disable=SC2016
+    grep -qF 'meant.yaml:19:49: warning: `allow: loop` of the pass `rest` has silenced nothing in this run' "$work/told" &&
+        [ "$(grep -c warning: "$work/told")" = 1 ]
+}
+check "allow silences what is meant, and is told where it silences nothing" meant
+# shellcheck disable=SC2317
+everywhere() {
+    "$diptych" compare --spec "$work/bare.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize --fault gl:logs:bit --bisect "$work/case" \
+        --junit "$work/junit.xml" --html "$work/page" --json "$work/pair.json" >/dev/null
+    [ $? = 1 ] && grep -qF 'meant_logs.glsl:4:20"><failure message="log(0)"/>' "$work/junit.xml" &&
+        grep -qF 'meant_logs.glsl:4:20</code>: undefined: log(0)</p>' "$work/page/index.html" &&
+        jq -e '.undefined == [{file: .undefined[0].file, line: 4, column: 20, kind: "arithmetic", message: "log(0)", pass: "logs",
+            invocation: [0, 0, 0], count: 1, frame: 0, sides: ["gl", "vk@llvmpipe"]}]' "$work/pair.json"
+}
+check "JUnit, the page and JSON of compare have the findings" everywhere
+# shellcheck disable=SC2317
+replayed() {
+    "$diptych" replay "$work/case" --backend vk@llvmpipe --sanitize --json "$work/replay.json" >"$work/told"
+    cat "$work/told"
+    grep -qF 'meant_logs.glsl:4:20: undefined: log(0)' "$work/told" && jq -e '.undefined | length == 1' "$work/replay.json" &&
+        "$diptych" replay "$work/case" --backend gl --sanitize=loop --json "$work/replay.json" >/dev/null
+    jq -e '.undefined == []' "$work/replay.json"
+}
+check "replay has them, too" replayed
+
+# shellcheck disable=SC2317
+is_silent() { # spec options...
+    "$diptych" render --spec "$1" --size 48x27 --scene cornell --backend vk@llvmpipe --dump "$work/swept" "--sanitize=${kinds[fine]}" "${@:2}" >"$work/told" 2>"$work/errors"
+    local status=$?
+    cat "$work/told"
+    grep "silenced nothing" "$work/errors"
+    [ "$status" = 0 ] && ! grep -q "silenced nothing" "$work/errors"
+}
+swept=("$specs"/{mips,parts,atomics,particles,groups,features}.yaml)
+if [ -n "${DIPTYCH_LONG:-}" ]; then
+    mapfile -t swept < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml "$root"/templates/*.yaml)
+fi
+for spec in "${swept[@]}"; do
+    grep -q '^pipeline:' "$spec" || continue
+    check "$(basename "$spec" .yaml) does nothing undefined, or says why" is_silent "$spec" --frames 2
+done
+
+mkdir "$work/mutants"
+cd "$root" || exit
+check "each check that is left out is missed" /usr/bin/python3 -B "$root/tests/gen/sanitize_mutants.py" "$build" "$work/mutants" "${DIPTYCH_LONG:+long}"
 finish

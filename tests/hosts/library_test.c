@@ -192,7 +192,8 @@ static void make_geometry(void)
         .indices = {vk.geometry, 4096, 3 * sizeof *indices},
         .index_count = 3,
         .materials = {vk.geometry, 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)},
-        .objects = {vk.geometry, 81920, sizeof(struct dt_object)}};
+        .objects = {vk.geometry, 81920, sizeof(struct dt_object)},
+        .numbered = true};
 }
 
 static int open_vulkan(void **state)
@@ -527,6 +528,16 @@ static void vulkan_checks_enabled_features(void **state)
 
 static const struct dt_frame empty;
 
+/* As if the pass `keep` read vertex_triangle. */
+static struct dt_panel features_with_numbers(struct dt_program programs[FEATURES_PASSES])
+{
+    struct dt_panel panel = features_panel;
+    memcpy(programs, panel.programs, FEATURES_PASSES * sizeof *programs);
+    programs[FEATURES_PASS_KEEP].attributes |= 1 << DT_TRIANGLE;
+    panel.programs = programs;
+    return panel;
+}
+
 static void vulkan_tells_wrong_calls(void **state)
 {
     (void)state;
@@ -545,6 +556,7 @@ static void vulkan_tells_wrong_calls(void **state)
     const struct dt_need future = {FEATURES_PASS_SLICE, "rayTracing"};
     struct dt_panel panel = features_panel;
     const struct dt_shaders needy = {"vk", &panel, features_vk.stages};
+    struct dt_program programs[FEATURES_PASSES];
     panel.needs = &future;
     panel.need_count = 1;
     REFUSED(dt_vk_create(rt, &needy), "pass slice: needs rayTracing, which ");
@@ -567,6 +579,12 @@ static void vulkan_tells_wrong_calls(void **state)
     assert_true(dt_vk_import_scene(rt, &scene));
     assert_true(dt_vk_create(rt, &features_vk));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
+    scene = vk.scene;
+    scene.numbered = false;
+    panel = features_with_numbers(programs);
+    assert_true(dt_vk_create(rt, &needy) && dt_vk_import_scene(rt, &scene));
+    REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "reads vertex_triangle; number the triangles");
+    assert_true(dt_vk_create(rt, &features_vk));
     assert_true(dt_vk_import_scene(rt, &vk.scene));
     REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "call resize first");
     REFUSED(dt_vk_get_resource(rt, 0, &resource), "resize comes first");
@@ -707,6 +725,40 @@ static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
             "pass halves: scene indices at byte 4096, but indirect draws of llvmpipe");
     REFUSED(dt_vk_record(rt, begin(), &frame, NULL), "call resize first");
     dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* The image `trail` after frames, a resize, and the same frames again. */
+static void vulkan_trail(bool keeps, uint32_t width, uint8_t trail[TRAIL_BYTES])
+{
+    struct dt_vk_host host = vk_host();
+    host.keep_history = keeps;
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
+                dt_vk_resize(rt, width, HEIGHT));
+    if (width == WIDTH)
+        run_frames(rt, trail);
+    assert_true(dt_vk_create(rt, &features_vk) && dt_vk_resize(rt, WIDTH, HEIGHT) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, trail);
+    dt_vk_close(rt);
+}
+
+static void vulkan_keeps_history(void **state)
+{
+    (void)state;
+    static uint8_t twice[TRAIL_BYTES], found[TRAIL_BYTES];
+    struct dt_vk_runtime *rt = open_features();
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, found);
+    run_frames(rt, twice);
+    dt_vk_close(rt);
+    vulkan_trail(true, WIDTH, found);
+    assert_memory_equal(found, twice, TRAIL_BYTES);
+    vulkan_trail(true, 2 * WIDTH, found); /* another size */
+    assert_memory_not_equal(found, twice, TRAIL_BYTES);
+    vulkan_trail(false, WIDTH, found);
+    assert_memory_not_equal(found, twice, TRAIL_BYTES);
     assert_int_equal(heard.validation, 0);
 }
 
@@ -1984,7 +2036,8 @@ static struct dt_gl_scene gl_scene(void)
         .indices = {buffers[1], 0, 12},
         .index_count = 3,
         .materials = {buffers[0], 8192, DT_MAX_MATERIALS * sizeof(struct dt_material)},
-        .objects = {buffers[0], 81920, sizeof(struct dt_object)}};
+        .objects = {buffers[0], 81920, sizeof(struct dt_object)},
+        .numbered = true};
 }
 
 static GLuint texture_of(GLenum format, GLsizei width)
@@ -2014,6 +2067,7 @@ static void opengl_tells_wrong_calls(void **state)
     struct dt_panel newer = features_panel;
     newer.version = DT_MAKE_VERSION(DT_VERSION_MAJOR, DT_VERSION_MINOR + 1, 2);
     struct dt_shaders other = features_gl;
+    struct dt_program programs[FEATURES_PASSES];
     other.panel = &newer;
     REFUSED(dt_gl_create(rt, &other),
             "the pipeline is from diptych-gen 0.2.2, this library is 0.1");
@@ -2043,6 +2097,12 @@ static void opengl_tells_wrong_calls(void **state)
     REFUSED(dt_gl_create(text, &features_gl), "generate with diptych-gen --glsl");
     dt_gl_close(text);
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
+    scene = right;
+    scene.numbered = false;
+    newer = features_with_numbers(programs);
+    assert_true(dt_gl_create(rt, &other) && dt_gl_import_scene(rt, &scene));
+    REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "reads vertex_triangle; number the triangles");
+    assert_true(dt_gl_create(rt, &features_gl));
     assert_true(dt_gl_import_scene(rt, &right));
     REFUSED(dt_gl_record(rt, &frame, NULL), "call resize first");
     REFUSED(dt_gl_get_resource(rt, 0, &resource), "resize comes first");
@@ -2460,6 +2520,7 @@ int main(void)
         cmocka_unit_test(vulkan_forgets_what_was_not_submitted),
         cmocka_unit_test(vulkan_draws_vertices_of_another_layout),
         cmocka_unit_test(vulkan_refuses_indices_that_lavapipe_would_miss),
+        cmocka_unit_test(vulkan_keeps_history),
         cmocka_unit_test(vulkan_takes_times),
         cmocka_unit_test(vulkan_describes_imports),
         cmocka_unit_test(vulkan_records_two_frames_at_once),

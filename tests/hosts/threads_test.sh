@@ -20,7 +20,7 @@ compile() { # folder source...: an object of each
 }
 # shellcheck disable=SC2317
 build_host() {
-    compile both tests/hosts/examples/renderer_vk.c templates/c/front.c \
+    compile both tests/hosts/examples/renderer_vk.c templates/c/{front,history}.c \
         runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c &&
         compile host tests/hosts/examples/host_vk.c "$gen"/{ssvp/ssvp,ssvp/ssvp_vk_shaders,rsm/rsm,rsm/rsm_vk_shaders}.c &&
         cc -fsanitize=thread "$work"/{both,host}/*.o "$build/library/libdiptych_scene.a" \

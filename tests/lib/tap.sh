@@ -37,6 +37,23 @@ check() { # description command...
     check_status 0 "$description" "$@"
 }
 
+# Limits of processor time, for each process; on a busy machine the time on the wall says nothing. After twenty times as long, what
+# waits for something that does not come is ended, too.
+limited() { # seconds command...: no shell function
+    local seconds=$1
+    shift
+    (ulimit -t "$seconds" && exec timeout $((20 * seconds)) "$@")
+}
+
+wait_until() { # command...: tries every 0.1 s whether it holds, for ten minutes, or half a minute once a check has failed
+    local tries
+    for ((tries = tap_failed ? 300 : 6000; tries > 0; tries--)); do
+        "$@" && return
+        sleep 0.1
+    done
+    return 1
+}
+
 skip() { # description reason
     tap_count=$((tap_count + 1))
     echo "ok $tap_count - $1 # SKIP $2"

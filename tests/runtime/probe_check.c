@@ -239,7 +239,7 @@ static void check_timings(const struct dt_runtime *runtime, void *rt, const stru
     for (int pass = 0; pass < PROBE_PASSES; pass++) {
         bool off = pass == PROBE_SKIP || (pass == PROBE_MASK_PASS && !live->mask) ||
                    (pass == PROBE_GLOW_PASS && !live->glow);
-        if (off ? !isnan(ms[pass]) : !(ms[pass] > 0 && ms[pass] < 60e3))
+        if (off ? !isnan(ms[pass]) : !(ms[pass] > 0 && ms[pass] < 3600e3))
             fail_msg("pass %s: %g ms", probe_pipeline.passes[pass].name, ms[pass]);
     }
 }

@@ -213,12 +213,12 @@ static void broken_text_is_told_with_its_pass(void **state)
     void *rt = runtime_gl.open(&wanted);
     assert_non_null(rt);
     memcpy(stages, probe_glsl()->stages, sizeof stages);
-    stages[PROBE_COUNT].compute.glsl = "#version 460\nvoid main() { x = 1; }\n";
+    stages[PROBE_COUNT].compute.glsl = "#version 450\nvoid main() { x = 1; }\n";
     assert_false(runtime_gl.create(rt, &shaders));
     expect_error("pass count: compiling the compute shader");
     memcpy(stages, probe_glsl()->stages, sizeof stages);
     stages[PROBE_SHOW].fragment.glsl =
-        "#version 460\nin vec4 c; out vec4 d; void main() { d = c; }\n";
+        "#version 450\nin vec4 c; out vec4 d; void main() { d = c; }\n";
     assert_false(runtime_gl.create(rt, &shaders));
     expect_error("pass show: linking");
     assert_true(runtime_gl.create(rt, probe_glsl()));

@@ -548,6 +548,40 @@ static void programs_go_on_where_they_are_the_same(void **state)
     free(before);
 }
 
+static bool stop(void *user, uint32_t pass)
+{
+    (void)user;
+    return pass != PROBE_SCENE;
+}
+
+/* It counts frames. Not from one that failed, nor through a pipeline without it. */
+static void history_outlives_resize_and_create(void **state)
+{
+    const struct bench *bench = *state;
+    struct dt_runtime_options wanted = options();
+    const struct dt_observer observer = {.after_pass = stop};
+    wanted.keep_history = true;
+    void *rt = bench->runtime->open(&wanted);
+    formats_prepare();
+    assert_true(rt && bench->runtime->set_scene(rt, &probe_scene) &&
+                bench->runtime->create(rt, bench->probe) && bench->runtime->resize(rt, 16, 8) &&
+                render(bench, rt, NULL, NULL));
+    assert_true(bench->runtime->resize(rt, 40, 24) && bench->runtime->resize(rt, 16, 8) &&
+                render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 16, 8, 2, &defaults);
+    assert_true(bench->runtime->create(rt, bench->probe) && bench->runtime->resize(rt, 40, 24) &&
+                render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 40, 24, 3, &defaults);
+    assert_false(render(bench, rt, NULL, &observer));
+    assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    assert_true(bench->runtime->create(rt, bench->formats) && bench->runtime->resize(rt, 3, 3) &&
+                bench->runtime->create(rt, bench->probe) && bench->runtime->resize(rt, 16, 8) &&
+                render(bench, rt, NULL, NULL));
+    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
+    close_silent(bench, rt);
+}
+
 /* Another pipeline in between, with other resources and fewer passes. */
 static void a_panel_takes_the_place_of_another(void **state)
 {
@@ -1099,6 +1133,7 @@ int main(void)
         ON_BOTH(an_observer_may_stop_before_a_pass),
         ON_BOTH(depth_tests_compare_as_the_panel_says),
         ON_BOTH(programs_go_on_where_they_are_the_same),
+        ON_BOTH(history_outlives_resize_and_create),
         ON_BOTH(a_panel_takes_the_place_of_another),
         cmocka_unit_test(wrong_calls_are_told_in_the_same_words),
         cmocka_unit_test(limits_are_told_in_the_same_words),

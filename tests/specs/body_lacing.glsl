@@ -9,5 +9,6 @@ void main()
     same = same && tile_gather(tile_split(p, size, lace_tile), size, lace_tile) == p;
     same = same && tile_class(tile_offset(interleave_class(), lace_tile), lace_tile) == lace_class(p);
     same = same && tile_class_size(0, size, lace_tile) == lace_class_size(0, size) && lace_classes == 4;
-    laced_store(interleave_split(), vec4(sum, float(same), color(p).xy));
+    if (all(equal(p / lace_tile, invocation().xy))) /* others repeat the last pixel */
+        laced_store(interleave_split(), vec4(sum, float(same), color(p).xy));
 }

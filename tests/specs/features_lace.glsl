@@ -12,5 +12,6 @@ void main()
     ivec3 at = invocation();
     ivec2 placed = min(at.xy, lace_class_size(at.z, normal_size()) - 1) * lace_tile + tile_offset(at.z, lace_tile);
     float identity = same && placed == p ? 1.0 : 0.0;
-    laced_store(q, vec4(sum, vec2(p), identity));
+    if (all(equal(p / lace_tile, invocation().xy))) /* others repeat the last pixel */
+        laced_store(q, vec4(sum, vec2(p), identity));
 }

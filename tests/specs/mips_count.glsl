@@ -1,5 +1,6 @@
 void main()
 {
     ivec2 p = invocation().xy;
-    resources_store(p, uvec4(uint(p.x + p.y)));
+    if (all(lessThan(p, resources_size())))
+        resources_store(p, uvec4(uint(p.x + p.y)));
 }

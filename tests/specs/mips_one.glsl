@@ -1,4 +1,6 @@
 void main()
 {
-    resources_store(invocation().xy, uvec4(9u));
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, resources_size())))
+        resources_store(p, uvec4(9u));
 }

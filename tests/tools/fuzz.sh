@@ -36,7 +36,7 @@ keep() { # kind: keeps inputs that also fail alone; at most eight, as they often
     for file in "$out/$1"/default/crashes/id* "$out/$1"/default/hangs/id*; do
         [ -e "$file" ] || continue
         status=0
-        { timeout 30 "$build/tests/fuzz" "$1" "$file" || status=$?; } >"$out/said" 2>&1
+        { (ulimit -t 30 && exec timeout 600 "$build/tests/fuzz" "$1" "$file") || status=$?; } >"$out/said" 2>&1
         [ "$status" -gt 1 ] || continue
         failures=$((failures + 1))
         [ "$failures" -gt $((before + 8)) ] || cp "$file" "tests/tools/fuzz/$1/fail-$(sha256sum "$file" | cut -c 1-12)"

@@ -93,10 +93,8 @@ void fuzz_evidence(const char *bytes, size_t size)
     fuzz_messages = 0;
     bool good = evidence_read(&evidence, &console, fuzz_folder, &setup);
     evidence_free(&evidence);
-    fuzz_insist(good || fuzz_messages || console.kept_count,
+    fuzz_insist(good || fuzz_messages || console.kept.length,
                 "evidence is damaged without a message");
-    for (unsigned i = 0; i < console.kept_count; i++)
-        free(console.kept[i].text);
-    free(console.kept);
+    text_free(&console.kept);
     try_dump();
 }

@@ -30,7 +30,7 @@ static void load_spec(const char *name)
         emit_lifetimes(&spec.model, &text);
     }
     diag_json(diag, &text);
-    diag_flush(diag);
+    diag_print(diag, "diptych-gen", stderr);
     fuzz_insist(!text.failed, "a text cannot be written");
     text_free(&text);
     diag_free(diag);

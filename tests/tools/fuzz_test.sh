@@ -5,7 +5,7 @@ cd "$root" || exit 1
 # shellcheck disable=SC2317 # called through check
 survives() { # kind file: status 1 also passes: glslang took too long, with a message
     local status=0
-    timeout 60 "$build/tests/fuzz" "$1" "$2" || status=$?
+    limited 60 "$build/tests/fuzz" "$1" "$2" || status=$?
     [ "$status" -le 1 ]
 }
 for kind in spec body scene input evidence cache; do

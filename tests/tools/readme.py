@@ -82,7 +82,7 @@ def blocks_of(readme, text):
 def copy_project(name):
     """Copies the files that commands read to a folder where commands may write; links the programs and outputs of the build."""
     folder = f"{WORK}/{name}"
-    for part in ("scenes", "templates"):
+    for part in ("scenes", "templates", "tests/app/import"):
         shutil.copytree(f"{ROOT}/{part}", f"{folder}/{part}")
     os.mkdir(f"{folder}/build")
     for part in ("diptych", "diptych-gen", "scenes"):

@@ -98,6 +98,7 @@ static struct view open_view(const struct geometry *geometry, const struct dt_sc
         .index_count = scene->index_count,
         .materials = {geometry->buffer, 0, materials},
         .textures = geometry->textures,
+        .numbered = true, /* as all that diptych_scene.h loads */
     };
     check(rt && dt_gl_import_scene(rt, &import) && dt_gl_create(rt, pipeline->shaders) &&
               dt_gl_import_image(rt, pipeline->output, picture) &&

@@ -127,6 +127,7 @@ static struct buffer make_scene(const struct renderer *renderer, const struct dt
                         VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     vertices->buffer = indices->buffer = materials->buffer = geometry.handle;
     import->index_count = scene->index_count;
+    import->numbered = true; /* as all that diptych_scene.h loads */
     char *bytes = geometry.bytes;
     memcpy(bytes + vertices->offset, scene->vertices, vertices->size);
     memcpy(bytes + indices->offset, scene->indices, indices->size);

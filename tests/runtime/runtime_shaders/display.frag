@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(binding = 0) uniform sampler2D color;
 layout(location = 0) out vec4 display;
 

@@ -1,4 +1,4 @@
-#version 460
+#version 450
 #ifdef VULKAN
 #define VERTEX gl_VertexIndex
 #else

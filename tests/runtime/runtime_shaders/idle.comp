@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(local_size_x = 1) in;
 
 void main()

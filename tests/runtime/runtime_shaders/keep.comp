@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(local_size_x = 3) in;
 layout(binding = 0, std430) readonly buffer Indices { uint indices[]; };
 layout(binding = 1, std430) writeonly buffer Kept { uint kept[6]; };

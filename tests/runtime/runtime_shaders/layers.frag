@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(location = 0) flat in uint v_layer;
 layout(location = 0) out uint layer;
 

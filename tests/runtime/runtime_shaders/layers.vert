@@ -1,9 +1,10 @@
-#version 460
+#version 450
 #extension GL_ARB_shader_viewport_layer_array : require
 #ifdef VULKAN
 #define INSTANCE gl_InstanceIndex
 #else
-#define INSTANCE (gl_BaseInstance + gl_InstanceID)
+#extension GL_ARB_shader_draw_parameters : require
+#define INSTANCE (gl_BaseInstanceARB + gl_InstanceID)
 #endif
 layout(location = 0) in vec3 position;
 layout(location = 0) flat out uint v_layer;

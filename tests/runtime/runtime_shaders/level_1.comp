@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(local_size_x = 8, local_size_y = 4) in;
 layout(binding = 0) uniform sampler2D level_0;
 layout(binding = 1, r32f) writeonly uniform image2D level_1;

@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(binding = 0) uniform sampler2D level_1; /* a view of one mip */
 layout(location = 0) out float level_2;
 

@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(local_size_x = 1) in;
 layout(binding = 0, std140) uniform Frame { vec4 skip[41]; uint width, height, index, triangle_count; };
 layout(binding = 1, std430) writeonly buffer Draws { uint draw[10]; };

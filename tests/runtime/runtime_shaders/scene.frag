@@ -1,4 +1,4 @@
-#version 460
+#version 450
 struct Material { vec3 albedo; int tex; vec3 emission; float alpha_cutoff; };
 layout(binding = 0, std430) readonly buffer Materials { Material materials[]; };
 layout(binding = 1) uniform sampler2DArray textures;

@@ -1,4 +1,4 @@
-#version 460
+#version 450
 layout(location = 0) in vec3 position;
 layout(location = 2) in vec2 uv;
 layout(location = 3) in uint material;

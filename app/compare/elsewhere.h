@@ -1,0 +1,28 @@
+/* What would break elsewhere though all sides agree here: limits that other devices may not have, and results that vary from
+ * run to run. With the findings of --sanitize they are one list behind the verdict. */
+#ifndef DIPTYCH_ELSEWHERE_H
+#define DIPTYCH_ELSEWHERE_H
+
+#include "result/rows.h"
+#include "run/worker.h"
+
+struct cJSON;
+
+struct elsewhere {
+    struct cJSON *
+        list; /* [{"kind": "limit" or "repeat", "pass", "message"; of repeats "side", "runs", "distinct"}]; owned */
+    bool repeats_differ;
+};
+
+/* Limits of which passes need more than Vulkan's profile Roadmap 2022 promises. These two return false with the error logged. */
+bool elsewhere_add_limits(struct elsewhere *elsewhere, const struct dt_panel *panel,
+                          const struct dt_log *log);
+/* Runs the worker that many times, with other numbers of threads where Mesa's software drivers can choose them, and counts the
+ * distinct results of each pass in all its frames. */
+bool elsewhere_repeat(struct elsewhere *elsewhere, const struct worker_info *worker,
+                      const struct rows *rows, uint32_t runs);
+
+void elsewhere_print(const struct elsewhere *elsewhere); /* on stdout, a line each */
+void elsewhere_free(struct elsewhere *elsewhere);        /* takes a zeroed one */
+
+#endif

@@ -1,0 +1,56 @@
+/* A preset while it becomes a spec; chain.c reads it, chain_spec.c writes it. */
+#ifndef DIPTYCH_CHAIN_H
+#define DIPTYCH_CHAIN_H
+
+#include "import/import.h"
+#include "import/slang.h"
+
+enum { MOST_PASSES = 128, MOST_PICTURES = 64, CHAIN_MIPS = 8 };
+
+struct chain_pass {
+    struct slang slang;
+    struct reflection stages[2]; /* vertex, fragment */
+    char file[160];              /* of its text in the folder */
+    char alias[128];             /* "": none */
+    const char *format;
+    char width[160], height[160]; /* integer expressions; "": the frame's */
+    bool linear, mipmap;          /* how it reads what the pass before left */
+    const char *wrap;
+    unsigned period; /* of FrameCount; 0: none */
+    bool mips;       /* the next pass reads its mips */
+};
+
+struct chain_picture { /* a look-up picture */
+    char name[128], file[160];
+    const char *wrap;
+    bool linear;
+    uint32_t mips;
+};
+
+struct chain {
+    struct import *import;
+    struct preset preset;
+    struct chain_pass passes[MOST_PASSES];
+    uint32_t pass_count;
+    struct chain_picture pictures[MOST_PICTURES];
+    uint32_t picture_count;
+    bool stretched; /* the last pass is not of the frame's size: a pass of ours fits it */
+};
+
+/* What a pass reads by a name. */
+struct chain_read {
+    char image[160];
+    unsigned previous; /* frames back */
+    bool linear, mips;
+    const char *wrap;
+};
+/* False: the name means nothing. */
+bool chain_find(const struct chain *chain, uint32_t pass, const char *name,
+                struct chain_read *read);
+/* Width (0) or height (1) of what the name means, as an expression of GLSL in values. */
+bool chain_size(const struct chain *chain, uint32_t pass, const char *name, char out[2][160]);
+
+/* The spec. False: logged. */
+bool chain_write(const struct chain *chain, const char *picture, struct text *out);
+
+#endif

@@ -1,0 +1,30 @@
+/* Specs made of what others have: presets of RetroArch, and single shaders. The text of a shader stays
+ * as it is; what a spec says about it comes from reflection. */
+#ifndef DIPTYCH_IMPORT_H
+#define DIPTYCH_IMPORT_H
+
+#include "console/folder.h"
+#include "import/reflect.h"
+#include "base/text.h"
+
+struct import {
+    struct console *console;
+    struct folder folder; /* to fill */
+    const char *name;     /* of the pipeline: an identifier */
+    const char *picture;  /* content of what the shaders read; NULL: a test card */
+};
+
+/* chain.c: a preset as NAME.yaml, its shaders and pictures. False: logged. */
+bool import_preset(struct import *import, const char *path);
+/* shader.c: a compute or a fragment shader, or a vertex and a fragment shader. `paths` ends with
+ * NULL. */
+bool import_shaders(struct import *import, const char *const *paths);
+
+/* import.c: copies a file into the folder under this name. */
+bool import_copy(struct import *import, const char *from, const char *name);
+/* Writes the picture, or the test card, into the folder; the name of its file. NULL: logged. */
+const char *import_picture(struct import *import);
+/* The text as an identifier that a spec may declare; `size` bytes. */
+void import_identifier(const char *text, char *out, size_t size);
+
+#endif

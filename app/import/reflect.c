@@ -1,0 +1,363 @@
+/* See reflect.h. */
+#include "import/reflect.h"
+
+#include <spirv_cross/spirv_cross_c.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/files.h"
+#include "diptych.h"
+#include "formats.h"
+#include "gen/glsl/glslang.h"
+#include "gen/spirv/compile.h"
+
+struct reader {
+    spvc_compiler compiler;
+    spvc_resources resources;
+    struct reflection *out;
+    bool failed;
+};
+
+static struct reflected *add(struct reader *reader, enum reflected_kind kind, const char *name)
+{
+    struct reflection *out = reader->out;
+    struct reflected *list = realloc(out->list, (out->count + 1) * sizeof *list);
+    reader->failed |= !list;
+    if (!list)
+        return NULL;
+    out->list = list;
+    struct reflected *item = &list[out->count++];
+    *item = (struct reflected){.kind = kind};
+    snprintf(item->name, sizeof item->name, "%s", name);
+    return item;
+}
+
+/* ---- Types ----------------------------------------------------------------------------------- */
+
+/* "": a struct, a matrix of doubles, an array of arrays. */
+static void write_type(spvc_type type, char *out, size_t size)
+{
+    static const struct {
+        spvc_basetype base;
+        const char *scalar, *vector;
+    } names[] = {{SPVC_BASETYPE_FP32, "float", "vec"},
+                 {SPVC_BASETYPE_INT32, "int", "ivec"},
+                 {SPVC_BASETYPE_UINT32, "uint", "uvec"},
+                 {SPVC_BASETYPE_BOOLEAN, "bool", "bvec"}};
+    unsigned rows = spvc_type_get_vector_size(type), columns = spvc_type_get_columns(type);
+    unsigned dimensions = spvc_type_get_num_array_dimensions(type);
+    char element[32] = "";
+    *out = 0;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
+        if (names[i].base != spvc_type_get_basetype(type))
+            continue;
+        if (columns > 1 && i == 0)
+            snprintf(element, sizeof element, rows == columns ? "mat%u" : "mat%ux%u", columns,
+                     rows);
+        else if (rows > 1)
+            snprintf(element, sizeof element, "%s%u", names[i].vector, rows);
+        else
+            snprintf(element, sizeof element, "%s", names[i].scalar);
+    }
+    if (dimensions == 1 && *element && spvc_type_get_array_dimension(type, 0))
+        snprintf(out, size, "%s[%u]", element, (unsigned)spvc_type_get_array_dimension(type, 0));
+    else if (!dimensions)
+        snprintf(out, size, "%s", element);
+}
+
+static const char *shape_of(spvc_type type)
+{
+    bool array = spvc_type_get_image_arrayed(type);
+    if (spvc_type_get_image_multisampled(type) || spvc_type_get_num_array_dimensions(type))
+        return NULL;
+    switch (spvc_type_get_image_dimension(type)) {
+    case SpvDim2D:
+        return array ? "2D array" : "2D";
+    case SpvDim3D:
+        return "3D";
+    case SpvDimCube:
+        return array ? NULL : "cube";
+    default:
+        return NULL;
+    }
+}
+
+static char scalar_of(spvc_compiler compiler, spvc_type type)
+{
+    spvc_type sampled =
+        spvc_compiler_get_type_handle(compiler, spvc_type_get_image_sampled_type(type));
+    spvc_basetype base = spvc_type_get_basetype(sampled);
+    return base == SPVC_BASETYPE_INT32 ? 'i' : base == SPVC_BASETYPE_UINT32 ? 'u' : 'f';
+}
+
+/* The row of formats.def with this format of SPIR-V; NULL: none. */
+static const char *format_of(spvc_type type)
+{
+    static const struct {
+        SpvImageFormat format;
+        const char *qualifier;
+    } names[] = {{SpvImageFormatRgba32f, "rgba32f"},
+                 {SpvImageFormatRgba16f, "rgba16f"},
+                 {SpvImageFormatR32f, "r32f"},
+                 {SpvImageFormatRgba8, "rgba8"},
+                 {SpvImageFormatRg32f, "rg32f"},
+                 {SpvImageFormatRg16f, "rg16f"},
+                 {SpvImageFormatR11fG11fB10f, "r11f_g11f_b10f"},
+                 {SpvImageFormatR16f, "r16f"},
+                 {SpvImageFormatRgba16, "rgba16"},
+                 {SpvImageFormatRgb10A2, "rgb10_a2"},
+                 {SpvImageFormatRg16, "rg16"},
+                 {SpvImageFormatRg8, "rg8"},
+                 {SpvImageFormatR16, "r16"},
+                 {SpvImageFormatR8, "r8"},
+                 {SpvImageFormatRgba16Snorm, "rgba16_snorm"},
+                 {SpvImageFormatRg16Snorm, "rg16_snorm"},
+                 {SpvImageFormatR16Snorm, "r16_snorm"},
+                 {SpvImageFormatRgba32i, "rgba32i"},
+                 {SpvImageFormatRgba16i, "rgba16i"},
+                 {SpvImageFormatRgba8i, "rgba8i"},
+                 {SpvImageFormatR32i, "r32i"},
+                 {SpvImageFormatRg32i, "rg32i"},
+                 {SpvImageFormatRg16i, "rg16i"},
+                 {SpvImageFormatRg8i, "rg8i"},
+                 {SpvImageFormatR16i, "r16i"},
+                 {SpvImageFormatR8i, "r8i"},
+                 {SpvImageFormatRgba32ui, "rgba32ui"},
+                 {SpvImageFormatRgba16ui, "rgba16ui"},
+                 {SpvImageFormatRgba8ui, "rgba8ui"},
+                 {SpvImageFormatR32ui, "r32ui"},
+                 {SpvImageFormatRg32ui, "rg32ui"},
+                 {SpvImageFormatRg16ui, "rg16ui"},
+                 {SpvImageFormatRg8ui, "rg8ui"},
+                 {SpvImageFormatR16ui, "r16ui"},
+                 {SpvImageFormatR8ui, "r8ui"}};
+    SpvImageFormat format = spvc_type_get_image_storage_format(type);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
+        for (int row = 0; names[i].format == format && row < DT_FORMAT_COUNT; row++) {
+            const struct format_info *info = format_info((enum dt_format)row);
+            if (info->qualifier && !strcmp(info->qualifier, names[i].qualifier))
+                return info->name;
+        }
+    return NULL;
+}
+
+/* ---- Resources ------------------------------------------------------------------------------- */
+
+static const char *name_of(const struct reader *reader, const spvc_reflected_resource *resource)
+{
+    const char *name = spvc_compiler_get_name(reader->compiler, resource->id);
+    return name && *name ? name : spvc_compiler_get_name(reader->compiler, resource->base_type_id);
+}
+
+static void add_image(struct reader *reader, const spvc_reflected_resource *resource,
+                      enum reflected_kind kind)
+{
+    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->type_id);
+    struct reflected *item = add(reader, kind, name_of(reader, resource));
+    if (!item)
+        return;
+    item->shape = shape_of(type);
+    item->scalar = scalar_of(reader->compiler, type);
+    item->format = kind == REFLECTED_IMAGE ? format_of(type) : NULL;
+    item->reads =
+        !spvc_compiler_has_decoration(reader->compiler, resource->id, SpvDecorationNonReadable);
+    item->writes =
+        kind == REFLECTED_IMAGE &&
+        !spvc_compiler_has_decoration(reader->compiler, resource->id, SpvDecorationNonWritable);
+}
+
+/* Whether all members have the decoration, or the block itself. */
+static bool is_decorated(const struct reader *reader, const spvc_reflected_resource *resource,
+                         SpvDecoration decoration)
+{
+    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
+    bool all = spvc_type_get_num_member_types(type);
+    for (unsigned i = 0; i < spvc_type_get_num_member_types(type); i++)
+        all &= spvc_compiler_has_member_decoration(reader->compiler, resource->base_type_id, i,
+                                                   decoration);
+    return all || spvc_compiler_has_decoration(reader->compiler, resource->id, decoration);
+}
+
+static void add_buffer(struct reader *reader, const spvc_reflected_resource *resource)
+{
+    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
+    struct reflected *item = add(reader, REFLECTED_BUFFER, name_of(reader, resource));
+    size_t bytes = 0;
+    if (!item)
+        return;
+    item->reads = !is_decorated(reader, resource, SpvDecorationNonReadable);
+    item->writes = !is_decorated(reader, resource, SpvDecorationNonWritable);
+    spvc_compiler_get_declared_struct_size(reader->compiler, type, &bytes);
+    item->bytes = (uint32_t)bytes;
+    if (spvc_type_get_num_member_types(type) != 1)
+        return;
+    spvc_type member =
+        spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, 0));
+    if (spvc_type_get_num_array_dimensions(member) != 1)
+        return;
+    write_type(spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_base_type_id(member)),
+               item->type, sizeof item->type);
+    if (!strncmp(item->type, "mat", 3))
+        *item->type = 0;
+}
+
+static void add_block(struct reader *reader, const spvc_reflected_resource *resource)
+{
+    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
+    const spvc_buffer_range *ranges = NULL;
+    size_t count = 0;
+    if (spvc_compiler_get_active_buffer_ranges(reader->compiler, resource->id, &ranges, &count) !=
+        SPVC_SUCCESS)
+        count = 0;
+    for (unsigned m = 0; m < spvc_type_get_num_member_types(type); m++) {
+        bool used = !count;
+        for (size_t i = 0; i < count; i++)
+            used |= ranges[i].index == m;
+        const char *name =
+            spvc_compiler_get_member_name(reader->compiler, resource->base_type_id, m);
+        struct reflected *item = used ? add(reader, REFLECTED_VALUE, name) : NULL;
+        if (item)
+            write_type(
+                spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, m)),
+                item->type, sizeof item->type);
+    }
+}
+
+static void add_interface(struct reader *reader, const spvc_reflected_resource *resource,
+                          enum reflected_kind kind)
+{
+    struct reflected *item = add(reader, kind, name_of(reader, resource));
+    if (!item)
+        return;
+    write_type(spvc_compiler_get_type_handle(reader->compiler, resource->type_id), item->type,
+               sizeof item->type);
+    item->location =
+        spvc_compiler_get_decoration(reader->compiler, resource->id, SpvDecorationLocation);
+}
+
+static void add_resource(struct reader *reader, const spvc_reflected_resource *resource,
+                         spvc_resource_type type)
+{
+    switch (type) {
+    case SPVC_RESOURCE_TYPE_UNIFORM_BUFFER:
+    case SPVC_RESOURCE_TYPE_PUSH_CONSTANT:
+        add_block(reader, resource);
+        break;
+    case SPVC_RESOURCE_TYPE_STORAGE_BUFFER:
+        add_buffer(reader, resource);
+        break;
+    case SPVC_RESOURCE_TYPE_STORAGE_IMAGE:
+    case SPVC_RESOURCE_TYPE_SAMPLED_IMAGE:
+        add_image(reader, resource,
+                  type == SPVC_RESOURCE_TYPE_SAMPLED_IMAGE ? REFLECTED_TEXTURE : REFLECTED_IMAGE);
+        break;
+    default:
+        add_interface(reader, resource,
+                      type == SPVC_RESOURCE_TYPE_STAGE_INPUT ? REFLECTED_INPUT : REFLECTED_OUTPUT);
+    }
+}
+
+static void add_constants(struct reader *reader)
+{
+    const spvc_specialization_constant *list = NULL;
+    size_t count = 0;
+    if (spvc_compiler_get_specialization_constants(reader->compiler, &list, &count) != SPVC_SUCCESS)
+        return;
+    for (size_t i = 0; i < count; i++) {
+        spvc_constant constant = spvc_compiler_get_constant_handle(reader->compiler, list[i].id);
+        const char *name = spvc_compiler_get_name(reader->compiler, list[i].id);
+        struct reflected *item = *name ? add(reader, REFLECTED_CONSTANT, name) : NULL;
+        if (!item)
+            continue;
+        write_type(
+            spvc_compiler_get_type_handle(reader->compiler, spvc_constant_get_type(constant)),
+            item->type, sizeof item->type);
+        item->number =
+            !strcmp(item->type, "float") ? (double)spvc_constant_get_scalar_fp32(constant, 0, 0)
+            : !strcmp(item->type, "int") ? (double)spvc_constant_get_scalar_i32(constant, 0, 0)
+                                         : (double)spvc_constant_get_scalar_u32(constant, 0, 0);
+    }
+}
+
+static bool read_all(struct reader *reader)
+{
+    static const spvc_resource_type types[] = {
+        SPVC_RESOURCE_TYPE_SAMPLED_IMAGE,  SPVC_RESOURCE_TYPE_STORAGE_IMAGE,
+        SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_UNIFORM_BUFFER,
+        SPVC_RESOURCE_TYPE_PUSH_CONSTANT,  SPVC_RESOURCE_TYPE_STAGE_INPUT,
+        SPVC_RESOURCE_TYPE_STAGE_OUTPUT};
+    for (size_t t = 0; t < DT_ARRAY_COUNT(types); t++) {
+        const spvc_reflected_resource *list = NULL;
+        size_t count = 0;
+        if (spvc_resources_get_resource_list_for_type(reader->resources, types[t], &list, &count) !=
+            SPVC_SUCCESS)
+            return false;
+        for (size_t i = 0; i < count; i++)
+            add_resource(reader, &list[i], types[t]);
+    }
+    add_constants(reader);
+    for (unsigned i = 0; i < 3; i++)
+        reader->out->local[i] = spvc_compiler_get_execution_mode_argument_by_index(
+            reader->compiler, SpvExecutionModeLocalSize, i);
+    return !reader->failed;
+}
+
+static bool read_module(spvc_context context, const uint32_t *words, size_t count,
+                        struct reflection *reflection)
+{
+    spvc_parsed_ir ir = NULL;
+    spvc_set active = NULL;
+    struct reader reader = {.out = reflection};
+    return spvc_context_parse_spirv(context, words, count, &ir) == SPVC_SUCCESS &&
+           spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir,
+                                        SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
+                                        &reader.compiler) == SPVC_SUCCESS &&
+           spvc_compiler_get_active_interface_variables(reader.compiler, &active) == SPVC_SUCCESS &&
+           spvc_compiler_create_shader_resources_for_active_variables(
+               reader.compiler, &reader.resources, active) == SPVC_SUCCESS &&
+           read_all(&reader);
+}
+
+/* ---- Text ------------------------------------------------------------------------------------ */
+
+/* With #version 460 in front, and blanks for its own. */
+static char *prepare(const char *text, int stage)
+{
+    static const char *const stages[] = {"COMPUTE", "VERTEX", "FRAGMENT"};
+    char *all = format_string("#version 460\n#define %s\n#line 1\n%s", stages[stage], text);
+    char *own = all ? strstr(all + 1, "#version") : NULL;
+    if (own)
+        memset(own, ' ', strcspn(own, "\r\n"));
+    return all;
+}
+
+bool reflect(const char *text, int stage,
+             bool (*include)(const void *user, const char *from, const char *name,
+                             struct glslang_file *file),
+             const void *user, struct reflection *reflection, char **why)
+{
+    char *code = prepare(text, stage);
+    const struct glslang_job job = {
+        .code = code, .stage = stage, .whole = true, .include = include, .user = user};
+    size_t count = 0;
+    spvc_context context = NULL;
+    *why = NULL;
+    *reflection = (struct reflection){0};
+    uint32_t *words = code && spirv_init() ? glslang_compile(&job, &count, why) : NULL;
+    bool good = words && spvc_context_create(&context) == SPVC_SUCCESS &&
+                read_module(context, words, count, reflection);
+    if (!good && words && context)
+        *why = strdup(spvc_context_get_last_error_string(context));
+    if (context)
+        spvc_context_destroy(context);
+    free(words);
+    free(code);
+    return good;
+}
+
+void reflect_free(struct reflection *reflection)
+{
+    free(reflection->list);
+    *reflection = (struct reflection){0};
+}

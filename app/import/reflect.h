@@ -1,0 +1,52 @@
+/* What a shader declares: its text goes through glslang as gen does it, the module through
+ * SPIRV-Cross's reflection. What main does not reach is left out. */
+#ifndef DIPTYCH_REFLECT_H
+#define DIPTYCH_REFLECT_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum reflected_kind {
+    REFLECTED_TEXTURE, /* sampled */
+    REFLECTED_IMAGE,
+    REFLECTED_BUFFER,
+    REFLECTED_VALUE, /* a uniform, or a member of a block of them */
+    REFLECTED_INPUT,
+    REFLECTED_OUTPUT,
+    REFLECTED_CONSTANT /* of specialization */
+};
+
+struct reflected {
+    enum reflected_kind kind;
+    char name[256]; /* what gen calls it: see gen/spirv/bind.h */
+    char type
+        [64]; /* GLSL: "vec4", "float[3]"; of a buffer's elements; "": another, such as a struct */
+    const char *format; /* image: a word of formats.def; NULL: none given */
+    const char
+        *shape;  /* texture, image: "2D", "2D array", "3D", "cube"; others are not in passes */
+    char scalar; /* texture, image: f, i or u */
+    bool reads, writes; /* image, buffer */
+    uint32_t location;  /* input, output */
+    uint32_t bytes;     /* buffer: least size */
+    double number;      /* constant */
+};
+
+struct reflection {
+    struct reflected *list;
+    uint32_t count;
+    uint32_t local[3]; /* of a compute shader */
+};
+
+enum { REFLECT_COMPUTE, REFLECT_VERTEX, REFLECT_FRAGMENT }; /* as enum stage of gen/stages.h */
+
+/* text: with or without #version, which is taken for 460. include: as of glslang_job, or NULL. False:
+ * *why, free(), has glslang's or SPIRV-Cross's message. Call reflect_free either way. */
+struct glslang_file;
+bool reflect(const char *text, int stage,
+             bool (*include)(const void *user, const char *from, const char *name,
+                             struct glslang_file *file),
+             const void *user, struct reflection *reflection, char **why);
+void reflect_free(struct reflection *reflection);
+
+#endif

@@ -1,0 +1,314 @@
+/* What the window leaves: pictures, arrays, overlays, cases of a bisection, the user's settings; and
+ * the messages that it shows. */
+#include "view/view.h"
+
+#include <ctype.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/files.h"
+#include "compare/apart.h"
+#include "console/hdr.h"
+#include "console/settings.h"
+#include "result/array.h"
+#include "run/camera.h"
+
+/* diptych-NNN with that ending, of the first free number; free(). */
+static char *free_name(const char *ending, const struct dt_log *log)
+{
+    for (int i = 0; i < 1000; i++) {
+        char *path = format_string("diptych-%03d%s", i, ending);
+        if (!path || access(path, F_OK) != 0)
+            return path;
+        free(path);
+    }
+    report_error(log, "diptych-000%s to diptych-999%s exist already: move some", ending, ending);
+    return NULL;
+}
+
+/* With several sides, the side's name stands in the ending. */
+static char *side_name(const struct view *view, uint32_t side, const char *ending)
+{
+    char *own = view->side_count > 1 ? format_string("-%s%s", view->sides.list[side].label, ending)
+                                     : strdup(ending);
+    for (char *at = own; at && *at; at++)
+        if (!isalnum((unsigned char)*at) && !strchr("-.+", *at))
+            *at = '_';
+    char *path = own ? free_name(own, &view->console->log) : NULL;
+    free(own);
+    return path;
+}
+
+static void tell(const struct view *view, bool good, const char *path)
+{
+    if (good)
+        report_message(&view->console->log, DT_INFO, "wrote %s", path);
+}
+
+/* ---- Files ----------------------------------------------------------------------------------- */
+
+static bool write_npy(const struct view *view, const struct view_side *side, const char *path)
+{
+    const struct dt_bytes bytes = view_layer(view, side);
+    return array_write(path, &view->pipeline.info->resources[view->shown.resource], &bytes,
+                       &view->console->log);
+}
+
+static bool write_exr(const struct view *view, const struct view_side *side, const char *path)
+{
+    const struct dt_resource *resource = &view->pipeline.info->resources[view->shown.resource];
+    const struct dt_bytes bytes = view_layer(view, side);
+    struct picture picture = {0};
+    bool good = picture_linear(&picture, resource, &bytes, &view->console->log);
+    console_hold(view->console);
+    good =
+        good && hdr_write(path, picture.width, picture.height, picture.linear, &view->console->log);
+    console_release(view->console);
+    picture_free(&picture);
+    return good;
+}
+
+static void save_sides(struct view *view, const char *ending,
+                       bool (*write)(const struct view *, const struct view_side *, const char *))
+{
+    for (uint32_t i = 0; i < view->side_count; i++) {
+        char *path = side_name(view, i, ending);
+        if (path && view_read(view, &view->side[i]))
+            tell(view, write(view, &view->side[i], path), path);
+        free(path);
+    }
+}
+
+/* ---- What the user asks for ------------------------------------------------------------------ */
+
+static void save_sets(const struct view *view)
+{
+    char *path = free_name(".yaml", &view->console->log);
+    char *text = view_params_text(view, "- ", "\n", true, true);
+    if (path && text && *text)
+        tell(view, file_write(path, text, strlen(text), &view->console->log), path);
+    free(text);
+    free(path);
+}
+
+void view_save(struct view *view, unsigned wishes)
+{
+    const struct dt_log *log = &view->console->log;
+    bool image = view->pipeline.info->resources[view->shown.resource].kind == DT_IMAGE;
+    if (image && wishes & OVERLAY_SAVE_PNG) {
+        char *path = free_name(".png", log);
+        if (path)
+            tell(view, view_write_png(view, path), path);
+        free(path);
+    }
+    if (image && wishes & OVERLAY_SAVE_EXR)
+        save_sides(view, ".exr", write_exr);
+    if (wishes & OVERLAY_SAVE_NPY)
+        save_sides(view, ".npy", write_npy);
+    if (wishes & OVERLAY_SAVE_SETS)
+        save_sets(view);
+    if (wishes & OVERLAY_SAVE_CAMERA && !view->scene.path)
+        report_message(log, DT_WARNING, "there is no scene file to save the camera into");
+    else if (wishes & OVERLAY_SAVE_CAMERA &&
+             camera_save(&view->scene.camera, view->scene.path, log))
+        report_message(log, DT_INFO, "saved the camera into %s", view->scene.path);
+}
+
+bool view_photograph(struct view *view, const char *path)
+{
+    const struct dt_log *log = &view->console->log;
+    struct dt_bytes photo = {0};
+    if (!view_present(view, &photo))
+        return false;
+    if (!photo.data) {
+        report_error(log, "--present %s: the window shows nothing", path);
+        return false;
+    }
+    size_t count = photo.size / 4;
+    for (size_t i = 0; i < count; i++) /* RGBA to RGB, in place */
+        memmove(photo.data + 3 * i, photo.data + 4 * i, 3);
+    console_hold(view->console);
+    bool good = image_write_png(path, photo.extent[0], photo.extent[1], 3, photo.data, log);
+    console_release(view->console);
+    free(photo.data);
+    return good;
+}
+
+/* ---- Bisection ------------------------------------------------------------------------------- */
+
+/* All that the thread needs; owned. */
+struct bisection {
+    struct console *console;
+    atomic_bool *running;
+    struct compare_apart apart;
+    char *edits, *folder, *motion; /* motion: a file to remove; NULL: none */
+};
+
+static void free_bisection(struct bisection *work)
+{
+    if (work && work->motion)
+        unlink(work->motion);
+    if (work) {
+        free(work->motion);
+        free(work->folder);
+        free(work->edits);
+    }
+    free(work);
+}
+
+static void *run_bisection(void *user)
+{
+    struct bisection *work = user;
+    int status = compare_apart(work->console, &work->apart);
+    if (file_exists(work->folder))
+        report_message(&work->console->log, DT_INFO, "wrote %s: diptych replay %s --backend NAME",
+                       work->folder, work->folder);
+    else
+        report_message(&work->console->log, DT_WARNING,
+                       "bisect: no pass is guilty in frame 0 (exit status %d); nothing was written",
+                       status);
+    *work->running = false;
+    free_bisection(work);
+    return NULL;
+}
+
+/* The camera as a motion of one frame. */
+static char *write_camera(const struct view *view)
+{
+    char *path = free_name(".motion.yaml", &view->console->log);
+    char *camera = camera_text(&view->scene.camera);
+    char *text = camera ? format_string("keys:\n  - {at: 0, camera: %s}\n", camera) : NULL;
+    bool good = path && text && file_write(path, text, strlen(text), &view->console->log);
+    free(text);
+    free(camera);
+    if (good)
+        return path;
+    free(path);
+    return NULL;
+}
+
+static struct bisection *plan_bisection(struct view *view)
+{
+    struct bisection *work = calloc(1, sizeof *work);
+    if (!work)
+        return NULL;
+    work->console = view->console;
+    work->running = &view->bisecting;
+    work->folder = free_name("-case", &view->console->log);
+    work->edits = view_params_text(view, "", "\n", true, true);
+    bool own = !view->moving && view->scene.path;
+    if (own)
+        work->motion = write_camera(view);
+    work->apart = (struct compare_apart){.setup = &view->options->setup,
+                                         .fault = view->options->fault,
+                                         .edits = work->edits,
+                                         .size = {view->size[0], view->size[1]},
+                                         .frames = view->moving ? view->present_moment + 1 : 1,
+                                         .motion = own            ? work->motion
+                                                   : view->moving ? view->options->setup.motion
+                                                                  : NULL,
+                                         .folder = work->folder};
+    if (work->folder && work->edits && (!own || work->motion))
+        return work;
+    free_bisection(work);
+    return NULL;
+}
+
+void view_bisect(struct view *view)
+{
+    const struct dt_log *log = &view->console->log;
+    view_bisect_end(view);
+    struct bisection *work = plan_bisection(view);
+    view->bisecting = work;
+    if (work && pthread_create(&view->bisector, NULL, run_bisection, work) == 0) {
+        view->bisected = true;
+        report_message(log, DT_INFO, "bisecting in a process of its own ...");
+        return;
+    }
+    view->bisecting = false;
+    free_bisection(work);
+    report_error(log, "the bisection cannot be started");
+}
+
+void view_bisect_end(struct view *view)
+{
+    if (view->bisected)
+        pthread_join(view->bisector, NULL);
+    view->bisected = false;
+}
+
+/* ---- Settings -------------------------------------------------------------------------------- */
+
+enum { SETTINGS = 10 };
+
+static void list_settings(struct overlay_settings *s, struct setting list[SETTINGS])
+{
+    const struct setting all[SETTINGS] = {
+        {.name = "left", .number = &s->left, .least = 50, .most = 4000},
+        {.name = "right", .number = &s->right, .least = 50, .most = 4000},
+        {.name = "bottom", .number = &s->bottom, .least = 30, .most = 4000},
+        {.name = "font", .number = &s->font, .least = 8, .most = 48},
+        {.name = "left_folded", .flag = &s->left_folded, .most = 1},
+        {.name = "right_folded", .flag = &s->right_folded, .most = 1},
+        {.name = "bottom_folded", .flag = &s->bottom_folded, .most = 1},
+        {.name = "hidden", .flag = &s->hidden, .most = 1},
+        {.name = "width", .whole = &s->window[0], .least = 16, .most = 16384},
+        {.name = "height", .whole = &s->window[1], .least = 16, .most = 16384}};
+    memcpy(list, all, sizeof all);
+}
+
+void view_settings_read(struct overlay_settings *settings)
+{
+    struct setting list[SETTINGS];
+    *settings = (struct overlay_settings){
+        .left = 300, .right = 300, .bottom = 130, .font = 15, .window = {1280, 720}};
+    list_settings(settings, list);
+    settings_read("view.yaml", list, SETTINGS);
+}
+
+void view_settings_write(const struct view *view)
+{
+    struct overlay_settings settings = view->settings;
+    struct setting list[SETTINGS];
+    list_settings(&settings, list);
+    settings_write("view.yaml", list, SETTINGS, &view->console->log);
+}
+
+/* ---- Messages -------------------------------------------------------------------------------- */
+
+static void on_message(void *user, enum dt_level level, const char *message)
+{
+    static const size_t most = 1 << 16;
+    static const char *const words[] = {
+        [DT_INFO] = "", [DT_WARNING] = "warning: ", [DT_ERROR] = "error: "};
+    struct view_log *log = &((struct view *)user)->log;
+    pthread_mutex_lock(&log->lock);
+    const char *old = log->text ? log->text : "";
+    if (strlen(old) > most)
+        old = strchr(old + most / 2, '\n') ? strchr(old + most / 2, '\n') + 1 : "";
+    char *text = format_string("%s%s%s\n", old, words[level], message);
+    if (text) {
+        free(log->text);
+        log->text = text;
+        log->lines++;
+    }
+    pthread_mutex_unlock(&log->lock);
+    log->before.message(log->before.user, level, message);
+}
+
+void view_log_open(struct view *view)
+{
+    pthread_mutex_init(&view->log.lock, NULL);
+    view->log.before = view->console->log;
+    view->console->log = (struct dt_log){.message = on_message, .user = view};
+}
+
+void view_log_close(struct view *view)
+{
+    view->console->log = view->log.before;
+    pthread_mutex_destroy(&view->log.lock);
+    free(view->log.text);
+    free(view->log.seen);
+}

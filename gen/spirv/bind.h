@@ -1,0 +1,33 @@
+/* A whole shader keeps its own declarations: this pass gives its textures, images and buffers the
+ * bindings of the plan, and fills its uniforms from functions that stand beside it. */
+#ifndef DIPTYCH_GEN_SPIRV_BIND_H
+#define DIPTYCH_GEN_SPIRV_BIND_H
+
+#include "module.h"
+
+struct bind_slot {
+    const char *name; /* of the shader's variable, or of its block if that has no instance name */
+    int binding;
+};
+
+struct bind_constant { /* a specialization constant */
+    const char *name;
+    uint32_t word; /* bits of its value */
+    bool truth;    /* it is a bool, and `word` is 0 or 1 */
+};
+
+struct bind_request {
+    const struct bind_slot *slots;
+    uint32_t slot_count;
+    const struct bind_constant *constants;
+    uint32_t constant_count;
+    bool inputs;           /* the stage's inputs get values, too */
+    const uint32_t *local; /* size of a workgroup; NULL: no compute stage */
+};
+
+/* The functions are TYPE diptych_value_NAME(), by the name of the uniform, member or input. Blocks and
+ * inputs become private variables, and the module gets diptych_begin(), which fills them (entry.c).
+ * False: *why, free(), says what is missing or does not fit; NULL: out of memory. */
+bool spirv_bind(struct spirv *module, const struct bind_request *request, char **why);
+
+#endif

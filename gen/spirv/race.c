@@ -1,0 +1,93 @@
+/* --sanitize=race and flow: before an operation on memory that the dispatch also stores to, its cell learns which invocation
+ * touches it; before a barrier, the workgroup learns which barrier comes. See templates/glsl/cells.glsl. */
+#include <spirv/unified1/spirv.h>
+#include <stdio.h>
+#include <string.h>
+
+#include "sanitizer.h"
+
+static void put_access(struct sanitizer *s, const struct memory *memory, uint32_t at, uint32_t site)
+{
+    uint32_t cell = at ? memory_cell(s, memory, at) : 0;
+    struct values values = {{cell, at}, 2};
+    if (!cell)
+        return;
+    if (site) {
+        sanitizer_place(s, &values, site);
+        sanitizer_call(s, "diptych_stores(u1;u1;u1;u1;", &values);
+    } else {
+        sanitizer_call(s, "diptych_loads(u1;u1;", &values);
+    }
+}
+
+static uint32_t visit_word(struct words *words, uint32_t word, uint32_t mark)
+{
+    struct sanitizer *s = words->s;
+    bool shared = !words->memory->access;
+    (void)mark;
+    put_access(s, words->memory, shared ? word : memory_at(s, words->memory, word), words->site);
+    return 0;
+}
+
+/* Whether the dispatch stores to it: else its loads meet no store. */
+static bool is_stored(const struct sanitizer *s, const struct memory *memory)
+{
+    char name[40] = "diptych_shared_cell(u1;u1;";
+    if (memory->access)
+        snprintf(name, sizeof name, "diptych_cell_%d(u1;", memory->access->binding);
+    return memory->variable && sanitizer_has(s, name);
+}
+
+static uint32_t add_site(struct sanitizer *s, const struct memory *memory)
+{
+    struct sanitize_site site = {.pairs = true};
+    memory_name(s, memory, &site);
+    snprintf(site.text, sizeof site.text,
+             "@2e is also touched by invocation @1p, and no barrier is between");
+    s->kind = SANITIZE_RACE;
+    return sanitizer_add(s, &site);
+}
+
+static void put_race(struct sanitizer *s, const uint32_t *i)
+{
+    struct texel_use use;
+    bool stores = spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpImageWrite), writes;
+    bool atomic = memory_is_atomic(i, &writes);
+    if (!stores && !atomic && !spirv_is(i, SpvOpLoad) && !spirv_is(i, SpvOpImageRead))
+        return;
+    uint32_t pointer = spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpImageWrite) ? i[1] : i[3];
+    struct memory memory = memory_of(s, pointer);
+    bool texel = memory_image(atomic ? spirv_definition(s->from, pointer) : i, &use);
+    if (!is_stored(s, &memory) ||
+        (memory.access && memory.access->resource->kind == DT_IMAGE && !texel))
+        return;
+    uint32_t site = stores ? add_site(s, &memory) : 0;
+    struct words words = {.s = s, .memory = &memory, .visit = visit_word, .site = site};
+    if (texel)
+        put_access(s, &memory, memory_texel(s, &memory, use.place, use.lod), site);
+    else
+        memory_visit(&words, pointer, 0);
+}
+
+static void put_barrier(struct sanitizer *s)
+{
+    struct values none = {.count = 0};
+    if (!(s->request->kinds & SANITIZE_FLOW)) {
+        sanitizer_call(s, "diptych_passes_barrier(", &none);
+        return;
+    }
+    s->kind = SANITIZE_FLOW;
+    uint32_t site = sanitizer_site(s, "barrier", "",
+                                   "some invocations of the workgroup do not reach this barrier");
+    struct values values = {{sanitizer_number(s, site)}, 1};
+    sanitizer_call(s, "diptych_arrives(u1;", &values);
+}
+
+void race_before(struct sanitizer *s, const uint32_t *i)
+{
+    unsigned kinds = s->request->kinds;
+    if (spirv_is(i, SpvOpControlBarrier) && kinds & (SANITIZE_RACE | SANITIZE_FLOW))
+        put_barrier(s);
+    else if (kinds & SANITIZE_RACE)
+        put_race(s, i);
+}

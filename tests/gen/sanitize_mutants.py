@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""sanitize_mutants.py BUILD FOLDER [long]: leaves out each check of --sanitize in turn, and expects bodies of sanitize.py to miss a
+finding. Conditions of templates/glsl/sanitize.glsl become false, in a copy of the templates beside a copy of the program. Rows of
+the tables in gen/spirv/sanitize.c and cases of its switch go, in a program that is compiled from it, linked as `build` was, and
+told by MUTANT which. Without `long`: some conditions."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import sanitize
+
+# Never called by a body of ours: texel buffers and 1D images are the generator's, whose indices are right.
+NEVER = {"diptych_texel(const int p"}
+# Bodies beside those of sanitize.py, of overloads and of parts of conditions.
+MORE = [
+    ("r = taps[uint(i) / 4u];", "taps", "index 8 of `taps`, which has 8 elements", 32),
+    ("r = float(bitfieldExtract(i, i - 1, 1));", "bitfieldExtract", "1 bits from bit -1 of 32", 0),
+    ("r = float(bitfieldExtract(i, 0, i - 1));", "bitfieldExtract", "-1 bits from bit 0 of 32", 0),
+    ("r = float(bitfieldExtract(uint(i), i, 8));", "bitfieldExtract", "8 bits from bit 25 of 32", 25),
+    ("r = float(clamp(uint(i), 40u, uint(i)));", "clamp", "clamp from 40 to 0", 0),
+    ("r = float(7u >> uint(i));", ">> uint", "a shift by 32 of 32 bits", 32),
+    ("r = acosh(x);", "acosh", "acosh(0)", 0),
+    ("r = mix(uintBitsToFloat(0x7fc00000u), x, 0.5);", "mix", "mix of a NaN", 0),
+    ("r = mix(x, 0.5, uintBitsToFloat(0x7fc00000u));", "mix", "mix of a NaN", 0),
+    ("r = normalize(x);", "normalize", "normalize of zero", 0),
+    ("r = normalize(vec2(x)).x;", "normalize", "normalize of zero", 0),
+    ("r = normalize(vec4(x)).x;", "normalize", "normalize of zero", 0),
+    ("r = log2(x);", "log2", "log2(0)", 0),
+    ("r = (x + 1e38) + 3.1e38;", "+ 3.1", "`+` of finite numbers makes inf", 0),
+    ("r = (x - 3.3e38) - 3.1e38;", "- 3.1", "`-` of finite numbers makes -inf", 0),
+    ("r = mod(x, x);", "mod", "`mod` of finite numbers makes", 0),
+    ("r = (vec2(x) * 1e38).x;", "* 1e38", "`*` of finite numbers makes inf", 4),
+    ("r = (mat2(x) * 1e38)[0].x;", "* 1e38", "`*` of finite numbers makes inf", 4),
+    ("r = (mat2(x) * vec2(1e38)).x;", "* vec2", "`*` of finite numbers makes inf", 4),
+    ("r = (vec2(1e38) * mat2(x)).x;", "* mat2", "`*` of finite numbers makes inf", 4),
+    ("r = (mat2(1e38) * mat2(x))[0].x;", "* mat2", "`*` of finite numbers makes inf", 4),
+    ("r = outerProduct(vec2(1e38), vec2(x))[0].x;", "outerProduct", "`outerProduct` of finite numbers makes inf", 4),
+    ("r = exp2(x * 4.0);", "exp2", "`exp2` of finite numbers makes inf", 32),
+    ("r = sinh(x * 2.0);", "sinh", "`sinh` of finite numbers makes inf", 45),
+    ("r = cosh(x * 2.0);", "cosh", "`cosh` of finite numbers makes inf", 45),
+    ("r = length(vec2(x, 3e38));", "length", "`length` of finite numbers makes inf", 0),
+    ("r = distance(vec2(x, 3e38), vec2(0.0));", "distance", "`distance` of finite numbers makes inf", 0),
+    ("r = cross(vec3(x * 1e30, 3e38, 3e38), vec3(2.0, 3.0, 4.0)).x;", "cross", "`cross` of finite numbers makes inf", 0),
+    ("r = reflect(vec2(x, 3e38), vec2(9.0)).x;", "reflect", "`reflect` of finite numbers makes", 0),
+    ("r = refract(vec2(x), vec2(0.0, 1.0), 1e38).x;", "refract", "`refract` of finite numbers makes", 1),
+    ("r = fma(x, 1e38, 1.0);", "fma", "`fma` of finite numbers makes inf", 4),
+    ("r = determinant(mat2(x * 1e20, 0.0, 0.0, 1e20));", "determinant", "`determinant` of finite numbers makes inf", 1),
+    ("vec3 v = vec3(x); v[i / 16] = 1.0; r = v.x;", "v[i", "index 3 of `v`, which has 3 elements", 48),
+    ("r = vec3(x, 1.0, 2.0)[i / 16];", "vec3", "index 3 of `a vector`, which has 3 elements", 48),
+    ("stack_atomicAdd(ivec3(0, 0, i / 32 + 1), 1u); r = 1.0;", "stack_atomicAdd", "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
+]
+# What the message of a check has that is no row of the tables.
+TOLD = {"index": "index", "texel": "texel", "made": "makes", "assigned": "value", "turn": "turns"}
+
+
+def argument(text, start):
+    """The end of the argument that begins there."""
+    depth = 0
+    for at in range(start, len(text)):
+        depth += text[at] in "(["
+        depth -= text[at] in ")]"
+        if depth < 0 or (depth == 0 and text[at] == ","):
+            return at
+    raise ValueError(text[start:])
+
+
+def conditions(text):
+    """(function, begin, end) of each condition, and of the parts that `any` joins."""
+    for call in re.finditer(r"\n(?:bool|void|uint) (diptych_\w+\([^\n]*)\n{(.*?)\n}", text, re.S):
+        if any(call[1].startswith(never) for never in NEVER) or call[1].startswith(("diptych_told", "diptych_note")):
+            continue
+        for found in re.finditer(r"diptych_(?:told|note)\(", call[2]):
+            start = call.start(2) + found.end()
+            yield call[1], start, argument(text, start)
+        for found in re.finditer(r"any\(bvec[234]\(", call[2]):
+            start = call.start(2) + found.end()
+            while text[start - 1] != ")":
+                end = argument(text, start)
+                yield call[1], start, end
+                start = end + 1 + (text[end] == "," and text[end + 1] == " ")
+
+
+def table_rows(text):
+    """(number, function or None, word) of each row."""
+    rows = re.findall(r'    {((?:SpvOp|GLSLstd450)\w+), (?:"(\w+)"|NULL), "([^"]+)", "[^"]*", \d, \d, \w+},', text)
+    return [(number, function or None, word) for number, function, word in rows]
+
+
+def run(program, spec, output, **environment):
+    options = ["--size", "16x16", "--backend", "vk@llvmpipe", "--dump", output + ".dump", "--sanitize", "--json", output]
+    result = subprocess.run([program, "render", "--spec", spec, *options], capture_output=True, text=True, check=False,
+                            env={**os.environ, **environment})
+    if result.returncode not in (0, 1) or "error:" in result.stderr:
+        sys.exit(f"{program}: {result.stderr}")
+    with open(output, encoding="utf-8") as file:
+        return {(f["pass"], f["line"], f["column"], f["message"], *f["invocation"]) for f in json.load(file)["undefined"]}
+
+
+def command_of(target):
+    lines = subprocess.run(["ninja", "-t", "commands", target], capture_output=True, text=True, check=True).stdout
+    return lines.strip().split("\n")[-1]
+
+
+class Bench:
+    def __init__(self, build, folder):
+        self.folder = folder
+        self.program = os.path.join(folder, "build", "diptych")
+        os.makedirs(os.path.dirname(self.program))
+        shutil.copytree("templates", os.path.join(folder, "templates"))
+        shutil.copy(os.path.join(build, "diptych"), self.program)
+        with open("gen/spirv/sanitize.c", encoding="utf-8") as file:
+            self.source = file.read()
+        self.rows, self.survivors, self.count = sanitize.WRONG + MORE, [], 0
+
+    def judge(self, name, suits, **environment):
+        """Runs the bodies that suit, by their row, with the mutant and without."""
+        bodies = {f"w{i}": sanitize.wrong_body(row) for i, row in enumerate(self.rows) if suits(row)}
+        sanitize.write_spec(self.folder, "wrong", bodies)
+        spec, output = os.path.join(self.folder, "wrong.yaml"), os.path.join(self.folder, "found.json")
+        self.count += 1
+        if not bodies or run(self.program, spec, output, **environment) == self.whole(spec):
+            self.survivors.append(name)
+            print("survives:", name)
+
+    def whole(self, spec):
+        return run(os.path.join(self.build, "diptych"), spec, os.path.join(self.folder, "whole.json"))
+
+    def templates(self, names=""):
+        path = os.path.join(self.folder, "templates/glsl/sanitize.glsl")
+        words = {}
+        for _, function, word in table_rows(self.source):
+            words.setdefault(function, []).append(word)
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        for name, start, end in conditions(text):
+            function = re.match(r"diptych_(\w+)", name)[1]
+            if not re.match(names, function):
+                continue
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text[:start] + "false" + text[end:])
+            told, own = TOLD.get(function), words.get(function, [])
+            self.judge(f"{name}: {text[start:end]}", lambda row: told in row[2] if told else any(word in row[0] for word in own))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+
+    def compile(self):
+        """A program that leaves out what MUTANT names."""
+        out = "static bool is_out(const char *name)\n{\n    return getenv(\"MUTANT\") && !strcmp(getenv(\"MUTANT\"), name);\n}\n\n"
+        text = self.source.replace("struct check {\n", out + "struct check {\n    const char *own;\n", 1)
+        text = re.sub(r"    {((?:SpvOp|GLSLstd450)\w+),", r'    {"\1", \1,', text)
+        text = text.replace("if (list[i].number == number)", "if (list[i].number == number && !is_out(list[i].own))", 1)
+        begin = text.index("static void put_before(")
+        cases = re.sub(r"case (SpvOp\w+):\n", r'case \1:\n        if (is_out("case \1"))\n            return;\n        goto \1;\n    \1:\n', text[begin : text.index("default", begin)])
+        path, thing, library = (os.path.join(self.folder, name) for name in ("sanitize.c", "sanitize_spirv.o", "gen.a"))
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text[:begin] + cases + text[text.index("default", begin) :])
+        compile_it = command_of("build/obj/gen/sanitize_spirv.o").replace("build/obj/gen/sanitize_spirv.o", thing)
+        compile_it = compile_it.replace("gen/spirv/sanitize.c", "-Igen/spirv -Wno-unused -Wno-implicit-fallthrough " + path)
+        link = command_of("build/diptych").replace("build/obj/gen.a", library)
+        link = link.replace("-o build/diptych", "-o " + self.program).replace("-MF build/diptych.d", "-MF /dev/null")
+        shutil.copy("build/obj/gen.a", library)
+        subprocess.run(f"{compile_it} && ar r {library} {thing} && {link}", shell=True, check=True)
+
+    def tables(self):
+        self.compile()
+        for number, _, word in table_rows(self.source):
+            self.judge(number, lambda row: word in row[0], MUTANT=number)
+        begin = self.source.index("static void put_before(")
+        for case in re.findall(r"case (SpvOp\w+):\n", self.source[begin : self.source.index("default", begin)]):
+            self.judge(case, lambda row: "index" in row[2] or "texel" in row[2], MUTANT="case " + case)
+
+
+def main(build, folder, form=""):
+    bench = Bench(build, folder)
+    bench.build = os.path.realpath(build)
+    bench.templates("" if form else "modulo|shift")
+    if form:
+        bench.tables()
+    print(f"{bench.count} mutants, {len(bench.survivors)} survive")
+    return bool(bench.survivors) or not bench.count
+
+
+if __name__ == "__main__":
+    sys.exit(main(*sys.argv[1:]))
