@@ -47,7 +47,7 @@ struct chain_read {
 /* False: the name means nothing. */
 bool chain_find(const struct chain *chain, uint32_t pass, const char *name,
                 struct chain_read *read);
-/* Width (0) or height (1) of what the name means, as an expression of GLSL in values. */
+/* GLSL for the width (axis 0) or height (1) of the texture with this name. */
 bool chain_size(const struct chain *chain, uint32_t pass, const char *name, char out[2][160]);
 
 /* The spec. False: logged. */

@@ -1,4 +1,4 @@
-/* Specs made of what others have: presets of RetroArch, and single shaders. The text of a shader stays
+/* Specs from RetroArch's presets and from single shaders. The text of a shader stays
  * as it is; what a spec says about it comes from reflection. */
 #ifndef DIPTYCH_IMPORT_H
 #define DIPTYCH_IMPORT_H
@@ -11,7 +11,7 @@ struct import {
     struct console *console;
     struct folder folder; /* to fill */
     const char *name;     /* of the pipeline: an identifier */
-    const char *picture;  /* content of what the shaders read; NULL: a test card */
+    const char *picture;  /* file for the textures that shaders read; NULL: a test card */
 };
 
 /* chain.c: a preset as NAME.yaml, its shaders and pictures. False: logged. */

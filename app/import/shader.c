@@ -30,7 +30,7 @@ struct making {
     bool codes;         /* it has 8 bits */
     const char *names[MOST_NAMES];
     unsigned name_count;
-    const char *picture; /* file of what textures hold; NULL: not needed yet */
+    const char *picture; /* file for textures; NULL: not needed yet */
 };
 
 static const struct dt_log *log_of(const struct making *making)

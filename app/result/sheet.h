@@ -34,7 +34,7 @@ struct sheet {
     const char *title;      /* of the suite in JUnit's XML */
     const char *labels[2];  /* of the sides */
     const char *devices[2]; /* or folders of dumps; NULL: not in the XML */
-    const char *columns;    /* of what `own` of the rows has; NULL: none */
+    const char *columns;    /* heading above `own` of the rows; NULL: none */
     struct sheet_row *rows;
     uint32_t count;
 };

@@ -55,11 +55,11 @@ static void set_style(float size)
     style.WindowPadding = ImVec2(6, 4);
     style.FramePadding = ImVec2(4, 2);
     style.ItemSpacing = ImVec2(6, 4);
-    style.WindowMinSize = ImVec2(1, 1);
     style.FrameRounding = 2;
     style.Colors[ImGuiCol_WindowBg] = ImVec4(0.11f, 0.115f, 0.125f, 1);
     style.Colors[ImGuiCol_TextDisabled] = ImVec4(0.6f, 0.6f, 0.62f, 1);
     style.ScaleAllSizes(std::fmax(size / 15, 0.5f));
+    style.WindowMinSize = ImVec2(1, 1); // scaled down, it would be 0, at which Dear ImGui aborts
     ImGui::GetStyle() = style;
 }
 

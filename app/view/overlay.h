@@ -39,7 +39,7 @@ struct overlay_side {
     const char *label, *device;
     const double *pass_ms; /* NAN: skipped; NULL: no frame yet */
     double frame_ms;
-    const struct dt_bytes *bytes; /* of what is shown, all layers; no data: not read */
+    const struct dt_bytes *bytes; /* of the shown resource, all layers; no data: not read */
     bool flipped;                 /* its texture's row 0 is at the bottom */
 };
 

@@ -28,7 +28,7 @@ struct overlay {
     float zoom;    /* pixels of the window per pixel of the picture; 0: as large as fits */
     ImVec2 centre; /* pixel of the picture in the middle of its room */
     ImVec2 room;   /* of each side */
-    float toolbar; /* height of what is above it */
+    float toolbar; /* height of the controls above it */
     bool pointing;
     uint64_t pointed; /* texel under the pointer */
     bool marked;      /* as it was in the last build, like the next two */
