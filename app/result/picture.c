@@ -74,9 +74,10 @@ static void fetch(const struct dt_resource *resource, const uint8_t *texel, uint
     uint32_t channels = format_info(resource->format)->channels;
     chosen = chosen > channels ? channels : chosen;
     uint32_t first = chosen ? chosen - 1 : 0, last = chosen ? chosen : channels;
-    for (uint32_t c = 0; c < 3; c++) {
+    color[0] = color[1] = color[2] = 0;
+    for (uint32_t c = 0; c < 3 && first + c < last; c++) {
         struct component from = format_component(resource->format, first + c);
-        color[c] = first + c < last ? (float)number_value(from.kind, texel + from.offset) : 0;
+        color[c] = (float)number_value(from.kind, texel + from.offset);
     }
     if (last - first == 1)
         color[1] = color[2] = color[0];

@@ -119,6 +119,8 @@ static bool pass_words(const struct model *model, const struct pass *pass, uint3
         spirv_keep_loops(&module);
     if (good)
         shader->words = spirv_take(&module, &shader->word_count);
+    else
+        spirv_free(&module);
     return good;
 }
 
