@@ -3,7 +3,7 @@
 #define DIPTYCH_GEN_VARY_H
 
 #include "base/text.h"
-#include "model/diag.h"
+#include "model/source.h"
 
 struct vary_request {
     const char *spec, *templates_dir;

@@ -1,6 +1,7 @@
 /* All checks before planning; called by load.c and vary.c after read. A check runs also after
  * errors of others, so that a wrong spec gets all its errors at once. */
 #include "checks.h"
+#include "base/nearest.h"
 
 #include <stdlib.h>
 #include <string.h>

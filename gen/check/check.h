@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_GEN_CHECK_H
 #define DIPTYCH_GEN_CHECK_H
 
-#include "model/diag.h"
+#include "model/source.h"
 
 /* Resolves names and expressions, and reports all that is wrong with the model. templates_dir: folder for
  * shader bodies that are not in the spec's own folder. False when planning must not follow. */

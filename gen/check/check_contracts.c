@@ -5,6 +5,7 @@
 #include "checks.h"
 #include "formats.h"
 #include "read/table.h"
+#include "base/nearest.h"
 
 static const char *type_text(struct checker *c, enum dt_type type)
 {

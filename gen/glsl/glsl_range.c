@@ -3,6 +3,7 @@
  * the plan says so and the generator knows the count, the loop becomes such reads. */
 #include "glsl.h"
 #include "plan/plan.h"
+#include "base/nearest.h"
 
 #include <ctype.h>
 #include <stdlib.h>

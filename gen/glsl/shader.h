@@ -3,7 +3,7 @@
 #define DIPTYCH_GEN_SHADER_H
 
 #include "base/text.h"
-#include "model/diag.h"
+#include "model/source.h"
 
 enum backend { BACKEND_GL, BACKEND_VK };
 enum stage { STAGE_IS_COMPUTE, STAGE_IS_VERTEX, STAGE_IS_FRAGMENT };

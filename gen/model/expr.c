@@ -1,6 +1,7 @@
 /* Integer expressions: parsed with the place of every part, resolved against the model, evaluated
  * with overflow checks, and printed as C or GLSL. */
 #include "expr.h"
+#include "base/nearest.h"
 
 #include <ctype.h>
 #include <inttypes.h>

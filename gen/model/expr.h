@@ -5,7 +5,7 @@
 #ifndef DIPTYCH_GEN_EXPR_H
 #define DIPTYCH_GEN_EXPR_H
 
-#include "diag.h"
+#include "source.h"
 #include "base/text.h"
 
 /* Names with a meaning of their own where the expression stands: inside a group or repeat. */

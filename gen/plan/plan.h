@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_GEN_PLAN_H
 #define DIPTYCH_GEN_PLAN_H
 
-#include "model/diag.h"
+#include "model/source.h"
 #include "model/limits.h"
 #include "formats.h"
 

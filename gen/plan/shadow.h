@@ -4,7 +4,7 @@
 #define DIPTYCH_GEN_SHADOW_H
 
 #include "base/text.h"
-#include "model/diag.h"
+#include "model/source.h"
 
 struct sanitize_site;
 

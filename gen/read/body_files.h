@@ -5,7 +5,7 @@
 #ifndef DIPTYCH_GEN_BODY_FILES_H
 #define DIPTYCH_GEN_BODY_FILES_H
 
-#include "model/diag.h"
+#include "model/source.h"
 
 struct body_file {
     const struct source *source;

@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_GEN_READ_H
 #define DIPTYCH_GEN_READ_H
 
-#include "model/diag.h"
+#include "model/source.h"
 
 /* sets: "PATH=VALUE" strings that override values of the document. False: errors are in diag. */
 bool read_spec(struct model *model, const char *path, const char *const *sets, size_t set_count,

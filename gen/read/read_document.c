@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "base/nearest.h"
 
 /* ---- Nodes and places ------------------------------------------------------------------------ */
 

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "base/nearest.h"
 
 void *reader_alloc(struct reader *reader, size_t count, size_t size)
 {

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "reader.h"
+#include "base/nearest.h"
 
 enum { MOST_INSTANCES = 1024, MOST_CONSTANT_CHAIN = 64 };
 

@@ -4,6 +4,7 @@
 
 #include "reader.h"
 #include "model/sanitize_kinds.h"
+#include "base/nearest.h"
 
 /* ---- Structs --------------------------------------------------------------------------------- */
 

@@ -1,6 +1,6 @@
 /* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Messages of glslang are
  * reported at the line of the original file. */
-#include "model/diag.h"
+#include "model/source.h"
 #include "glsl/glsl.h"
 #include "plan/plan.h"
 #include "compile.h"

@@ -8,7 +8,7 @@
 #include <spirv/unified1/spirv.h>
 #include <string.h>
 
-#include "model/diag.h"
+#include "model/source.h"
 #include "plan/plan.h"
 #include "module.h"
 #include "compile.h"

@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include "model/expr.h"
+#include "base/nearest.h"
 #include "check/check.h"
 #include "print/output.h"
 #include "print/print.h"

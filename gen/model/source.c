@@ -1,5 +1,5 @@
-/* The files of a spec; see diag.h. */
-#include "diag.h"
+/* The files of a spec; see source.h. */
+#include "source.h"
 #include "cross.h"
 
 #include <errno.h>

@@ -1,5 +1,6 @@
-/* The model's allocator: blocks that are freed together. */
-#include "diag.h"
+/* Blocks that are freed together; see arena.h. */
+#include "arena.h"
+#include "text.h"
 
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,19 +1,9 @@
-/* The files of a spec, and the arena that holds them and the model. */
-#ifndef DIPTYCH_GEN_DIAG_H
-#define DIPTYCH_GEN_DIAG_H
+/* The files of a spec: found, read once, and held in the arena of the model. */
+#ifndef DIPTYCH_GEN_SOURCE_H
+#define DIPTYCH_GEN_SOURCE_H
 
 #include "model.h"
-#include "base/nearest.h"
-
-struct arena; /* one allocator for everything that lives as long as the model */
-/* Zeroed, aligned to 16; NULL only when out of memory, which callers report; main then exits with
- * status 2. */
-void *arena_alloc(struct arena *arena, size_t size);
-char *arena_printf(struct arena *arena, const char *format, ...)
-    __attribute__((format(printf, 2, 3)));
-char *arena_strndup(struct arena *arena, const char *text, size_t length);
-struct arena *arena_create(void);
-void arena_free(struct arena *arena);
+#include "base/arena.h"
 
 /* The path without "NAME/..", unless NAME is a symbolic link. So a file that several files include
  * has one path, and its errors are reported once. NULL: out of memory. */
