@@ -297,6 +297,13 @@ open_panes() { # option...
     "$diptych" view "${panes[@]}" --json view.json "$@" >view.out 2>view.err &
     window=$!
 }
+click() { # x y: in the window at the left top corner of the screen; waits until the pointer has been seen
+    xdotool mousemove "$1" "$2"
+    sleep 0.4
+    xdotool click 1
+    sleep 1
+    steps=$((steps + 1))
+}
 press() { # key...
     xdotool key "$@"
     sleep 0.7
@@ -332,12 +339,44 @@ sleep 1
 cp "$root/templates/shared/composite.glsl" "$body"
 check "... mended" says "reloaded in"
 check "... and the verdict says so" see mended.ppm verdict=green
+press space # no frames but for edits: clicks are seen at once
+click 1076 206 # bounces: one less
+press b        # ... and none of it again
+press b
+xdotool mousemove 640 20
+click 1181 72 # save
+check "what was changed is saved" says "wrote diptych-000.yaml"
+check "... as overrides" grep -qx -- "- bounces=0" diptych-000.yaml
 check "... in at most 12 steps" [ $steps -le 12 ]
-xdotool key Escape
+# The numbers on the screen, as files.
+xdotool key Home
+click 422 91 # .npy
+check "arrays are saved" says "wrote diptych-000-vk.npy"
+# Sizes of panes are kept.
+xdotool mousemove 302 400
+sleep 0.5
+xdotool mousedown 1
+sleep 0.5
+xdotool mousemove 362 400
+sleep 0.5
+xdotool mouseup 1
+sleep 0.5
+press F4 Escape
 check "the session ends" ends 0
 check "... with equal sides" holds_json 'd["verdict"].startswith("equal, ")'
+check "sizes of panes are kept" grep -qx 'left: 3[56][0-9]' config/diptych/view.yaml
+check "... and what is folded" grep -qx 'bottom_folded: 1' config/diptych/view.yaml
+# shellcheck disable=SC2317
+same_numbers() { # the array is what render dumps
+    "$diptych" render "${panes[@]}" --backend vk --with diptych-000.yaml --dump dumped || return
+    /usr/bin/python3 -c 'import glob, numpy
+array = numpy.load("diptych-000-vk.npy")
+dump = numpy.fromfile(glob.glob("dumped/*tonemap*display*")[0], "u1")
+assert array.shape == (1, 120, 160, 4) and (array.ravel() == dump).all(), array.shape'
+}
+check "the array is what render dumps" same_numbers
 
-# A planted fault.
+# A planted fault, bisection, a table.
 # shellcheck disable=SC2317
 agrees() { # the window's verdict is that of compare
     "$diptych" compare "${panes[@]}" --fault vk:rsm_map:sign --json compare.json >/dev/null
@@ -347,8 +386,21 @@ assert seen.startswith("differs: first pass %s, %s, " % (told["pass"], told["res
 }
 open_panes --backend both --window 1280x720 --fault vk:rsm_map:sign
 check "a fault is red, and marked in its pass" see fault.ppm verdict=red "like=$root/tests/app/view/fault.png"
+xdotool key space
+click 1024 141 # bisect here
+check "a case is written from the window" says "wrote diptych-000-case"
+check "... and replays" "$diptych" replay diptych-000-case --backend gl
+click 60 393 # taps
+sleep 1
+check "a buffer is a table" see table.ppm verdict=red "like=$root/tests/app/view/table.png"
+click 1099 649 # samples: one more, for which the plan is made again
+check "another number of samples makes the plan again" says "reloaded in"
+: >view.err
+xdotool key ctrl+z
+check "... and undo makes it as it was" says "reloaded in"
 xdotool key Escape
 check "... and the window ends" ends 0
+check "... with nothing changed" holds_json 'd["changes"] == ""'
 cp view.json fault.json
 check "its verdict names what compare names" agrees
 
