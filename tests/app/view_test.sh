@@ -320,6 +320,8 @@ photograph() { # description name condition option...
 }
 photograph "two sides look as they did" two verdict=green --window 1280x720
 photograph "three sides" three verdict=green --window 1280x720 --backend gl,vk,vk@llvmpipe
+photograph "a large screen" large verdict=green --window 2560x1440
+photograph "one side on a large screen" large_one shown --window 2560x1440 --backend vk
 for backend in gl vk; do
     check "$backend photographs its window, alone and without a verdict" "$diptych" view "${panes[@]}" --frames 2 --backend $backend --window 480x270 --present $backend.png
     check "... as it is" /usr/bin/python3 "$root/tests/app/view.py" --photo $backend.png "$root/tests/app/view/small.png"
