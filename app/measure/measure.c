@@ -1,6 +1,7 @@
 /* Plans the steps of a grid of measurements; see measure.h. */
 #include "measure/measure.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,6 +69,8 @@ bool measure_add_reference(struct steps *steps, const struct reference *referenc
         if (reference->quantity)
             quote_option(command.out, "--quantity", reference->quantity);
         command_quality(&command);
+        if (reference->seed)
+            fprintf(command.out, " --seed %" PRIu32, reference->seed);
         command_file(&command, "-o", picture);
         command_file(&command, "--checkpoint", film);
         command_file(&command, "--json", json);

@@ -53,6 +53,7 @@ struct reference {
     const uint32_t *size;
     const char *name;
     const char *bounces, *from_bounce, *quantity; /* as `reference` takes them; NULL: its default */
+    uint32_t seed;                                /* of other noise; 0: the usual */
     int part;
 };
 bool measure_add_reference(struct steps *steps, const struct reference *reference);

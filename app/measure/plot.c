@@ -180,7 +180,8 @@ bool plot_is_empty(const struct plot *plot)
 static void put_range(FILE *out, const struct plot *plot)
 {
     static const double room = 1.6, round[] = {1, 2, 5, 1.5, 3, 7};
-    double low = plot->low / room, high = plot->high * room;
+    double noise = plot->noise > 0 ? plot->noise : plot->high;
+    double low = fmin(plot->low, noise) / room, high = fmax(plot->high, noise) * room;
     int count = high < 10 * low ? DT_ARRAY_COUNT(round) : high < 1000 * low ? 3 : 1;
     const char *separator = "";
     fprintf(out, "set logscale y\nset yrange [%g:%g]\nset ytics (", low, high);
@@ -214,6 +215,21 @@ static void put_widths(FILE *out, uint32_t count)
                 1.5 + 3.0 * (count - 1 - i) / (count > 1 ? count - 1 : 1));
 }
 
+static void put_noise(FILE *out, const struct plot *plot)
+{
+    if (plot->noise <= 0)
+        return;
+    fputs("set object 1 rectangle from graph 0, ", out);
+    if (plot->noise_is_ratio)
+        fprintf(out, "first %g", 1 / plot->noise);
+    else
+        fputs("graph 0", out);
+    fprintf(out,
+            " to graph 1, first %g behind fillcolor rgb '#808080' fillstyle transparent solid 0.2 "
+            "noborder\n",
+            plot->noise);
+}
+
 static void put_script(FILE *out, const struct plot *plot)
 {
     fputs("# gnuplot, anywhere: the SVG comes on standard output.\n", out);
@@ -235,6 +251,7 @@ static void put_script(FILE *out, const struct plot *plot)
         fputs("set yrange [0:*]\n", out);
     else
         put_range(out, plot);
+    put_noise(out, plot);
     put_widths(out, plot->line_count);
     fprintf(out, "%s%s\n", plot->data_text, plot->lines_text);
 }

@@ -17,6 +17,9 @@ struct plot {
     bool from_zero; /* y axis; else logarithmic, which shows positive values only */
     bool beside;    /* the key is right of the plot, in additional width */
     int height;     /* pixels; 0: what its lines need */
+    double
+        noise; /* a grey band of y: from 0 to it, or if it is a ratio, from 1 / it to it; 0: none */
+    bool noise_is_ratio;
     /* Filled by plot_line and plot_point. */
     FILE *data, *lines;
     char *data_text, *lines_text;
@@ -28,7 +31,7 @@ struct plot {
 /* Whether gnuplot is installed, checked before hours of work; logs the error. */
 bool plot_has_gnuplot(struct console *console);
 
-/* Do not change the fields up to `height` from here on. Logs when out of memory. plot_free either
+/* Do not change the fields up to `noise_is_ratio` from here on. Logs when out of memory. plot_free either
  * way. */
 bool plot_begin(struct plot *plot, const struct dt_log *log);
 /* A line, whose points follow; colour 1 to PLOT_COLOURS, dash 1 (none) to 5. `bars`: its points have them. */

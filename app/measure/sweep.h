@@ -46,8 +46,13 @@ bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *l
 /* Writes sweep.json, commands, run.sh and build.ninja into the folder, an absolute path. */
 bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *log);
 
-/* sweep_summary.c: reads the results, writes summary.json and summary.csv, prints the table. Returns the exit
+/* sweep_summary.c: reads the results, writes summary.json, summary.csv and the page, prints the table. Returns the exit
  * status of the verb. */
 int sweep_summarise(struct console *console, const cJSON *sweep, const char *folder);
+
+/* sweep_page.c: writes index.html into the folder: the verdict, plots ("file", "title"; may be NULL), a table with all
+ * members of the rows, of which "command" goes below. `table` is the same as a file beside. False, logged. */
+bool sweep_write_page(struct console *console, const char *folder, const cJSON *rows,
+                      const cJSON *plots, const char *table);
 
 #endif

@@ -28,6 +28,7 @@ struct measured_sweep {
     uint32_t combinations; /* of values: points of one scene and size */
     uint32_t x;            /* axis of the plots */
     unsigned measures;
+    cJSON *plots; /* that were drawn: "file", "title" */
 };
 
 /* ---- Options --------------------------------------------------------------------------------- */
@@ -296,7 +297,8 @@ static void put_line(struct plot *plot, const struct measured_sweep *sweep, uint
     uint32_t sides = sweep->steps.sides.count;
     char *title = line_title(sweep, &sweep->grid.points[first], side);
     uint32_t combination = plot->line_count / sides;
-    plot_line(plot, title ? title : "", combination % PLOT_COLOURS + 1, side % 5 + 1, what->low);
+    uint32_t colour = sides > 1 ? side : combination, dash = sides > 1 ? combination : side;
+    plot_line(plot, title ? title : "", colour % PLOT_COLOURS + 1, dash % 5 + 1, what->low);
     for (uint32_t i = 0; i < x->count; i++) {
         const struct grid_point *point = &sweep->grid.points[first + (size_t)i * x->stride];
         plot_point(plot, plot_x(plot, i), grid_number(&sweep->grid, point, side, what->column),
@@ -326,8 +328,17 @@ static bool draw_plot(struct measured_sweep *sweep, const struct plotted *what)
         for (uint32_t side = 0; side < sides; side++)
             put_line(&plot, sweep, i, side, what);
     }
+    bool empty = plot_is_empty(&plot);
     good = good && plot_draw(&plot, console, sweep->steps.folder, what->column);
     plot_free(&plot);
+    if (good && !empty) {
+        char *file = format_string("%s.svg", what->column);
+        cJSON *drawn = cJSON_CreateObject();
+        cJSON_AddStringToObject(drawn, "file", file ? file : "");
+        cJSON_AddStringToObject(drawn, "title", what->label);
+        cJSON_AddItemToArray(sweep->plots, drawn);
+        free(file);
+    }
     return good;
 }
 
@@ -463,7 +474,9 @@ static int summarise(struct measured_sweep *sweep)
         return EXIT_USAGE;
     uint32_t failed = print_grid(sweep);
     console->result = sweep_json(sweep, failed);
-    if (failed)
+    if (!sweep_write_page(console, sweep->steps.folder,
+                          cJSON_GetObjectItem(console->result, "rows"), sweep->plots, "rows.csv") ||
+        failed)
         return EXIT_USAGE;
     return any_differs(cJSON_GetObjectItem(console->result, "rows")) ? EXIT_DIFFER : EXIT_FINE;
 }
@@ -478,6 +491,7 @@ static void sweep_free(struct measured_sweep *sweep)
     }
     grid_free(&sweep->grid);
     steps_free(&sweep->steps);
+    cJSON_Delete(sweep->plots);
     free(sweep->columns);
     free(sweep->axes);
 }
@@ -485,7 +499,7 @@ static void sweep_free(struct measured_sweep *sweep)
 int sweep_measure(struct console *console, const struct options *options)
 {
     const struct dt_log *log = &console->log;
-    struct measured_sweep sweep = {0};
+    struct measured_sweep sweep = {.plots = cJSON_CreateArray()};
     struct steps *steps = &sweep.steps;
     int status = EXIT_USAGE;
     bool good = read_measures(&sweep.measures, options->measure, log) &&

@@ -249,7 +249,8 @@ static bool write_files(struct console *console, const struct result *results, i
     console_release(console);
     free(csv);
     free(json);
-    return good;
+    return good && sweep_write_page(console, folder, cJSON_GetObjectItem(console->result, "runs"),
+                                    NULL, "summary.csv");
 }
 
 int sweep_summarise(struct console *console, const cJSON *sweep, const char *folder)

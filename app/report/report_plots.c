@@ -56,7 +56,13 @@ static struct plot plot_of_values(const struct report *report, const struct valu
 struct error_plot {
     const char *name, *label, *column;
     bool from_zero;
+    const struct image_number *number; /* NULL: not against the reference */
 };
+
+static bool is_ratio(const struct error_plot *what)
+{
+    return what->number && strcmp(what->number->name, "ratio") == 0;
+}
 
 static bool has_errors(const struct report *report, const struct step_scene *scene,
                        const cJSON *picture, const char *column)
@@ -90,12 +96,32 @@ static void put_error_lines(struct plot *plot, const struct report *report,
     }
 }
 
+/* What the reference traced again has against the first, on the scene where that is most; 0: unknown. */
+static double reference_noise(struct report *report, const struct error_plot *what)
+{
+    double most = 0;
+    char *path = what->number ? measure_path(what->number) : NULL;
+    for (uint32_t i = 0; i < report->steps.scene_count; i++) {
+        const struct step_scene *scene = &report->steps.scenes[i];
+        char *file = scene->mesh && path ? report_file(scene, "noise", ".json") : NULL;
+        double noise = file ? steps_number(&report->steps, file, path) : NAN;
+        if (is_ratio(what) && noise > 0)
+            noise = fmax(noise, 1 / noise);
+        most = fmax(most, noise); /* never NaN */
+        free(file);
+    }
+    free(path);
+    return most;
+}
+
 static bool draw_errors(struct report *report, const struct value_texts *values,
                         const struct error_plot *what)
 {
     struct plot plot = plot_of_values(report, values, what->label);
     uint32_t colour = 0;
     plot.from_zero = what->from_zero;
+    plot.noise = reference_noise(report, what);
+    plot.noise_is_ratio = is_ratio(what);
     bool good = plot_begin(&plot, &report->steps.console->log);
     for (uint32_t i = 0; i < report->steps.scene_count && good; i++) {
         const struct step_scene *scene = &report->steps.scenes[i];
@@ -113,12 +139,12 @@ static bool draw_all_errors(struct report *report, const struct value_texts *val
     bool good =
         draw_errors(report, values,
                     &(struct error_plot){"own_errors", "relative MSE against the last value",
-                                         "own_relative_mse", false});
+                                         "own_relative_mse", false, NULL});
     for (int i = 0; i < IMAGE_HEADLINES && good; i++) {
         const struct image_number *number = &image_numbers[i];
         good = draw_errors(
             report, values,
-            &(struct error_plot){number->name, number->title, number->name, number->share});
+            &(struct error_plot){number->name, number->title, number->name, number->share, number});
     }
     return good;
 }

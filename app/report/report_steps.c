@@ -42,7 +42,8 @@ const struct grid_point *report_point(const struct report *report, const struct 
 
 /* ---- Steps ----------------------------------------------------------------------------------- */
 
-static bool add_reference_step(struct report *report, const struct step_scene *scene)
+static bool add_reference_step(struct report *report, const struct step_scene *scene,
+                               const char *name, uint32_t seed)
 {
     const cJSON *bounces =
         cJSON_GetObjectItem(cJSON_GetObjectItem(report->outline, "reference"), "bounces");
@@ -51,8 +52,9 @@ static bool add_reference_step(struct report *report, const struct step_scene *s
     return measure_add_reference(&report->steps,
                                  &(struct reference){.scene = scene,
                                                      .size = report->steps.options->setup.size,
-                                                     .name = "reference",
+                                                     .name = name,
                                                      .bounces = number,
+                                                     .seed = seed,
                                                      .part = PART_PICTURES});
 }
 
@@ -78,11 +80,24 @@ static bool add_picture_step(struct report *report, const struct step_scene *sce
     return good;
 }
 
+/* The reference once more, with other noise, against the first. */
+static bool add_noise_steps(struct report *report, const struct step_scene *scene,
+                            const char *reference)
+{
+    return add_reference_step(report, scene, "again", 2) &&
+           measure_add_metrics(&report->steps,
+                               &(struct measurement){.part = PART_PICTURES,
+                                                     .picture = steps_last(&report->steps),
+                                                     .against = reference},
+                               report_file(scene, "noise", ".json"));
+}
+
 static bool add_pictures(struct report *report, const struct step_scene *scene)
 {
     const cJSON *picture;
-    bool good = add_reference_step(report, scene);
+    bool good = add_reference_step(report, scene, "reference", 0);
     const char *reference = good ? steps_last(&report->steps) : NULL;
+    good = good && add_noise_steps(report, scene, reference);
     cJSON_ArrayForEach(picture, cJSON_GetObjectItem(report->outline, "pictures")) good =
         good && add_picture_step(report, scene, picture, reference);
     return good;
