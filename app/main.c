@@ -101,13 +101,15 @@ static const struct verb verbs[] = {
      verb_view, EXIT_FAILED},
     {"sweep", VERB_SWEEP, "compare or measure over many variations of a spec, scenes and sizes",
      "Give --random N or --grid. Writes a folder with build.ninja, an edge per run, and starts "
-     "ninja; with\ncommands, a line per run to paste; runs/, the output of each run; index.html, "
-     "summary.json "
-     "and summary.csv. The\nsame command continues an interrupted sweep. --set fixes a value in "
-     "every run.\n--measure takes times and errors instead: index.html, rows.csv with a row for "
-     "each combination "
-     "and backend, and a\nplot of each quantity. A failed run has a row with its reason.\nExit "
-     "status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
+     "ninja; with\n"
+     "commands, a line per run to paste; runs/, the output of each run; index.html, a page; "
+     "summary.json\n"
+     "and summary.csv. The same command continues an interrupted sweep. --set fixes a value in "
+     "every run.\n"
+     "--measure takes times and errors instead: the page has a plot of each quantity, rows.csv a "
+     "row for\n"
+     "each combination and backend. A failed run has a row with its reason.\n"
+     "Exit status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
      verb_sweep, EXIT_USAGE},
     {"tune", VERB_TUNE, "find the fastest choices that change no bit, for one device",
      "Tries other workgroups, and other storage and loops of ranges, which a spec leaves to the "
