@@ -266,6 +266,8 @@ static void pass(struct overlay *overlay, struct overlay_model *model, uint32_t 
     bool open = ImGui::TreeNodeEx(pass->name, ImGuiTreeNodeFlags_NoTreePushOnOpen |
                                                   ImGuiTreeNodeFlags_SpanAvailWidth);
     tip(skipped ? "skipped in this frame" : pass->doc ? pass->doc : "");
+    if (overlay->seek && overlay->guilty == index + 1)
+        ImGui::SetScrollHereY();
     times(model, ms);
     for (uint32_t i = first[index]; open && i < first[index + 1]; i++)
         if (whole || is_sought(overlay->search, model->rows->outputs.list[i].name))
@@ -301,13 +303,23 @@ static void unwritten(struct overlay *overlay, struct overlay_model *model)
     ImGui::PopStyleColor();
 }
 
+/* The first pass that differs comes into sight when it becomes another. */
+static void find_guilty(struct overlay *overlay, const struct overlay_model *model)
+{
+    const struct row_list *outputs = &model->rows->outputs;
+    uint32_t row = 0, was = overlay->guilty;
+    while (model->row_mark && row < outputs->count && model->row_mark[row] != OVERLAY_DIFFERS)
+        row++;
+    overlay->guilty = model->row_mark && row < outputs->count ? outputs->list[row].pass + 1 : 0;
+    overlay->seek = overlay->guilty && overlay->guilty != was;
+}
+
 static void passes(struct overlay *overlay, struct overlay_model *model)
 {
     double ms[OVERLAY_SIDES];
     ImGui::SetNextItemWidth(-1);
     ImGui::InputTextWithHint("##search", "search passes and resources", overlay->search,
                              sizeof overlay->search);
-    ImGui::BeginChild("passes");
     ImGui::TextDisabled("milliseconds");
     for (uint32_t k = 0; k < model->side_count; k++) {
         side_column(model, k);
@@ -317,6 +329,8 @@ static void passes(struct overlay *overlay, struct overlay_model *model)
     }
     ImGui::TextUnformatted("frame");
     times(model, ms);
+    ImGui::BeginChild("passes");
+    find_guilty(overlay, model);
     for (uint32_t i = 0; i < model->info->pass_count; i++)
         pass(overlay, model, i);
     unwritten(overlay, model);
@@ -376,7 +390,8 @@ static void lower(struct overlay *overlay, struct overlay_model *model)
         ImGui::PopStyleColor();
     if (errors) {
         ImGui::TextColored(mark_color(model->error ? OVERLAY_DIFFERS : OVERLAY_UNKNOWN), "%s",
-                           model->error ? model->error_title : "none");
+                           model->error ? model->error_title
+                                        : "none of the spec, its shaders and the devices");
         scrolled(overlay, "error text", model->error ? model->error : "", false);
     }
     bool found = model->undefined && *model->undefined;

@@ -37,6 +37,8 @@ struct overlay {
     const double *typing; /* number that is being typed; NULL: none */
     double typed;
     uint32_t listed; /* row of the list that is shown */
+    uint32_t guilty; /* first pass that differs, + 1; 0: none */
+    bool seek;       /* it is another: the list goes there */
     char search[64], param_search[64];
     const char *tab; /* to be shown next in the lower pane; NULL: as it is */
     const char *error;
