@@ -509,6 +509,8 @@ static bool tell_reason(struct why *why, struct asked *asked, const struct why_q
         if (i && !strcmp(best[i].fault->name, best[0].fault->name))
             continue; /* the same from the other copy */
         best[i].after = count_left(asked, &best[i], tally);
+        if (best[i].after > tally->before)
+            continue; /* nearer by its numbers, but not by their count: no cause */
         struct why_reason *reason = &why->reasons[why->count];
         *reason = (struct why_reason){.name = best[i].fault->name,
                                       .text = describe_trial(asked, question, &best[i], tally),

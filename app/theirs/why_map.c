@@ -195,7 +195,7 @@ static bool fit_factor(struct asked *asked)
             ratios[found++] = y[i] / x[i];
     asked->p[0] = median(ratios, found);
     asked->p[1] = 0;
-    return found >= 4 && fabs(asked->p[0]) > 1e-9;
+    return found >= 4 && fabs(asked->p[0]) > 1e-9 && fabs(asked->p[0] - 1) > 1e-4;
 }
 
 static bool fit_offset(struct asked *asked)

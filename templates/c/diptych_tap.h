@@ -13,7 +13,7 @@
  *     if (!tap_close(tap)) ...                                (the folder has no manifest)
  *
  * The origin is that of your memory: where y grows upwards from row 0, as in OpenGL's textures and many software
- * renderers, it is TAP_BOTTOM. Formats may differ between two renderers, and layouts of fields; sizes may not. More than
+ * renderers, it is TAP_BOTTOM. Buffers that a screen's y indexes are compared as they are. Formats may differ between two renderers, and layouts of fields; sizes may not. More than
  * one frame: tap_frame before each, with the same numbers in both.
  *
  * Use the same names of passes and resources in both renderers. Call in the order of execution, from one
@@ -60,9 +60,9 @@ struct tap_texels {
 };
 
 struct tap_field {
-    const char *name;                   /* "" for a plain scalar or vector */
-    const char *type;                   /* float vec2 vec3 vec4, int ivec2.., uint uvec2.., mat4 */
-    unsigned offset;                    /* bytes from the start of the element */
+    const char *name; /* "" for a plain scalar or vector */
+    const char *type; /* float vec2 vec3 vec4, int ivec2.., uint uvec2.., bool, mat4 */
+    unsigned offset;  /* bytes from the start of the element */
     unsigned array_count, array_stride; /* 0: no array */
 };
 
@@ -184,8 +184,8 @@ TAP_FUNCTION void tap_entry(struct tap *tap, const char *pass, const char *resou
 
 /* ---- For you ------------------------------------------------------------------------------------ */
 
-/* Makes the folder where it is missing; an earlier dump in it is replaced. `label` names this side in tables,
- * `device` may be NULL. NULL: the reason was printed. */
+/* Makes the folder where it is missing, in a folder that is there; an earlier dump in it is replaced. `label` names this
+ * side in tables, `device` may be NULL. NULL: the reason was printed, and tap_close will have nothing to tell. */
 TAP_FUNCTION struct tap *tap_open(const char *folder, const char *label, const char *device)
 {
     struct tap *tap = (struct tap *)calloc(1, sizeof *tap);
@@ -264,8 +264,10 @@ TAP_FUNCTION void tap_image(struct tap *tap, const char *pass, const char *resou
     size_t row = texel * texels->width, stride = texels->stride ? texels->stride : row;
     if (!tap || tap->failed)
         return;
-    if (!texel || !texels->width || !texels->height || stride < row) {
-        tap_fail(tap, texel ? "has no size, or a stride below a row" : "has an unknown format",
+    if (!texel || !texels->bytes || !texels->width || !texels->height || stride < row) {
+        tap_fail(tap,
+                 !texel ? "has an unknown format"
+                        : "has no bytes, no size, or a stride below a row",
                  resource);
         return;
     }
@@ -285,14 +287,51 @@ TAP_FUNCTION void tap_image(struct tap *tap, const char *pass, const char *resou
     tap_write(tap, "}", 1);
 }
 
+/* Bytes of a field's type; 0: no such type. */
+TAP_FUNCTION size_t tap_type_size(const char *type)
+{
+    static const char *const names[] = {" float int uint bool ", " vec2 ivec2 uvec2 ",
+                                        " vec3 ivec3 uvec3 ", " vec4 ivec4 uvec4 "};
+    char word[24];
+    if (strcmp(type, "mat4") == 0)
+        return 64;
+    snprintf(word, sizeof word, " %.20s ", type);
+    for (int i = 0; i < 4; i++)
+        if (strstr(names[i], word))
+            return 4 * ((size_t)i + 1);
+    return 0;
+}
+
+/* Whether all fields lie in an element; the reason was printed. */
+TAP_FUNCTION int tap_fields_fit(struct tap *tap, unsigned stride, const struct tap_field *fields,
+                                unsigned field_count)
+{
+    for (unsigned i = 0; i < field_count; i++) {
+        const struct tap_field *field = &fields[i];
+        size_t size = tap_type_size(field->type), end = field->offset + size;
+        if (field->array_count)
+            end += (field->array_count - (size_t)1) * field->array_stride;
+        if (!size || end > stride) {
+            tap_fail(tap, !size ? "a field of an unknown type" : "a field beyond the stride",
+                     field->name);
+            return 0;
+        }
+    }
+    return 1;
+}
+
 /* `count` elements of `stride` bytes; only the fields are compared, by name. */
 TAP_FUNCTION void tap_buffer(struct tap *tap, const char *pass, const char *resource,
                              const void *bytes, unsigned count, unsigned stride,
                              const struct tap_field *fields, unsigned field_count)
 {
     char name[200];
-    if (!tap || tap->failed)
+    if (!tap || tap->failed || !tap_fields_fit(tap, stride, fields, field_count))
         return;
+    if (!bytes && count) {
+        tap_fail(tap, "has no bytes", resource);
+        return;
+    }
     tap_name(tap, pass, resource, name, sizeof name);
     if (!tap_store(tap, name, (const unsigned char *)bytes, stride, count, stride, 1, 0))
         return;

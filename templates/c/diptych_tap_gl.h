@@ -6,7 +6,7 @@
  *
  * Call it after the pass. It waits for the GPU, and leaves the context's state as it was. Row 0 is the bottom, unless
  * you render upside down: then set tap_gl_origin. Writes of shaders must be visible: it calls glMemoryBarrier
- * where there is one (GL_ALL_BARRIER_BITS is defined). */
+ * in contexts that have it (4.2; GL_ALL_BARRIER_BITS is defined). */
 #ifndef DIPTYCH_TAP_GL_H
 #define DIPTYCH_TAP_GL_H
 
@@ -88,11 +88,20 @@ TAP_FUNCTION GLenum tap_gl_pack_name(int i)
     return names[i];
 }
 
-TAP_FUNCTION void tap_gl_pack_begin(struct tap_gl_pack *pack)
+TAP_FUNCTION void tap_gl_barrier(void)
 {
 #ifdef GL_ALL_BARRIER_BITS
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
+    GLint major = 0, minor = 0;
+    glGetIntegerv(GL_MAJOR_VERSION, &major);
+    glGetIntegerv(GL_MINOR_VERSION, &minor);
+    if (major > 4 || (major == 4 && minor >= 2))
+        glMemoryBarrier(GL_ALL_BARRIER_BITS);
 #endif
+}
+
+TAP_FUNCTION void tap_gl_pack_begin(struct tap_gl_pack *pack)
+{
+    tap_gl_barrier();
     glGetIntegerv(GL_PIXEL_PACK_BUFFER_BINDING, &pack->buffer);
     glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
     for (int i = 0; i < 7; i++) {
@@ -245,7 +254,7 @@ TAP_FUNCTION void tap_gl_buffer(struct tap *tap, const char *pass, const char *r
                                 GLuint buffer, size_t offset, unsigned count, unsigned stride,
                                 const struct tap_field *fields, unsigned field_count)
 {
-    GLint bound = 0;
+    GLint bound = 0, size = 0;
     if (!tap || tap->failed)
         return;
     void *bytes = malloc((size_t)count * stride + 1);
@@ -253,15 +262,19 @@ TAP_FUNCTION void tap_gl_buffer(struct tap *tap, const char *pass, const char *r
         tap_fail(tap, "out of memory", resource);
         return;
     }
-#ifdef GL_ALL_BARRIER_BITS
-    glMemoryBarrier(GL_ALL_BARRIER_BITS);
-#endif
+    tap_gl_barrier();
     glGetIntegerv(GL_COPY_READ_BUFFER_BINDING, &bound);
     glBindBuffer(GL_COPY_READ_BUFFER, buffer);
-    glGetBufferSubData(GL_COPY_READ_BUFFER, (GLintptr)offset, (GLsizeiptr)((size_t)count * stride),
-                       bytes);
+    glGetBufferParameteriv(GL_COPY_READ_BUFFER, GL_BUFFER_SIZE, &size); /* 2 GiB at most */
+    int fits = offset + (size_t)count * stride <= (size_t)size;
+    if (fits)
+        glGetBufferSubData(GL_COPY_READ_BUFFER, (GLintptr)offset,
+                           (GLsizeiptr)((size_t)count * stride), bytes);
     glBindBuffer(GL_COPY_READ_BUFFER, (GLuint)bound);
-    tap_buffer(tap, pass, resource, bytes, count, stride, fields, field_count);
+    if (fits)
+        tap_buffer(tap, pass, resource, bytes, count, stride, fields, field_count);
+    else
+        tap_fail(tap, "is smaller than its elements", resource);
     free(bytes);
 }
 

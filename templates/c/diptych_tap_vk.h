@@ -4,7 +4,7 @@
  *     struct tap_vk taps;
  *     tap_vk_begin(&taps, tap, physical_device, device);
  *     ... record a pass, then in the same command buffer, outside of a render pass:
- *     struct tap_vk_image image = {0};
+ *     struct tap_vk_image_info image = {0};
  *     image.image = radiance, image.format = VK_FORMAT_R16G16B16A16_SFLOAT;
  *     image.width = 640, image.height = 360, image.layout = VK_IMAGE_LAYOUT_GENERAL;
  *     tap_vk_image(&taps, commands, "lighting", "radiance", &image);
@@ -12,8 +12,9 @@
  *     tap_vk_end(&taps);
  *
  * Images need VK_IMAGE_USAGE_TRANSFER_SRC_BIT, buffers VK_BUFFER_USAGE_TRANSFER_SRC_BIT, and one sample. A copy
- * waits for all earlier commands, later commands wait for the copy, and images keep their layout. Row 0 is the top,
- * unless your viewport is turned over: then set taps.origin. */
+ * waits for all earlier commands, later commands wait for the copy, and images keep their layout. Row 0 is the
+ * picture's top, also with a viewport of negative height or a projection that turns y over. Where clip space has
+ * OpenGL's y and neither turns it, set taps.origin to TAP_BOTTOM. */
 #ifndef DIPTYCH_TAP_VK_H
 #define DIPTYCH_TAP_VK_H
 
@@ -24,7 +25,7 @@ enum {
     TAP_VK_MOST_FIELDS = 32
 }; /* copies between begin and end; fields of a buffer */
 
-struct tap_vk_image {
+struct tap_vk_image_info {
     VkImage image;
     VkFormat format;
     VkImageLayout layout;   /* after the pass; not UNDEFINED */
@@ -207,7 +208,7 @@ TAP_FUNCTION struct tap_vk_copy *tap_vk_target(struct tap_vk *taps, const char *
 
 /* Before (1) the copy: waits for all earlier commands; after it (0): later ones wait, and the host sees it. */
 TAP_FUNCTION void tap_vk_wait(VkCommandBuffer commands, int before,
-                              const struct tap_vk_image *image, VkImageAspectFlags aspect)
+                              const struct tap_vk_image_info *image, VkImageAspectFlags aspect)
 {
     VkMemoryBarrier all;
     VkImageMemoryBarrier turn;
@@ -247,7 +248,7 @@ TAP_FUNCTION int tap_vk_is_depth(VkFormat format)
 
 /* Records the copy of one mip. */
 TAP_FUNCTION void tap_vk_image(struct tap_vk *taps, VkCommandBuffer commands, const char *pass,
-                               const char *resource, const struct tap_vk_image *image)
+                               const char *resource, const struct tap_vk_image_info *image)
 {
     const char *format = tap_vk_format(image->format);
     unsigned depth = image->depth ? image->depth : 1, layers = image->layers ? image->layers : 1;

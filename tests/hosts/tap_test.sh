@@ -14,11 +14,39 @@ check_header() { # header include language...
 for header in "diptych_tap.h stdio.h" "diptych_tap_gl.h GL/glcorearb.h" "diptych_tap_vk.h vulkan/vulkan.h"; do
     read -ra names <<<"$header"
     check "${names[0]} is C99" check_header "${names[@]}" cc -std=c99 -x c
-    check "... and C++11" check_header "${names[@]}" c++ -std=c++11 -x c++
+    check "... and C++11" check_header "${names[@]}" c++ -std=c++11 -Wshadow -x c++
 done
 for header in diptych_tap_gl.h diptych_tap_vk.h; do
     check "$header has less than 400 lines" test "$(wc -l <templates/c/$header)" -lt 400
 done
+
+# What a caller gets wrong is told by name, and leaves no dump.
+cat >"$work/wrong.c" <<'END'
+#include "diptych_tap.h"
+int main(int count, char **words)
+{
+    struct tap_field field = {"light", words[1], (unsigned)atoi(words[2]), 0, 0};
+    struct tap_texels texels = {0};
+    float numbers[8] = {0};
+    struct tap *tap = tap_open(words[3], "gl", NULL);
+    texels.format = "r32f", texels.width = 4, texels.height = 2;
+    texels.bytes = count > 4 ? NULL : numbers;
+    tap_image(tap, "shade", "radiance", &texels);
+    tap_buffer(tap, "shade", "lights", numbers, 2, 16, &field, 1);
+    return !tap_close(tap);
+}
+END
+# shellcheck disable=SC2317 # called through check
+is_refused() { # text, type of a field, its offset, [no bytes]
+    local text=$1
+    shift
+    ! "$work/wrong" "$1" "$2" "$work/refused" "${@:3}" 2>"$work/heard" && grep -qF "$text" "$work/heard" && [ ! -e "$work/refused/manifest.json" ]
+}
+check "a program of wrong calls builds" cc -std=c99 "${warn[@]}" "$work/wrong.c" -o "$work/wrong"
+check "... and does right" "$work/wrong" vec4 0 "$work/right"
+check "a field beyond its element is refused" is_refused "light: a field beyond the stride" vec4 4
+check "... one of an unknown type" is_refused "light: a field of an unknown type" mat3 0
+check "... an image without bytes" is_refused "radiance: has no bytes" vec4 0 NULL
 
 flags=(-std=c11 -D_GNU_SOURCE "${warn[@]}" -Itests/hosts/examples)
 check "the OpenGL engine builds" cc "${flags[@]}" tests/hosts/examples/tap_gl.c tests/hosts/examples/renderer_gl.c -lEGL -lGL -o "$work/tap_gl"

@@ -108,7 +108,7 @@ static void blit(VkCommandBuffer commands, const struct target *from, const stru
 static void tap_target(struct tap_vk *taps, VkCommandBuffer commands, const char *pass,
                        const char *resource, const struct target *target, VkFormat format)
 {
-    const struct tap_vk_image image = {.image = target->image,
+    const struct tap_vk_image_info image = {.image = target->image,
                                        .format = format,
                                        .layout = VK_IMAGE_LAYOUT_GENERAL,
                                        .width = (unsigned)target->width,
