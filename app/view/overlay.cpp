@@ -389,10 +389,12 @@ static void lower(struct overlay *overlay, struct overlay_model *model)
     if (model->error)
         ImGui::PopStyleColor();
     if (errors) {
+        bool why = !model->error && model->why && *model->why;
         ImGui::TextColored(mark_color(model->error ? OVERLAY_DIFFERS : OVERLAY_UNKNOWN), "%s",
                            model->error ? model->error_title
+                           : why        ? "The sides differ, without an error:"
                                         : "none of the spec, its shaders and the devices");
-        scrolled(overlay, "error text", model->error ? model->error : "", false);
+        scrolled(overlay, "error text", model->error ? model->error : why ? model->why : "", false);
     }
     bool found = model->undefined && *model->undefined;
     if (found)

@@ -104,6 +104,7 @@ struct overlay_model {
     const char *points; /* points that are shown, or "" */
     const char *error;  /* of a reload that failed; NULL: none */
     const char *error_title;
+    const char *why;       /* lines: what would make the sides equal; NULL or "": not known */
     const char *undefined; /* lines of --sanitize; NULL: without it */
     const char *log;       /* lines */
     uint32_t log_size;     /* grows with every line, also when old ones go */

@@ -175,6 +175,7 @@ static bool describe(struct view *view, const char *title, const char *state, co
         .error = view->error,
         .error_title = view->outline_wrong ? "view.yaml is wrong; the pipeline runs"
                                            : "reload failed; what was good before runs on",
+        .why = verdict->worst == OVERLAY_DIFFERS ? verdict->why : NULL,
         .undefined =
             view->options->setup.sanitize ? (verdict->undefined ? verdict->undefined : "") : NULL,
         .changes = changes,
@@ -254,6 +255,8 @@ void view_tell(const struct view *view)
     if (changes)
         cJSON_AddStringToObject(root, "changes", changes);
     free(changes);
+    if (view->verdict.worst == OVERLAY_DIFFERS && view->verdict.why)
+        cJSON_AddStringToObject(root, "why", view->verdict.why);
     if (view->verdict.undefined)
         cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
     if (view->verdict.known && view->side_count > 1)

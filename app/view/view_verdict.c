@@ -8,6 +8,7 @@
 
 #include "base/text.h"
 #include "console/texels.h"
+#include "theirs/why.h"
 
 /* Least milliseconds between two checks: after a change, and while only time goes on. */
 enum { SOON_MS = 250, LATER_MS = 2000 };
@@ -41,6 +42,7 @@ void view_verdict_free(struct view_verdict *verdict)
 {
     forget(verdict);
     free(verdict->undefined);
+    free(verdict->why);
     free(verdict->kept);
     free(verdict->marks);
     rows_free(&verdict->rows);
@@ -67,6 +69,25 @@ void view_verdict_begin(struct view *view)
     verdict->checked = now; /* the start, until the end is known */
 }
 
+/* What makes the copies equal or nearer, a line each; "" when nothing does. */
+static bool ask_why(struct view *view, uint32_t side, const struct dt_resource *resource,
+                    const struct dt_bytes copies[2])
+{
+    const struct why_question question = {
+        .resource = resource,
+        .copies = copies,
+        .labels = {view->sides.list[0].label, view->sides.list[side].label}};
+    struct why why = {0};
+    struct text text = {0};
+    bool good = why_find(&why, &question);
+    for (uint32_t i = 0; good && i < why.count; i++)
+        text_add(&text, "%s: %s\n", i ? "or" : "why", why.reasons[i].text);
+    why_free(&why);
+    free(view->verdict.why);
+    view->verdict.why = text.data;
+    return good && !text.failed;
+}
+
 static bool measure(struct view *view, uint32_t side, uint32_t index, const struct dt_bytes *bytes)
 {
     static const enum overlay_mark marks[] = {[VERDICT_EQUAL] = OVERLAY_EQUAL,
@@ -75,20 +96,20 @@ static bool measure(struct view *view, uint32_t side, uint32_t index, const stru
     struct view_verdict *verdict = &view->verdict;
     const struct row *row = &verdict->rows.outputs.list[index];
     const struct dt_bytes copies[2] = {verdict->kept[index], *bytes};
+    const struct dt_resource *resource = &view->pipeline.info->resources[row->resource];
     struct difference difference;
-    if (!difference_measure(&difference, &view->pipeline.info->resources[row->resource],
-                            view->frame, copies)) {
-        report_error(&view->console->log, "out of memory");
-        return false;
-    }
+    bool good = difference_measure(&difference, resource, view->frame, copies);
     enum overlay_mark mark = marks[difference_verdict(&difference)];
     verdict->marks[index] = mark > verdict->marks[index] ? mark : verdict->marks[index];
     if (mark == OVERLAY_DIFFERS && index < verdict->first) {
         verdict->first = index;
         verdict->largest = difference;
         verdict->side = side;
+        good = good && (difference.size_differs || ask_why(view, side, resource, copies));
     }
-    return true;
+    if (!good)
+        report_error(&view->console->log, "out of memory");
+    return good;
 }
 
 bool view_verdict_take(struct view *view, uint32_t side, uint32_t pass)

@@ -330,6 +330,8 @@ done
 steps=0
 body=$work/templates/shared/composite.glsl
 sed -i 's/radiance_store(p, vec4(/#ifdef VULKAN\n#define SHARE 0.75\n#else\n#define SHARE 1.0\n#endif\n&SHARE * /' "$body"
+check "the window says why" "$diptych" view "${panes[@]}" --backend both --window 640x360 --frames 3 --json view.json
+check "... in the words of compare" holds_json '"a factor of " in d["why"]'
 open_panes --backend both --window 1280x720
 check "a body that is another in Vulkan is seen" see guilty.ppm verdict=red
 press g
