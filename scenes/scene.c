@@ -245,7 +245,7 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
                      settings->mesh_path, MOST_OPEN_FILES);
         return false;
     }
-    if (!mesh_import(&mesh, settings->mesh_path, settings->scale, log))
+    if (!mesh_import(&mesh, settings->mesh_path, scene->path, settings->scale, log))
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);
     bool ok = take_views(scene, settings, &mesh, log);

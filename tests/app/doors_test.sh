@@ -213,6 +213,54 @@ warns_without() { # without bwrap in PATH
 }
 check "without bubblewrap it warns" warns_without
 
+# ---- Models ---------------------------------------------------------------------------------------------------------
+
+mkdir -p "$work/models/ship" "$work/models/shared"
+cp tests/specs/outside_grade.png "$work/models/shared/t.png"
+cp tests/specs/outside_grade.png "$work/t.png"
+cp tests/specs/outside_grade.png "$work/models/ship/t.png"
+printf 'newmtl m\nKd 1 0 0\n' >"$work/m.mtl"
+ln -s ../../t.png "$work/models/ship/link.png"
+scene() { # folder mesh: a scene file
+    local light='{kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}'
+    printf 'mesh: %s\ncamera: {eye: [0, 0, 5], target: [0, 0, 0], fov_y: 40}\nlight: %s\n' "$2" "$light" >"$work/models/$1/scene.yaml"
+    show=("$diptych" render "${grey[@]}" --backend vk -o "$work/a.png" --scene "$work/models/$1/scene.yaml")
+}
+obj() { # library texture: a model that names them
+    printf 'newmtl m\nmap_Kd %s\n' "$2" >"$work/models/ship/m.mtl"
+    printf 'mtllib %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n' "$1" >"$work/models/ship/m.obj"
+}
+gltf() { # buffer image
+    printf '{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": 36, "uri": "%s"}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}], "textures": [{"source": 0}],
+"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "images": [{"uri": "%s"}]}' "$1" "$2" >"$work/models/ship/m.gltf"
+}
+/usr/bin/python3 -c 'import struct, sys
+open(sys.argv[1], "wb").write(struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))' "$work/models/ship/m.bin"
+outside="names this file, which is outside the folders of the mesh and of the scene file"
+scene ship m.obj
+obj m.mtl t.png
+check "a model names files beside it" "${show[@]}"
+obj ../../m.mtl t.png
+check "... no materials outside its folder" refuses "$outside" "${show[@]}"
+for name in /etc/passwd ../../t.png ../shared/t.png link.png; do
+    obj m.mtl "$name"
+    check "... and not the picture $name" refuses "$outside" "${show[@]}"
+done
+scene . ship/m.obj
+obj m.mtl ../shared/t.png
+check "... unless the scene file's folder has it" "${show[@]}"
+scene ship m.gltf
+gltf m.bin t.png
+check "glTF" "${show[@]}"
+for name in /etc/passwd file:///etc/passwd ../../../../../../../../etc/passwd %2e%2e/%2E%2E/t.png link.png; do
+    gltf "$name" t.png
+    check "... and not the buffer $name" refuses "$outside" "${show[@]}"
+    gltf m.bin "$name"
+    check "... and not the picture $name" refuses "$outside" "${show[@]}"
+done
+
 # ---- Overlays -------------------------------------------------------------------------------------------------------
 
 overlay=("$diptych" list "${grey[@]:0:2}" --with "$work/tuned.yaml")

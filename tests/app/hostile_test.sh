@@ -148,7 +148,7 @@ crash_is_told() { # command...: assimp 5.2 crashes, 5.4 does not
 }
 check "materials at which a library crashes" crash_is_told "${scene[@]}" --scene "$work/early_map.yaml"
 check "a mesh that is a device" refuses "/dev/zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mesh.yaml"
-check "materials" refuses "zero: it is no regular file" "${scene[@]}" --scene "$work/zero_mtl.yaml"
+check "materials" refuses "pipe: it is no regular file" "${scene[@]}" --scene "$work/pipe_mtl.yaml"
 check "nodes that double" refuses "doubling.dae: reading it takes more memory than there is" "${scene[@]}" --scene "$work/doubling_nodes.yaml"
 check "too few open files" refuses "this process may not open so many" bash -c 'ulimit -n 7 && exec "$@"' bash "${scene[@]}" --scene scenes/cornell.yaml
 printf 'newmtl red one\r\nKd 1 0 0\n' >"$work/named.mtl"
@@ -161,7 +161,7 @@ sed 's/named.mtl/more.mtl/; s/red one/a/; s/rde/a/' "$work/named.obj" >"$work/mo
 sed 's|^mesh: .*|mesh: more.obj|' scenes/cornell.yaml >"$work/more.yaml"
 check "what a library of materials has beyond a scene's" warns "more.mtl:5: \`map_Kd -s 2 2 2 b.png\`: options" "${scene[@]}" --scene "$work/more.yaml"
 check "... each kind once" [ "$(grep -c 'more.mtl:' "$work/said")" = 5 ]
-check "a texture" warns "/dev/zero: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/zero_map.yaml"
+check "a texture" warns "pipe: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/pipe_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
 
 # shellcheck disable=SC2317
