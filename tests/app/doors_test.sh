@@ -157,11 +157,12 @@ for file in glob.glob("templates/report/*.html"):
 }
 check "pages run their own scripts alone" policy_holds
 
-# ---- Replays --------------------------------------------------------------------------------------------------------
+# ---- Limits and replays --------------------------------------------------------------------------------------------------
 
 # A Vulkan driver tells what the process that loads it may do; a shader could do no more.
 "$diptych" compare "${grey[@]}" --fault vk:paint:bit --bisect "$work/case" >/dev/null 2>&1
 mkdir "$work/driver" "$work/home"
+machine=$(($(getconf _PHYS_PAGES) * $(getconf PAGESIZE) >> 30)) # GiB of memory
 echo secret >"$work/home/secret"
 cat >"$work/driver/spy.c" <<'END'
 #include <net/if.h>
@@ -198,7 +199,7 @@ spied() { # text option...: replays with that driver
 if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
     check "a replay sees no files, no variables, no network, and writes nothing" \
         spied "file no, variable no, written no, networks [01]$"
-    check "... and has limits of memory and time" grep -q "^limits: 16 GiB, 1800 s$" "$work/said"
+    check "... and has limits of memory and time" grep -q "^limits: $((machine < 16 ? machine : 16)) GiB, 1800 s$" "$work/said"
     # shellcheck disable=SC2016
     check "... but as JSON what it found" \
         bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"
@@ -206,6 +207,21 @@ else
     skip "a replay is confined" "bubblewrap makes no sandbox here"
 fi
 check "--trust lets it" spied "file yes, variable yes, written yes" --trust
+check "... within the same limits" grep -q "^limits: $((machine < 16 ? machine : 16)) GiB, 1800 s$" "$work/said"
+# shellcheck disable=SC2317
+has_machine() { # a process that renders
+    VK_DRIVER_FILES="$work/driver/spy.json" "$diptych" render "${grey[@]}" --backend vk -o "$work/a.png" 2>&1 | tee "$work/said"
+    grep -q "^limits: $machine GiB, " "$work/said"
+}
+check "a render may take the memory of the machine" has_machine
+# shellcheck disable=SC2317
+tool_has_limit() { # the program that runs passes of a dump
+    printf '#!/bin/sh\nulimit -d >"%s/limit"\n' "$work" >"$work/tool.sh" && chmod +x "$work/tool.sh"
+    "$diptych" render "${grey[@]}" --set level=0.7 --backend vk --dump "$work/brighter"
+    "$diptych" compare "$work/dump" "$work/brighter" --run "$work/tool.sh"
+    [ "$(cat "$work/limit")" -le $((16 << 20)) ]
+}
+check "a tool has a limit of memory" tool_has_limit
 # shellcheck disable=SC2317
 warns_without() { # without bwrap in PATH
     mkdir -p "$work/bin" && ln -sf "$(command -v env)" "$work/bin/env"
