@@ -559,6 +559,8 @@ static void return_imports(struct dt_vk_runtime *rt)
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
+    if (!dt_front_given(core, rt->frame_commands, "record: the command buffer"))
+        return false;
     wait_for(rt, rt->frame_commands, BEFORE);
     if (!core->first_pass)
         begin_frame(rt, frame, live);
@@ -570,21 +572,12 @@ static bool render(struct dt_core *core, const struct dt_frame *frame, const voi
     return good;
 }
 
-/* Before the first resize, that is what is told. */
-static bool takes_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands)
-{
-    if (!rt ||
-        (rt->core.sized && !dt_front_given(&rt->core, commands, "record: the command buffer")))
-        return false;
-    rt->frame_commands = commands;
-    return true;
-}
-
 bool dt_vk_record(struct dt_vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live)
 {
-    if (!takes_commands(rt, commands))
+    if (!rt)
         return false;
+    rt->frame_commands = commands;
     return dt_verb_render(&rt->core, frame, live, NULL);
 }
 
@@ -592,8 +585,9 @@ bool dt_vk_record_passes(struct dt_vk_runtime *rt, VkCommandBuffer commands,
                          const struct dt_frame *frame, const void *live, uint32_t first,
                          uint32_t end)
 {
-    if (!takes_commands(rt, commands))
+    if (!rt)
         return false;
+    rt->frame_commands = commands;
     return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 

@@ -18,6 +18,8 @@
 #include "runtime_vk/diptych_vk.h"
 #include "outside.h"
 
+extern const struct dt_shaders bloom_vk;
+
 /* ---- The log --------------------------------------------------------------------------------- */
 
 static struct heard {
@@ -187,6 +189,7 @@ static void vulkan_names_what_is_missing(void **state)
     assert_true(vkEnumeratePhysicalDevices(host.instance, &count, &host.physical_device) >= 0);
     REFUSED(dt_vk_suits(&host, NULL), "suits: the struct dt_shaders is NULL");
     dt_vk_need_features(&outside_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    dt_vk_need_features(&bloom_vk, &core, &vulkan11, &vulkan12, &vulkan13);
     assert_int_equal(vkCreateDevice(host.physical_device, &device, NULL, &host.device), VK_SUCCESS);
     struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_non_null(rt);
@@ -202,7 +205,10 @@ static void vulkan_names_what_is_missing(void **state)
     assert_true(dt_vk_create(rt, &outside_vk) && dt_vk_resize(rt, 16, 8));
     REFUSED(dt_vk_write(rt, NULL, OUTSIDE_RESOURCE_WEIGHTS, 0, &weights),
             "`data` of the struct dt_bytes");
-    REFUSED(dt_vk_record(rt, NULL, NULL, NULL), "record: the command buffer is NULL");
+    REFUSED(dt_vk_record(rt, NULL, NULL, NULL), "record: ");
+    assert_true(dt_vk_create(rt, &bloom_vk) && dt_vk_resize(rt, 16, 8)); /* without inputs */
+    const struct dt_frame frame = {0};                                   /* and without scene */
+    REFUSED(dt_vk_record(rt, NULL, &frame, NULL), "record: the command buffer is NULL");
     dt_vk_close(rt);
     vkDestroyDevice(host.device, NULL);
     vkDestroyInstance(host.instance, NULL);
