@@ -280,10 +280,14 @@ done
 # ---- Overlays -------------------------------------------------------------------------------------------------------
 
 overlay=("$diptych" list "${grey[@]:0:2}" --with "$work/tuned.yaml")
-for path in passes.paint.limit passes.paint.shader images.radiance.format include; do
+for path in passes.paint.limit passes.paint.shader images.radiance.format include pipeline doc origin exactness params.level.max; do
     printf -- '# tuned\n- %s=%s\n' "$path" "$work/evil.c" >"$work/tuned.yaml"
     check "an overlay sets no $path" refuses "tuned.yaml:2:3: error: an overlay sets parameters" "${overlay[@]}"
 done
 printf -- '- level=0.5\n- passes.paint.local=[16,8]\n' >"$work/tuned.yaml"
 check "... but parameters and workgroups" "${overlay[@]}"
+printf -- '- params.level.value=0.5\n- params.level=0.4\n' >"$work/tuned.yaml"
+check "... by their paths, too" "${overlay[@]}"
+printf -- '- level=0.5\n\0- level=7\n' >"$work/tuned.yaml"
+check "an overlay is text to its end" refuses "it has a byte of zero" "${overlay[@]}"
 finish

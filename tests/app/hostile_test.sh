@@ -22,6 +22,11 @@ refuses_path() {
     (ulimit -v 500000 && "$gen" tests/specs/grey.yaml --check --set "${path}b=1") >"$work/said" 2>&1
     [ $? = 1 ] && head -c 200 "$work/said" && grep -q "the path is too long" "$work/said"
 }
+# shellcheck disable=SC2317
+refuses_set() { # text set: in words of ours alone
+    "$gen" tests/specs/grey.yaml --check --set "$2" >"$work/said" 2>&1
+    [ $? = 1 ] && cat "$work/said" && grep -qF -- "$1" "$work/said" && ! grep -qE "<memory|\[ERR\]" "$work/said"
+}
 check "5,000 parameters" ends parameters 0 "4000 more of them are not shown"
 check "5,000 equal keys" ends duplicates 1 "the key \`a\` stands twice"
 check "10,000 errors" ends errors 1 "error: 9000 more of them are not shown"
@@ -33,6 +38,9 @@ check "... of 100,000 levels" ends nesting 1 "error: more than 64 nested levels"
 check "constants that double" ends doubling 1 "the value of \`c9\` has more than 1000 terms with those of its constants"
 check "2,000 constants of each other, backwards" ends chain 1 "more than 1000 terms"
 check "a path of 50,000 levels" refuses_path
+check "a path that is no name" refuses_set "no \`\"level\` in \`params\`" '"level=1'
+check "... whose start is none" refuses_set "no \`\"a\` in the spec" '"a.b=1'
+check "... of a part that the spec lacks" refuses_set "the spec has no \`local\` here" passes.paint.local.x=1
 check "macros that double" ends macros 1 "more processor time than the limit" 1
 check "... name the pass" grep -q "while compiling the pass fill ([^ ]*/macros.yaml:[0-9]*: macros.glsl)" "$work/said"
 check "20,000 cases" ends cases 1 "more processor time than the limit" 1
