@@ -19,8 +19,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What assimp may take, besides 64 times the size of the file: nodes of nodes double without end. */
+/* What assimp may take, besides 64 times the size of the file: nodes of nodes double without end. And
+ * processor time, once more for each MiB: some readers do not see the end of a file. */
 #define LIBRARY_BYTES ((size_t)1 << 30)
+enum { LIBRARY_SECONDS = 20 };
 
 /* State of an import. */
 struct import {
@@ -403,8 +405,10 @@ bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log
     struct stat status = {0};
     stat(path, &status);
     child_limit_memory(LIBRARY_BYTES + 64 * (size_t)status.st_size);
+    child_limit_time(LIBRARY_SECONDS + LIBRARY_SECONDS * (unsigned)(status.st_size >> 20));
     const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
     child_limit_memory(0);
+    child_limit_time(0);
     bool good = import_is_usable(source, &opening, path, log);
     if (good && has_ending(path, ".obj"))
         tell_unknown_materials(source, &opening, path);
