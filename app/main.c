@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
+#include "base/limit.h"
 #include "console/options.h"
 #include "console/outcome.h"
 #include "compare/confine.h"
@@ -268,6 +269,7 @@ int main(int argc, char **argv)
     /* Vulkan drivers may keep each command of a frame in a block of malloc's: recording ssvp takes a
      * tenth less with lavapipe where blocks of this size are reused as they are. No harm if refused. */
     mallopt(M_MXFAST, 160);
+    limit_memory(0);
     int status = console_open(&console) ? run_command(&console, argc, argv) : EXIT_FAILED;
     console_close(&console);
     if (fflush(stdout) != 0 || ferror(stdout)) {

@@ -219,22 +219,31 @@ bool command_parse(const struct command_line *command, void *options, int argc, 
     return true;
 }
 
-/* Whether an overlay may set this: parameters, and what `tune` chooses. An overlay may come from anyone,
- * and names no file. */
+static bool is_one_of(const char *name, size_t length, const char *const *words, size_t count)
+{
+    for (size_t i = 0; i < count; i++)
+        if (strlen(words[i]) == length && strncmp(name, words[i], length) == 0)
+            return true;
+    return false;
+}
+
+/* Whether an overlay may set this: values of parameters, and what `tune` chooses. An overlay may come
+ * from anyone, and names no file. */
 static bool is_tunable(const char *set)
 {
     static const char *const keys[] = {"local", "storage", "loop"};
+    static const char *const others[] = {"pipeline",  "doc",    "include",
+                                         "exactness", "target", "origin"}; /* of a spec */
     size_t length = strcspn(set, "=");
     const char *last = memrchr(set, '.', length);
     if (!last)
-        return length != strlen("include") || strncmp(set, "include", length) != 0;
+        return !is_one_of(set, length, others, sizeof others / sizeof *others);
+    size_t ending = (size_t)(set + length - last - 1);
     if (strncmp(set, "params.", strlen("params.")) == 0)
-        return true;
-    for (size_t i = 0; i < sizeof keys / sizeof *keys && strncmp(set, "passes.", 7) == 0; i++)
-        if (strlen(keys[i]) == (size_t)(set + length - last - 1) &&
-            strncmp(last + 1, keys[i], strlen(keys[i])) == 0)
-            return true;
-    return false;
+        return last == set + strlen("params") ||
+               is_one_of(last + 1, ending, (const char *[]){"value"}, 1);
+    return strncmp(set, "passes.", strlen("passes.")) == 0 &&
+           is_one_of(last + 1, ending, keys, sizeof keys / sizeof *keys);
 }
 
 /* A line `- PATH=VALUE`. */
@@ -263,6 +272,8 @@ bool command_overlay(struct text_list *sets, const char *path, char **text,
     size_t length;
     *text = input_read(path, MOST_OVERLAY_BYTES, &length, &reason);
     bool good = *text || fail(log, "--with %s: cannot be read: %s", path, reason);
+    if (good && strlen(*text) != length)
+        good = fail(log, "--with %s: is no text: it has a byte of zero", path);
     for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
         if (!*line || *line == '#')
             continue;

@@ -139,3 +139,20 @@ bool foreign_has(const char *folder, const char *name)
     free(path);
     return there;
 }
+
+bool foreign_is_beside(const char *path, const char *file)
+{
+    const char *slash = strrchr(file, '/');
+    char *real = realpath(path, NULL);
+    bool inside = !real && errno != ENOMEM && errno != ENAMETOOLONG;
+    char *beside = slash ? strndup(file, (size_t)(slash - file + 1)) : strdup("./");
+    char *folder = real && beside ? realpath(beside, NULL) : NULL;
+    if (folder) {
+        size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
+        inside = strncmp(real, folder, length) == 0 && real[length] == '/';
+    }
+    free(real);
+    free(beside);
+    free(folder);
+    return inside;
+}

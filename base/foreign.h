@@ -19,5 +19,8 @@ void *foreign_read_exactly(const char *folder, const char *name, size_t size,
 /* A JSON file, to its last byte, in which strings are printable (text_printable). NULL: logged. */
 cJSON *foreign_json(const char *folder, const char *name, const struct dt_log *log);
 bool foreign_has(const char *folder, const char *name); /* also a link */
+/* Whether `path`, links followed, lies in the folder of `file`, at any depth; a path without a file does,
+ * since nothing can be read there. */
+bool foreign_is_beside(const char *path, const char *file);
 
 #endif

@@ -287,6 +287,15 @@ static struct fy_document *parse_document(const struct source *source, struct fy
     return NULL;
 }
 
+struct fy_node_pair *yaml_pair(struct fy_node *map, const char *name, size_t length)
+{
+    static const char letters[] =
+        "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_.";
+    size_t all = length == FY_NT ? strlen(name) : length;
+    return strspn(name, letters) < all ? NULL
+                                       : fy_node_mapping_lookup_pair_by_string(map, name, length);
+}
+
 struct fy_document *yaml_parse(const struct source *source, struct diag *diag)
 {
     const struct target to = {source, diag};

@@ -18,6 +18,9 @@ struct fy_document *yaml_parse(const struct source *source, struct diag *diag);
 
 /* The first byte that is not UTF-8 or is a control character; NULL: none. A zero stands behind the text. */
 const char *yaml_wrong_byte(const char *text, size_t length);
+/* The pair of a mapping whose key is this name (length FY_NT: to its end). NULL: none. libfyaml reads the name as
+ * YAML, and prints what is wrong with it: a name has letters, digits, `_` and dots. */
+struct fy_node_pair *yaml_pair(struct fy_node *map, const char *name, size_t length);
 
 /* The place of a scalar; of a mapping or a sequence: the start of its first scalar. Line 0 where
  * there is none. */

@@ -6,11 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include "base/command.h"
 #include "base/installed.h"
+#include "base/limit.h"
 #include "load.h"
 #include "print/output.h"
 #include "print/print.h"
@@ -309,23 +309,6 @@ static enum status print_text(struct text *text)
     return status;
 }
 
-/* Of this process alone; a lower limit of the caller stays. Address space without memory does not count,
- * but for the sanitizer's shadow, which does. */
-static bool limit_memory(void)
-{
-#ifdef __SANITIZE_ADDRESS__
-    return true;
-#else
-    const rlim_t most = (rlim_t)SPEC_GIBIBYTES << 30;
-    struct rlimit limit;
-    if (getrlimit(RLIMIT_DATA, &limit) != 0)
-        return false;
-    if (limit.rlim_cur > most)
-        limit.rlim_cur = most;
-    return setrlimit(RLIMIT_DATA, &limit) == 0;
-#endif
-}
-
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
@@ -339,7 +322,7 @@ static enum status generate(struct generation *g)
                                    .prove = options->prove,
                                    .text = options->out != NULL,
                                    .cache = options->cache};
-    if (!limit_memory() || !watchdog_start((unsigned)seconds)) {
+    if (!limit_memory(SPEC_GIBIBYTES) || !watchdog_start((unsigned)seconds)) {
         fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;
     }

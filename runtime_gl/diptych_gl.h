@@ -24,7 +24,8 @@
  * header uses no OpenGL types and needs no loader header: texture and buffer names are unsigned
  * ints, like GLuint.
  *
- * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason. After a
+ * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason; with NULL in
+ * place of the runtime it does nothing, since that open has failed. After a
  * failed resize or record, call only resize or close. There is no other output, no global state, no
  * exit. Each call removes pending OpenGL errors of the host and logs the first as a DT_WARNING.
  *

@@ -4,6 +4,12 @@
 
 #include <stdlib.h>
 
+/* NULL of a runtime that a host never got. */
+static const struct dt_core *core_of(const struct dt_gl_runtime *rt)
+{
+    return rt ? &rt->core : NULL;
+}
+
 static bool leave(struct dt_gl_runtime *rt, bool good)
 {
     return gl_state_leave(&rt->core) && good;
@@ -27,6 +33,8 @@ static bool open_in(struct dt_gl_runtime *rt, const struct dt_gl_host *host)
 
 struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
 {
+    if (!host)
+        return NULL;
     const struct dt_core bare = {.backend = &gl_backend, .log = host->log, .hosted = true};
     struct dt_gl_runtime *rt = calloc(1, sizeof *rt);
     if (!rt) {
@@ -111,7 +119,8 @@ static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *sce
 
 bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
-    if (!dt_front_import_scene(&rt->core, scene->index_count, scene->numbered))
+    if (!dt_front_given(core_of(rt), scene, "import_scene: the struct dt_gl_scene") ||
+        !dt_front_import_scene(&rt->core, scene->index_count, scene->numbered))
         return false;
     bool good = gl_state_enter(&rt->core);
     gl_scene_destroy(rt);
@@ -127,12 +136,12 @@ bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scen
 
 bool dt_gl_create(struct dt_gl_runtime *rt, const struct dt_shaders *shaders)
 {
-    return dt_front_create(&rt->core, shaders, NULL);
+    return rt && dt_front_create(&rt->core, shaders, NULL);
 }
 
 bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *from)
 {
-    return dt_front_can_share(&rt->core, &from->core) &&
+    return rt && dt_front_can_share(&rt->core, core_of(from)) &&
            (rt->glsl == from->glsl ||
             dt_error(&rt->core, "create_from: one runtime has GLSL text, the other SPIR-V; open "
                                 "both alike")) &&
@@ -141,7 +150,7 @@ bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *fro
 
 bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned texture)
 {
-    if (!dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
+    if (!rt || !dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
         return false;
     rt->core.imported[resource] = texture;
     rt->imports[resource].texture = texture;
@@ -151,7 +160,8 @@ bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned te
 bool dt_gl_import_buffer(struct dt_gl_runtime *rt, uint32_t resource,
                          const struct dt_gl_range *range)
 {
-    if (!dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
+    if (!dt_front_given(core_of(rt), range, "import_buffer: the struct dt_gl_range") ||
+        !dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
         return false;
     rt->core.imported[resource] = range->buffer;
     rt->imports[resource].buffer = *range;
@@ -160,29 +170,31 @@ bool dt_gl_import_buffer(struct dt_gl_runtime *rt, uint32_t resource,
 
 bool dt_gl_resize(struct dt_gl_runtime *rt, uint32_t width, uint32_t height)
 {
-    return dt_front_resize(&rt->core, width, height);
+    return rt && dt_front_resize(&rt->core, width, height);
 }
 
 bool dt_gl_write(struct dt_gl_runtime *rt, uint32_t resource, uint32_t mip,
                  const struct dt_bytes *bytes)
 {
-    return dt_verb_write(&rt->core, resource, mip, bytes);
+    return rt && dt_verb_write(&rt->core, resource, mip, bytes);
 }
 
 bool dt_gl_record(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live)
 {
-    return dt_verb_render(&rt->core, frame, live, NULL);
+    return rt && dt_verb_render(&rt->core, frame, live, NULL);
 }
 
 bool dt_gl_record_passes(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live,
                          uint32_t first, uint32_t end)
 {
-    return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
+    return rt && dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
 
 bool dt_gl_get_resource(struct dt_gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out)
 {
     struct dt_bytes shape;
+    if (!dt_front_given(core_of(rt), out, "resource: the struct dt_gl_resource"))
+        return false;
     *out = (struct dt_gl_resource){0};
     if (!dt_front_take(&rt->core, resource, &shape))
         return false;
@@ -206,11 +218,13 @@ bool dt_gl_get_resource(struct dt_gl_runtime *rt, uint32_t resource, struct dt_g
 
 bool dt_gl_timings(struct dt_gl_runtime *rt, uint32_t age, double *pass_ms)
 {
-    return dt_front_timings(&rt->core, age, pass_ms);
+    return rt && dt_front_timings(&rt->core, age, pass_ms);
 }
 
 bool dt_gl_get_cache(struct dt_gl_runtime *rt, struct dt_bytes *out)
 {
+    if (!dt_front_given(core_of(rt), out, "get_cache: the struct dt_bytes"))
+        return false;
     *out = (struct dt_bytes){0};
     if (!rt->core.panel)
         return dt_error(&rt->core, "get_cache: no pipeline yet; create comes first");

@@ -145,6 +145,8 @@ void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatu
                          VkPhysicalDeviceVulkan12Features *vulkan12,
                          VkPhysicalDeviceVulkan13Features *vulkan13)
 {
+    if (!shaders || !core || !vulkan11 || !vulkan12 || !vulkan13)
+        return;
     struct vk_features features = {.core.features = *core,
                                    .vulkan11 = *vulkan11,
                                    .vulkan12 = *vulkan12,

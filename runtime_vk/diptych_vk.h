@@ -27,7 +27,8 @@
  * diptych-gen generates `ssvp_vk` (a struct dt_shaders), SSVP_RESOURCE_DISPLAY and struct
  * ssvp_live: compile NAME.c and NAME_vk_shaders.c into the host, and include NAME.h.
  *
- * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason. After a
+ * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason; with NULL in
+ * place of the runtime it does nothing, since that open has failed. After a
  * failed resize or record, call only resize or close. There is no other output, no global state, no
  * exit.
  *

@@ -5,6 +5,12 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* NULL of a runtime that a host never got. */
+static const struct dt_core *core_of(const struct dt_vk_runtime *rt)
+{
+    return rt ? &rt->core : NULL;
+}
+
 /* ---- Open and close -------------------------------------------------------------------------- */
 
 static bool check_functions(const struct dt_vk_runtime *rt, bool good)
@@ -98,8 +104,12 @@ static bool open_on(struct dt_vk_runtime *rt, const struct dt_vk_host *host)
 
 bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders)
 {
+    if (!host)
+        return false;
     struct dt_vk_runtime rt = {.core = {.log = host->log, .timing = host->timing},
                                .instance = host->instance};
+    if (!dt_front_given(&rt.core, shaders, "suits: the struct dt_shaders"))
+        return false;
     const struct dt_panel *panel = shaders->panel;
     char missing[512];
     if (!host->instance || !host->physical_device || !host->get_instance_proc_addr)
@@ -119,11 +129,11 @@ static bool render(struct dt_core *core, const struct dt_frame *frame, const voi
 
 struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
 {
-    struct dt_vk_runtime *rt = calloc(1, sizeof *rt);
-    if (!rt) {
+    struct dt_vk_runtime *rt = host ? calloc(1, sizeof *rt) : NULL;
+    if (host && !rt)
         dt_error(&(struct dt_core){.log = host->log}, "Vulkan: out of memory; free some");
+    if (!rt)
         return NULL;
-    }
     rt->backend = vk_backend;
     rt->backend.verbs = vk_verbs;
     rt->backend.render = render;
@@ -192,6 +202,8 @@ static bool create_white(struct dt_vk_runtime *rt)
 
 bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scene)
 {
+    if (!dt_front_given(core_of(rt), scene, "import_scene: the struct dt_vk_scene"))
+        return false;
     struct vk_builtin *builtin = &rt->builtin;
     const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
     release_scene(rt);
@@ -223,7 +235,8 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
 bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
                         const struct dt_vk_image *image)
 {
-    if (!dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
+    if (!dt_front_given(core_of(rt), image, "import_image: the struct dt_vk_image") ||
+        !dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
         return false;
     const struct dt_resource *into = &rt->core.pipeline->resources[resource];
     if (into->history && image->image && image->layout_before == VK_IMAGE_LAYOUT_UNDEFINED)
@@ -239,7 +252,8 @@ bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
 bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
                          const struct dt_vk_range *range)
 {
-    if (!dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
+    if (!dt_front_given(core_of(rt), range, "import_buffer: the struct dt_vk_range") ||
+        !dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
         return false;
     rt->core.imported[resource] = range->buffer;
     rt->choices[resource].buffer = *range;
@@ -248,7 +262,9 @@ bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
 
 bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family)
 {
-    const struct dt_core *core = &rt->core;
+    const struct dt_core *core = core_of(rt);
+    if (!core)
+        return false;
     if (!core->pipeline || resource >= core->pipeline->resource_count || !core->imported[resource])
         return dt_error(core, "exchange: resource %u is not imported; import it first", resource);
     rt->choices[resource].exchanged = family != VK_QUEUE_FAMILY_IGNORED;
@@ -258,7 +274,7 @@ bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family
 
 bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage)
 {
-    if (!dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
+    if (!rt || !dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
         return false;
     rt->choices[resource].usage = usage;
     return true;
@@ -266,7 +282,7 @@ bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageU
 
 bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBufferUsageFlags usage)
 {
-    if (!dt_front_choose(&rt->core, "add_buffer_usage", DT_BUFFER, resource))
+    if (!rt || !dt_front_choose(&rt->core, "add_buffer_usage", DT_BUFFER, resource))
         return false;
     rt->choices[resource].usage = usage;
     return true;
@@ -276,12 +292,12 @@ bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBuffe
 
 bool dt_vk_create(struct dt_vk_runtime *rt, const struct dt_shaders *shaders)
 {
-    return dt_front_create(&rt->core, shaders, NULL);
+    return rt && dt_front_create(&rt->core, shaders, NULL);
 }
 
 bool dt_vk_create_from(struct dt_vk_runtime *rt, const struct dt_vk_runtime *from)
 {
-    return dt_front_can_share(&rt->core, &from->core) &&
+    return rt && dt_front_can_share(&rt->core, core_of(from)) &&
            ((rt->device == from->device && rt->callbacks == from->callbacks) ||
             dt_error(&rt->core, "create_from: the runtimes have different devices or callbacks; "
                                 "open both with the same")) &&
@@ -308,6 +324,8 @@ static bool create_upload(struct dt_vk_runtime *rt)
 
 bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height)
 {
+    if (!rt)
+        return false;
     /* The commands that filled the white texel may never have run: fill it again. */
     rt->builtin.textures.layout = VK_IMAGE_LAYOUT_UNDEFINED;
     if (!dt_front_resize(&rt->core, width, height))
@@ -320,8 +338,9 @@ bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height)
 
 void dt_vk_narrow(struct dt_vk_runtime *rt, const struct dt_vk_sync *sync)
 {
-    rt->narrow = sync;
-    if (sync)
+    if (rt)
+        rt->narrow = sync;
+    if (rt && sync)
         rt->sync = *sync;
 }
 
@@ -432,7 +451,8 @@ static void write_host_image(const struct dt_vk_runtime *rt, VkCommandBuffer com
 bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t resource,
                  uint32_t mip, const struct dt_bytes *bytes)
 {
-    if (!dt_front_fits(&rt->core, resource, mip, bytes))
+    if (!rt || !dt_front_fits(&rt->core, resource, mip, bytes) ||
+        !dt_front_given(&rt->core, commands, "write: the command buffer"))
         return false;
     struct vk_resource *input = vk_resource_at(rt, resource);
     wait_for(rt, commands, BEFORE);
@@ -539,6 +559,8 @@ static void return_imports(struct dt_vk_runtime *rt)
 static bool render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
+    if (!dt_front_given(core, rt->frame_commands, "record: the command buffer"))
+        return false;
     wait_for(rt, rt->frame_commands, BEFORE);
     if (!core->first_pass)
         begin_frame(rt, frame, live);
@@ -553,6 +575,8 @@ static bool render(struct dt_core *core, const struct dt_frame *frame, const voi
 bool dt_vk_record(struct dt_vk_runtime *rt, VkCommandBuffer commands, const struct dt_frame *frame,
                   const void *live)
 {
+    if (!rt)
+        return false;
     rt->frame_commands = commands;
     return dt_verb_render(&rt->core, frame, live, NULL);
 }
@@ -561,6 +585,8 @@ bool dt_vk_record_passes(struct dt_vk_runtime *rt, VkCommandBuffer commands,
                          const struct dt_frame *frame, const void *live, uint32_t first,
                          uint32_t end)
 {
+    if (!rt)
+        return false;
     rt->frame_commands = commands;
     return dt_front_render(&rt->core, "record_passes", frame, live, first, end);
 }
@@ -606,6 +632,8 @@ static struct write last_write(const struct dt_vk_runtime *rt, uint32_t resource
 bool dt_vk_get_resource(struct dt_vk_runtime *rt, uint32_t resource, struct dt_vk_resource *out)
 {
     struct dt_bytes shape;
+    if (!dt_front_given(core_of(rt), out, "resource: the struct dt_vk_resource"))
+        return false;
     *out = (struct dt_vk_resource){0};
     if (!dt_front_take(&rt->core, resource, &shape))
         return false;
@@ -636,9 +664,10 @@ bool dt_vk_get_resource(struct dt_vk_runtime *rt, uint32_t resource, struct dt_v
 bool dt_vk_describe(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
                     uint32_t height, VkImageCreateInfo *info)
 {
-    const struct dt_pipeline *pipeline = shaders->panel->pipeline;
+    const struct dt_pipeline *pipeline = shaders ? shaders->panel->pipeline : NULL;
     uint32_t extent[3];
-    if (resource >= pipeline->resource_count || pipeline->resources[resource].kind != DT_IMAGE)
+    if (!pipeline || !info || resource >= pipeline->resource_count ||
+        pipeline->resources[resource].kind != DT_IMAGE)
         return false;
     const struct dt_resource *image = &pipeline->resources[resource];
     pipeline->extent(pipeline, resource, width, height, extent);
@@ -656,9 +685,10 @@ bool dt_vk_describe(const struct dt_shaders *shaders, uint32_t resource, uint32_
 bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
                            uint32_t height, VkBufferCreateInfo *info)
 {
-    const struct dt_pipeline *pipeline = shaders->panel->pipeline;
+    const struct dt_pipeline *pipeline = shaders ? shaders->panel->pipeline : NULL;
     uint32_t extent[3];
-    if (resource >= pipeline->resource_count || pipeline->resources[resource].kind != DT_BUFFER)
+    if (!pipeline || !info || resource >= pipeline->resource_count ||
+        pipeline->resources[resource].kind != DT_BUFFER)
         return false;
     const struct dt_storage *storage = &shaders->panel->storage[resource];
     pipeline->extent(pipeline, resource, width, height, extent);
@@ -671,5 +701,5 @@ bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, 
 
 bool dt_vk_timings(struct dt_vk_runtime *rt, uint32_t age, double *pass_ms)
 {
-    return dt_front_timings(&rt->core, age, pass_ms);
+    return rt && dt_front_timings(&rt->core, age, pass_ms);
 }

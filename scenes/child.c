@@ -15,7 +15,8 @@
 
 /* Memory that parent and child share. */
 struct shared {
-    char path[4096]; /* that the child opened last */
+    char path[4096];  /* that the child opened last */
+    unsigned seconds; /* of processor time that it may take */
 };
 static _Thread_local struct shared *shared_with_parent; /* set in the child alone */
 
@@ -41,6 +42,20 @@ void child_limit_memory(size_t bytes)
 #else
     (void)bytes;
 #endif
+}
+
+void child_limit_time(unsigned seconds)
+{
+    struct rlimit limit;
+    struct rusage used;
+    if (!shared_with_parent || getrusage(RUSAGE_SELF, &used) != 0 ||
+        getrlimit(RLIMIT_CPU, &limit) != 0)
+        return;
+    shared_with_parent->seconds = seconds ? seconds : CHILD_SECONDS;
+    rlim_t all = (rlim_t)used.ru_utime.tv_sec + (rlim_t)used.ru_stime.tv_sec + 1 +
+                 shared_with_parent->seconds;
+    limit.rlim_cur = all < limit.rlim_max ? all : limit.rlim_max;
+    setrlimit(RLIMIT_CPU, &limit);
 }
 
 /* ---- Messages: level and text, as many as there are ------------------------------------------ */
@@ -127,6 +142,7 @@ static _Noreturn void run_work(child_work *work, void *user, FILE *result, FILE 
     if (!good)
         report_error(&log, "a child process cannot be limited: %s", strerror(errno));
     child_limit_memory(0);
+    child_limit_time(0);
     good = good && work(result, user, &log);
     if (good && (fflush(result) != 0 || ferror(result))) {
         report_error(&log, "the result of a child process: %s", strerror(errno));
@@ -158,8 +174,8 @@ static bool wait_for(pid_t child, int *status)
 static bool judge_child(int status, const struct shared *shared, const struct dt_log *log)
 {
     if (WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU)
-        report_error(log, "%s: reading it takes more than %d s of processor time", shared->path,
-                     CHILD_SECONDS);
+        report_error(log, "%s: reading it takes more than %u s of processor time", shared->path,
+                     shared->seconds);
     else if (WIFSIGNALED(status))
         report_error(log, "%s: the library that reads this file crashed (%s); the file is damaged",
                      shared->path, strsignal(WTERMSIG(status)));

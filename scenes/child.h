@@ -23,6 +23,9 @@ FILE *child_run(child_work *work, void *user, const struct dt_log *log);
  * and under AddressSanitizer, which takes more than there is. */
 void child_limit_memory(size_t bytes);
 
+/* The same of processor time; 0: CHILD_SECONDS. */
+void child_limit_time(unsigned seconds);
+
 /* The file that the work opens next. Does nothing outside a child. */
 void child_opens(const char *path);
 

@@ -16,9 +16,11 @@ struct dt_scene_file {
 
 struct dt_scene_file *dt_scene_open(const char *path, const char *meshes, const struct dt_log *log)
 {
-    struct dt_scene_file *file = calloc(1, sizeof *file);
+    const struct dt_log none = {0};
+    struct dt_scene_file *file = path ? calloc(1, sizeof *file) : NULL;
+    log = log ? log : &none;
     if (!file) {
-        report_error(log, "%s: out of memory; free some", path);
+        report_error(log, "%s", path ? "out of memory; free some" : "the path of a scene is NULL");
         return NULL;
     }
     locale_t point = newlocale(LC_NUMERIC_MASK, "C", (locale_t)0);
@@ -43,7 +45,7 @@ void dt_scene_close(struct dt_scene_file *file)
 
 const struct dt_scene *dt_scene_data(const struct dt_scene_file *file)
 {
-    return &file->scene.data;
+    return file ? &file->scene.data : NULL;
 }
 
 static void set_camera(struct scene *scene, const struct dt_scene_camera *camera)
@@ -57,7 +59,8 @@ static void set_camera(struct scene *scene, const struct dt_scene_camera *camera
 
 void dt_scene_look(struct dt_scene_file *file, const struct dt_scene_camera *camera)
 {
-    set_camera(&file->scene, camera);
+    if (file && camera)
+        set_camera(&file->scene, camera);
 }
 
 static void set_light(struct scene *scene, const struct dt_scene_light *light)
@@ -81,6 +84,10 @@ void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scen
                       const struct dt_scene_extent *extent, uint32_t width, uint32_t height,
                       struct dt_frame *frame)
 {
+    if (frame)
+        *frame = (struct dt_frame){0};
+    if (!frame || !camera || !light || !extent)
+        return;
     struct scene scene = {.radius = extent->radius,
                           .data = {.index_count = 3 * extent->triangle_count}};
     set_camera(&scene, camera);
@@ -96,5 +103,8 @@ void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scen
 void dt_scene_frame(const struct dt_scene_file *file, uint32_t width, uint32_t height,
                     struct dt_frame *frame)
 {
-    scene_frame(&file->scene, width, height, frame);
+    if (frame && file)
+        scene_frame(&file->scene, width, height, frame);
+    else if (frame)
+        *frame = (struct dt_frame){0};
 }

@@ -361,10 +361,10 @@ static bool take_scene(struct gltf *gltf, struct mesh *mesh, float scale)
     return good && !gltf->failed;
 }
 
-bool gltf_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
+bool gltf_import(struct mesh *mesh, float scale, const struct dt_log *log)
 {
     struct gltf gltf;
-    bool good = gltf_open(&gltf, path, log) && gltf_materials(&gltf, mesh) &&
+    bool good = gltf_open(&gltf, mesh, log) && gltf_materials(&gltf, mesh) &&
                 take_scene(&gltf, mesh, scale) && gltf_views(&gltf, mesh, scale);
     gltf_close(&gltf);
     return good;

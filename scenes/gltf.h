@@ -53,6 +53,7 @@ struct gltf_list {
 
 struct gltf {
     const char *path;
+    const struct mesh *mesh; /* that is filled */
     const struct dt_log *log;
     bool failed;
     char *text; /* of the file */
@@ -70,7 +71,7 @@ struct gltf {
 
 /* ---- gltf_file.c ----------------------------------------------------------------------------- */
 
-bool gltf_open(struct gltf *gltf, const char *path, const struct dt_log *log);
+bool gltf_open(struct gltf *gltf, const struct mesh *mesh, const struct dt_log *log);
 void gltf_close(struct gltf *gltf);
 
 /* Logs one error at the item, with `key` (may be NULL). Returns false. */
@@ -130,7 +131,7 @@ bool gltf_views(struct gltf *gltf, struct mesh *mesh, float scale);
 
 /* Whether the file is glTF, by its name or its first bytes. */
 bool gltf_is(const char *path);
-/* As mesh_import. */
-bool gltf_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
+/* As mesh_import; the mesh has its paths. */
+bool gltf_import(struct mesh *mesh, float scale, const struct dt_log *log);
 
 #endif

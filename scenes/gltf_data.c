@@ -74,7 +74,12 @@ char *gltf_uri_path(struct gltf *gltf, struct gltf_item item, const char *uri)
         *to = '\0';
     else
         gltf_out_of_memory(gltf);
-    return path;
+    if (path && !gltf->failed && !mesh_may_name(gltf->mesh, path, gltf->log))
+        gltf->failed = true;
+    if (!gltf->failed)
+        return path;
+    free(path);
+    return NULL;
 }
 
 /* ---- Buffers --------------------------------------------------------------------------------- */

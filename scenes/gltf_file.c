@@ -352,12 +352,13 @@ static bool gltf_allocate(struct gltf *gltf)
     return true;
 }
 
-bool gltf_open(struct gltf *gltf, const char *path, const struct dt_log *log)
+bool gltf_open(struct gltf *gltf, const struct mesh *mesh, const struct dt_log *log)
 {
     size_t length = 0;
     const char *reason;
-    *gltf = (struct gltf){.path = path, .log = log, .warned = cJSON_CreateObject()};
-    gltf->text = input_read(path, MESH_MOST_BYTES, &length, &reason);
+    *gltf =
+        (struct gltf){.path = mesh->path, .mesh = mesh, .log = log, .warned = cJSON_CreateObject()};
+    gltf->text = input_read(gltf->path, MESH_MOST_BYTES, &length, &reason);
     if (!gltf->text)
         return file_error(gltf, reason);
     struct gltf_bytes json = {(const uint8_t *)gltf->text, length};

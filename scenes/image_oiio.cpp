@@ -5,6 +5,7 @@
 #include <OpenImageIO/imagebuf.h>
 #include <OpenImageIO/imagebufalgo.h>
 #include <OpenImageIO/imageio.h>
+#include <OpenImageIO/strutil.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "srgb.h"
 
@@ -50,15 +52,63 @@ bool resize(OIIO::ImageBuf &image, uint32_t width, uint32_t height, bool is_enco
     return true;
 }
 
-/* Any number of channels to RGBA: one or two are grey (and alpha), three or four are colour (and
- * alpha). */
-OIIO::ImageBuf to_rgba(const OIIO::ImageBuf &image)
+enum { CHANNELS = 4, CONSTANT = -1 };
+
+/* Which channel becomes red, green, blue and alpha; CONSTANT: 0, or 1 for alpha. Channels without
+ * names: one or two are grey (and alpha), three or four are colour (and alpha). */
+void order_by_count(int count, int order[CHANNELS])
 {
-    const int one = -1;
-    int count = image.nchannels();
-    int order[4] = {0, count < 3 ? 0 : 1, count < 3 ? 0 : 2, count == 2 ? 1 : count >= 4 ? 3 : one};
-    float values[4] = {0, 0, 0, 1};
-    return OIIO::ImageBufAlgo::channels(image, 4, order, values);
+    order[0] = 0;
+    order[1] = count < 3 ? 0 : 1;
+    order[2] = count < 3 ? 0 : 2;
+    order[3] = count == 2 ? 1 : count >= 4 ? 3 : CONSTANT;
+}
+
+/* Of OpenEXR, whose channels are named: those without a layer, else those of the only layer. False: names
+ * that say no colour. */
+bool order_by_name(const std::vector<std::string> &names, int order[CHANNELS])
+{
+    static const char *const sets[][CHANNELS] = {
+        {"R", "G", "B", "A"}, {"Y", "Y", "Y", "A"}, {"X", "Y", "Z", nullptr}};
+    size_t end = names[0].rfind('.');
+    std::string layer = end == std::string::npos ? "" : names[0].substr(0, end + 1);
+    for (const std::string &name : names) /* no layer comes before others */
+        if (name.find('.') == std::string::npos)
+            layer = "";
+        else if (!layer.empty() && name.compare(0, layer.size(), layer) != 0)
+            return false;
+    auto find = [&](const char *base) {
+        auto found = std::find_if(names.begin(), names.end(), [&](const std::string &name) {
+            return base && OIIO::Strutil::iequals(name, layer + base);
+        });
+        return found == names.end() ? (int)CONSTANT : (int)(found - names.begin());
+    };
+    for (auto set : sets) {
+        bool other = set[0][0] == 'Y' && (find("RY") >= 0 || find("X") >= 0);
+        for (int i = 0; i < CHANNELS; i++)
+            order[i] = find(set[i]);
+        if (order[0] >= 0 && !other)
+            return true;
+    }
+    return false;
+}
+
+bool find_channels(const OIIO::ImageSpec &spec, bool named, int order[CHANNELS], image_error *error)
+{
+    std::string text;
+    order_by_count(spec.nchannels, order);
+    if (!named || spec.nchannels == 1 || order_by_name(spec.channelnames, order))
+        return true;
+    for (const std::string &name : spec.channelnames)
+        text += (text.empty() ? "" : ", ") + name;
+    return fail(error, "its channels are " + text +
+                           "; those of one picture are R, G, B and A, Y and A, or X, Y and Z");
+}
+
+OIIO::ImageBuf to_rgba(const OIIO::ImageBuf &image, const int order[CHANNELS])
+{
+    float values[CHANNELS] = {0, 0, 0, 1};
+    return OIIO::ImageBufAlgo::channels(image, CHANNELS, OIIO::cspan<int>(order, CHANNELS), values);
 }
 
 /* Whether the file has a data window apart from its display window. */
@@ -122,6 +172,9 @@ try {
         return fail(error, std::to_string(spec.full_width) + "x" +
                                std::to_string(spec.full_height) + " pixels are too many; " +
                                std::to_string(IMAGE_MOST_PIXELS) + " is the limit");
+    int order[CHANNELS];
+    if (!find_channels(spec, has_windows(*input), order, error))
+        return false;
     spec.set_format(OIIO::TypeDesc::FLOAT);
     spec.channelformats.clear();
     OIIO::ImageBuf source(spec);
@@ -129,7 +182,7 @@ try {
     if (!input->read_image(0, 0, 0, spec.nchannels, OIIO::TypeDesc::FLOAT, source.localpixels()) ||
         input->has_error())
         return fail(error, input->geterror());
-    OIIO::ImageBuf image = to_rgba(source);
+    OIIO::ImageBuf image = to_rgba(source, order);
     if (!image.has_error() && has_windows(*input))
         image = whole_window(image);
     if (image.has_error())

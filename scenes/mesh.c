@@ -3,6 +3,7 @@
 #include "mesh.h"
 
 #include "diptych_scene.h"
+#include "base/foreign.h"
 #include "base/log.h"
 #include "base/input.h"
 #include "gltf.h"
@@ -34,6 +35,17 @@ char *mesh_path_beside(const char *mesh_path, const char *name)
         if (*c == '\\')
             *c = '/';
     return path;
+}
+
+bool mesh_may_name(const struct mesh *mesh, const char *path, const struct dt_log *log)
+{
+    bool may = foreign_is_beside(path, mesh->path) || foreign_is_beside(path, mesh->scene_path);
+    if (!may)
+        report_error(log,
+                     "%s: %s names this file, which is outside the folders of the mesh and of the "
+                     "scene file; move one of them",
+                     path, mesh->path);
+    return may;
 }
 
 int32_t mesh_add_texture(struct mesh *mesh, struct mesh_texture texture)
@@ -272,8 +284,8 @@ static bool weld(struct mesh *mesh)
 
 static bool import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
 {
-    bool good = gltf_is(path) ? gltf_import(mesh, path, scale, log)
-                              : mesh_import_assimp(mesh, path, scale, log);
+    bool good =
+        gltf_is(path) ? gltf_import(mesh, scale, log) : mesh_import_assimp(mesh, scale, log);
     if (good && mesh->vertex_count == 0) {
         report_error(log, "%s: no triangle in this mesh (%u degenerate)", path,
                      mesh->degenerate_triangles);
@@ -295,9 +307,10 @@ static void name_kind(void *user, enum dt_level level, const char *message)
     report_message(naming->log, level, seen ? "%s; the file is %s" : "%s", message, seen);
 }
 
-bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
+bool mesh_import(struct mesh *mesh, const char *path, const char *scene_path, float scale,
+                 const struct dt_log *log)
 {
-    *mesh = (struct mesh){0};
+    *mesh = (struct mesh){.path = path, .scene_path = scene_path};
     struct naming naming = {log, path};
     const struct dt_log named = {name_kind, &naming};
     const char *reason;

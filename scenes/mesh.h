@@ -28,7 +28,8 @@ struct mesh_view {
 };
 
 struct mesh {
-    struct dt_vertex *vertices; /* `triangle` has the object until mesh_number */
+    const char *path, *scene_path; /* of the files; not owned */
+    struct dt_vertex *vertices;    /* `triangle` has the object until mesh_number */
     uint32_t vertex_count;
     uint32_t *indices; /* three per triangle, counter-clockwise seen from the front */
     uint32_t index_count;
@@ -62,7 +63,9 @@ struct mesh_part {
 /* Reads glTF, and any other file that assimp knows; node transforms are flattened, positions multiplied by
  * `scale`. Missing normals become those of the faces, missing texture coordinates 0; degenerate
  * triangles are dropped and counted. On false the mesh is empty. */
-bool mesh_import(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
+/* Files that the mesh file names lie in its folder, or in that of the scene file. */
+bool mesh_import(struct mesh *mesh, const char *path, const char *scene_path, float scale,
+                 const struct dt_log *log);
 void mesh_free(struct mesh *mesh); /* takes a zeroed mesh */
 
 /* ---- For the readers of file formats: gltf.c and mesh_assimp.c ------------------------------- */
@@ -79,12 +82,14 @@ int32_t mesh_add_texture(struct mesh *mesh, struct mesh_texture texture);
 /* The path of a file that a mesh file names: relative to that file, with either slash. NULL: out of
  * memory. For free(). */
 char *mesh_path_beside(const char *mesh_path, const char *name);
+/* Whether the mesh file may name this file; else logs an error. */
+bool mesh_may_name(const struct mesh *mesh, const char *path, const struct dt_log *log);
 /* Make directions unit vectors and check ranges; a camera's `target` is the direction that it looks
  * in, until then. Set `trouble` if it cannot be used. */
 void mesh_check_camera(struct mesh_view *view);
 void mesh_check_light(struct mesh_view *view);
-/* mesh_import for all files but glTF. */
-bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log);
+/* mesh_import for all files but glTF; the mesh has its paths. */
+bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log);
 /* Whether the faces of an OBJ file name vertices, texture coordinates and normals that it has. */
 bool obj_check(const char *path, const struct dt_log *log);
 /* Adds the names of the materials of a library to *names, NULL at first; free(). Warns of what scenes do

@@ -19,8 +19,10 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* What assimp may take, besides 64 times the size of the file: nodes of nodes double without end. */
+/* What assimp may take, besides 64 times the size of the file: nodes of nodes double without end. And
+ * processor time, once more for each MiB: some readers do not see the end of a file. */
 #define LIBRARY_BYTES ((size_t)1 << 30)
+enum { LIBRARY_SECONDS = 20 };
 
 /* State of an import. */
 struct import {
@@ -29,6 +31,8 @@ struct import {
     float scale;
     struct mesh *mesh;
     const struct dt_log *log;
+    bool failed;      /* an error was logged */
+    bool told_colors; /* of vertices */
 };
 
 static bool import_out_of_memory(const struct import *import)
@@ -79,6 +83,10 @@ static int32_t texture_index(struct import *import, const char *color, const cha
     else if (!take_embedded(import, color, &texture))
         texture.color = NULL;
     texture.opacity = opacity ? mesh_path_beside(import->path, opacity) : NULL;
+    import->failed |=
+        (texture.color && !texture.bytes &&
+         !mesh_may_name(import->mesh, texture.color, import->log)) ||
+        (texture.opacity && !mesh_may_name(import->mesh, texture.opacity, import->log));
     int32_t index = mesh_add_texture(import->mesh, texture);
     if (index < 0)
         report_message(import->log, DT_WARNING,
@@ -118,14 +126,14 @@ static bool import_materials(struct import *import)
     mesh->materials = calloc(count ? count : 1, sizeof *mesh->materials);
     if (!mesh->materials)
         return import_out_of_memory(import);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < count && !import->failed; i++)
         mesh->materials[i] = import_material(import, import->source->mMaterials[i]);
     mesh->material_count = count;
     if (count == 0) {
         mesh->materials[0] = (struct dt_material){.albedo = {0.6f, 0.6f, 0.6f}, .texture = -1};
         mesh->material_count = 1;
     }
-    return true;
+    return !import->failed;
 }
 
 /* ---- Triangles ------------------------------------------------------------------------------- */
@@ -186,6 +194,11 @@ static bool take_mesh(struct import *import, uint32_t index, const double matrix
     float *uvs = take_uvs(from);
     part.indices = indices;
     part.uvs = uvs;
+    if (from->mColors[0] && !import->told_colors)
+        report_message(import->log, DT_WARNING,
+                       "%s: vertex colours are not supported; materials have their colour",
+                       import->path);
+    import->told_colors |= from->mColors[0] != NULL;
     bool good = indices && mesh_add(mesh, &part, matrix, import->scale, import->path, import->log);
     free(indices);
     free(uvs);
@@ -260,6 +273,7 @@ static void flush_file(struct aiFile *file)
 
 /* The files that assimp opens. */
 struct opening {
+    const struct mesh *mesh;
     const struct dt_log *log;
     char *no_materials; /* a material library that is not there; NULL: none, or another was found */
     char *names;        /* of materials; see obj_read_library */
@@ -284,13 +298,28 @@ static const char *other_kind(const char *path)
     return seen && strcmp(seen, "empty") != 0 ? seen : NULL;
 }
 
+/* NULL: an error was logged. */
+static FILE *open_stream(const struct opening *opening, const char *path)
+{
+    const char *reason;
+    if (strcmp(path, opening->mesh->path) != 0 && !mesh_may_name(opening->mesh, path, opening->log))
+        return NULL;
+    FILE *stream = input_open(path, MESH_MOST_BYTES, &reason);
+    if (stream && (reason = other_kind(path))) {
+        fclose(stream);
+        stream = NULL;
+    }
+    if (!stream)
+        report_error(opening->log, "%s: %s", path, reason);
+    return stream;
+}
+
 /* assimp opens whatever a mesh names: here regular files alone, for reading. It tries names, but
  * goes on without a file that is there and cannot be read. */
 static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
 {
     struct opening *opening = (struct opening *)io->UserData;
-    const char *reason;
-    if (*mode != 'r')
+    if (*mode != 'r' || opening->failed)
         return NULL;
     if (access(path, F_OK) != 0 && (errno == ENOENT || errno == ENOTDIR)) {
         if (is_material_library(path) && !opening->no_materials)
@@ -298,11 +327,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
         return NULL;
     }
     child_opens(path);
-    FILE *stream = input_open(path, MESH_MOST_BYTES, &reason);
-    if (stream && (reason = other_kind(path))) {
-        fclose(stream);
-        stream = NULL;
-    }
+    FILE *stream = open_stream(opening, path);
     struct aiFile *file = stream ? malloc(sizeof *file) : NULL;
     if (file)
         *file = (struct aiFile){.ReadProc = read_mesh_file,
@@ -314,9 +339,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
                                 .UserData = (aiUserData)stream};
     else if (stream)
         fclose(stream);
-    else if (!opening->failed)
-        report_error(opening->log, "%s: %s", path, reason);
-    opening->failed = opening->failed || !file;
+    opening->failed = !file;
     if (file && is_material_library(path))
         obj_read_library(path, &opening->names, opening->log);
     if (file && !opening->failed && opening->no_materials && is_material_library(path)) {
@@ -372,17 +395,20 @@ static void tell_unknown_materials(const struct aiScene *source, const struct op
                 name.data);
 }
 
-bool mesh_import_assimp(struct mesh *mesh, const char *path, float scale, const struct dt_log *log)
+bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log)
 {
-    struct opening opening = {.log = log};
+    const char *path = mesh->path;
+    struct opening opening = {.mesh = mesh, .log = log};
     if (has_ending(path, ".obj") && !obj_check(path, log))
         return false;
     struct aiFileIO io = {open_file, close_file, (aiUserData)(void *)&opening};
     struct stat status = {0};
     stat(path, &status);
     child_limit_memory(LIBRARY_BYTES + 64 * (size_t)status.st_size);
+    child_limit_time(LIBRARY_SECONDS + LIBRARY_SECONDS * (unsigned)(status.st_size >> 20));
     const struct aiScene *source = aiImportFileEx(path, aiProcess_Triangulate, &io);
     child_limit_memory(0);
+    child_limit_time(0);
     bool good = import_is_usable(source, &opening, path, log);
     if (good && has_ending(path, ".obj"))
         tell_unknown_materials(source, &opening, path);

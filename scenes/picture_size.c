@@ -89,22 +89,25 @@ static bool next_segment(FILE *file, uint8_t *marker, uint32_t *length)
     return true;
 }
 
+/* Reads the start of a frame: bits, height, width, components. */
+static bool jpeg_frame(FILE *file, uint8_t frame[6])
+{
+    uint8_t marker = 0;
+    uint32_t length;
+    bool good = skip(file, 2);
+    while (good && (good = next_segment(file, &marker, &length)) && !is_frame(marker))
+        good = skip(file, length);
+    return good && read_bytes(file, frame, 6);
+}
+
 static bool jpeg(FILE *file, uint32_t size[2])
 {
-    uint8_t marker, head[5];
-    uint32_t length;
-    if (!skip(file, 2))
+    uint8_t frame[6];
+    if (!jpeg_frame(file, frame))
         return false;
-    while (next_segment(file, &marker, &length)) {
-        if (!is_frame(marker) && skip(file, length))
-            continue;
-        if (!is_frame(marker) || !read_bytes(file, head, sizeof head))
-            return false;
-        size[0] = big(head + 3, 2);
-        size[1] = big(head + 1, 2);
-        return true;
-    }
-    return false;
+    size[0] = big(frame + 3, 2);
+    size[1] = big(frame + 1, 2);
+    return true;
 }
 
 /* Goes behind coded data, to the next marker that is no restart. */
@@ -133,6 +136,15 @@ static bool jpeg_ends(FILE *file)
             return false;
     }
     return false;
+}
+
+static const char *jpeg_trouble(FILE *file)
+{
+    uint8_t frame[6];
+    if (jpeg_frame(file, frame) && frame[5] == 4)
+        return "its colours are CMYK; grey and RGB are supported";
+    rewind(file);
+    return jpeg_ends(file) ? NULL : "it ends in the middle, or is damaged";
 }
 
 /* Of the ICC profile, whose description stands in its first segment. */
@@ -256,11 +268,14 @@ static void exr_space(FILE *file, char space[PICTURE_SPACE])
 
 /* ---- Radiance HDR: lines, an empty one, the size, rows ----------------------------------------- */
 
-/* Reads a line without its end. */
+/* Reads a line, or the start of a long one. */
 static bool take_header_line(FILE *file, char line[MOST_WORD])
 {
     if (!fgets(line, MOST_WORD, file))
         return false;
+    bool whole = strchr(line, '\n');
+    for (int byte = 0; !whole && byte != EOF && byte != '\n';) /* its end */
+        byte = fgetc(file);
     line[strcspn(line, "\r\n")] = '\0';
     return true;
 }
@@ -410,8 +425,8 @@ bool picture_check(const char *path, const char **reason)
     FILE *file = open_kind(path, &kind, &other);
     if (file && kind->read == hdr)
         trouble = hdr_trouble(file);
-    else if (file && kind->read == jpeg && !jpeg_ends(file))
-        trouble = "it ends in the middle, or is damaged";
+    else if (file && kind->read == jpeg)
+        trouble = jpeg_trouble(file);
     if (file)
         fclose(file);
     if (trouble)

@@ -14,7 +14,7 @@ enum { PICTURE_SPACE = 128 };
 bool picture_size(const char *path, uint32_t *width, uint32_t *height, const char **reason);
 
 /* Whether a Radiance HDR file has a form that the image libraries read right: rows from the top, RGB,
- * no run lengths of the first version; and whether a JPEG file has its end. True for all other files. False: *reason, as above. */
+ * no run lengths of the first version; and whether a JPEG file has its end, and no inks. True for all other files. False: *reason, as above. */
 bool picture_check(const char *path, const char **reason);
 
 /* Writes the colour space that a JPEG, OpenEXR or Radiance HDR file declares, or the chunk cICP of a

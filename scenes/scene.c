@@ -1,7 +1,8 @@
 /* Scene files: YAML to struct scene, with a compiler's diagnostics, all of them in one run. The
  * app is the caller.
  *
- *   mesh: cornell.obj         beside this file, else below the folder of --scenes or DIPTYCH_SCENES
+ *   mesh: cornell.obj         beside this file, else below the folder of --scenes or DIPTYCH_SCENES;
+ *                             what it names lies in its folder or this file's, at any depth
  *   scale: 1                  multiplies the mesh; everything below is in the unit after that
  *   camera: {eye: [0, 1, 3], target: [0, 1, 0], up: [0, 1, 0], fov_y: 40}     up is optional
  *   camera: Camera            the mesh file's, by its node's name; without the key its first
@@ -245,7 +246,7 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
                      settings->mesh_path, MOST_OPEN_FILES);
         return false;
     }
-    if (!mesh_import(&mesh, settings->mesh_path, settings->scale, log))
+    if (!mesh_import(&mesh, settings->mesh_path, scene->path, settings->scale, log))
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);
     bool ok = take_views(scene, settings, &mesh, log);

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "base/limit.h"
 #include "console/tool.h"
 
 extern char **environ;
@@ -198,22 +199,15 @@ static bool works(struct console *console)
     return good;
 }
 
-/* Children have the limits that this process has when they start. */
-static int run_limited(char *const *words, struct console *console)
+/* Of this process and of those that it starts, in a sandbox or not. */
+static void limit_replay(void)
 {
-    static const int kinds[] = {RLIMIT_DATA, RLIMIT_CPU};
-    const rlim_t most[] = {(rlim_t)REPLAY_GIBIBYTES << 30, REPLAY_SECONDS};
-    struct rlimit own[2];
-    for (int i = 0; i < 2; i++) {
-        getrlimit(kinds[i], &own[i]);
-        struct rlimit lower = own[i];
-        lower.rlim_cur = own[i].rlim_cur < most[i] ? own[i].rlim_cur : most[i];
-        setrlimit(kinds[i], &lower);
+    struct rlimit limit;
+    limit_memory(REPLAY_GIBIBYTES);
+    if (getrlimit(RLIMIT_CPU, &limit) == 0 && limit.rlim_cur > REPLAY_SECONDS) {
+        limit.rlim_cur = REPLAY_SECONDS;
+        setrlimit(RLIMIT_CPU, &limit);
     }
-    int status = tool_status(words, console);
-    for (int i = 0; i < 2; i++)
-        setrlimit(kinds[i], &own[i]);
-    return status;
 }
 
 static bool run_confined(struct console *console, const struct options *options, int *status)
@@ -226,7 +220,7 @@ static bool run_confined(struct console *console, const struct options *options,
     if (command.failed || (options->json && result < 0))
         report_error(&console->log, "out of memory");
     else
-        *status = run_limited(command.words, console);
+        *status = tool_status(command.words, console);
     free_command(&command);
     char *text = result >= 0 ? file_contents(result) : NULL;
     if (options->json && (!text || !file_write(options->json, text, strlen(text), &console->log)))
@@ -240,6 +234,7 @@ static bool run_confined(struct console *console, const struct options *options,
 bool confine_replay(struct console *console, const struct options *options, int *status)
 {
     struct stat info;
+    limit_replay();
     if (options->trust || stat(options->folder, &info) != 0)
         return false;
     if (tool_is_there("bwrap") && works(console))

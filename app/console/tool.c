@@ -14,6 +14,9 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "base/limit.h"
+
+enum { TOOL_GIBIBYTES = 16 }; /* of memory, of each process */
 
 /* Descriptors of a child: `input` for its stdin, -1: ours; `output` for its stdout, -1: /dev/null;
  * `errors` for its stderr, -1: ours. */
@@ -30,7 +33,7 @@ static void become(char *const argv[], const struct streams *streams, pid_t pare
     sigemptyset(&none);
     int output = streams->output >= 0 ? streams->output : open("/dev/null", O_WRONLY | O_CLOEXEC);
     bool good = prctl(PR_SET_PDEATHSIG, SIGTERM) == 0 && setpgid(0, 0) == 0 && output >= 0 &&
-                dup2(output, STDOUT_FILENO) >= 0 &&
+                limit_memory(TOOL_GIBIBYTES) && dup2(output, STDOUT_FILENO) >= 0 &&
                 (streams->input < 0 || dup2(streams->input, STDIN_FILENO) >= 0) &&
                 (streams->errors < 0 || dup2(streams->errors, STDERR_FILENO) >= 0) &&
                 sigprocmask(SIG_SETMASK, &none, NULL) == 0;

@@ -1,4 +1,4 @@
-/* Programs that the command line runs: the generator, gnuplot, ninja. */
+/* Programs that the command line runs: the generator, gnuplot, ninja. Each process has 16 GiB of memory. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 

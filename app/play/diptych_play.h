@@ -13,7 +13,8 @@
  *     dt_play_close(player);
  *
  * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason; for a wrong
- * spec, the text of diptych-gen with all errors. After a failed render, call only close. There is no
+ * spec, the text of diptych-gen with all errors. With NULL in place of the player it does nothing. After a
+ * failed render, call only close. There is no
  * other output and no exit. With `debug`, each message of the validation layers or of KHR_debug is a
  * DT_ERROR, too, and fails the render.
  *

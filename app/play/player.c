@@ -42,6 +42,8 @@ static bool player_fail(struct dt_player *player, const char *reason)
  * the threads of its driver. */
 static bool is_own(const struct dt_player *player, const char *verb)
 {
+    if (!player)
+        return false; /* open has told why */
     if (player->process != getpid())
         report_error(&player->console.log, "%s: another process opened this pipeline", verb);
     return player->process == getpid();
@@ -50,9 +52,16 @@ static bool is_own(const struct dt_player *player, const char *verb)
 /* The same for what after_pass cannot call. */
 static bool is_idle(const struct dt_player *player, const char *verb)
 {
-    if (player->rendering)
+    if (player && player->rendering)
         report_error(&player->console.log, "%s: a frame is being rendered", verb);
-    return !player->rendering && is_own(player, verb);
+    return player && !player->rendering && is_own(player, verb);
+}
+
+static bool is_given(const struct dt_player *player, const char *verb, const void *pointer)
+{
+    if (!pointer)
+        report_error(&player->console.log, "%s: a pointer is NULL", verb);
+    return pointer;
 }
 
 /* ---- Open and close -------------------------------------------------------------------------- */
@@ -89,7 +98,9 @@ static bool start_player(struct dt_player *player, const struct dt_play_options 
 {
     struct console *console = &player->console;
     struct setup *setup = &player->setup;
-    if (!check_size(player, setup->size) ||
+    if ((setup->set_list.count && !is_given(player, "sets", setup->set_list.items)) ||
+        (setup->inputs.count && !is_given(player, "inputs", setup->inputs.items)) ||
+        !check_size(player, setup->size) ||
         !side_read(&player->side, setup->backend, setup, &console->log) ||
         !pipeline_load(&player->pipeline, console, setup) ||
         !inputs_load(&player->pipeline, console, setup) ||
@@ -107,7 +118,7 @@ static bool start_player(struct dt_player *player, const struct dt_play_options 
 
 struct dt_player *dt_play_open(const struct dt_play_options *options)
 {
-    struct dt_player *player = calloc(1, sizeof *player);
+    struct dt_player *player = options ? calloc(1, sizeof *player) : NULL;
     if (!player)
         return NULL;
     console_attach(&player->console, &options->log);
@@ -154,11 +165,12 @@ const char *dt_play_describe(struct dt_player *player)
 
 bool dt_play_set(struct dt_player *player, const char *name, const char *value)
 {
+    if (!is_own(player, "set") || !is_given(player, "set", name) || !is_given(player, "set", value))
+        return false;
     const struct dt_param *param =
         pipeline_find_live(player->pipeline.info, "set", name, &player->console.log);
-    return param && is_own(player, "set") &&
-           live_set(player->pipeline.info, player->pipeline.live, param, value,
-                    &player->console.log);
+    return param && live_set(player->pipeline.info, player->pipeline.live, param, value,
+                             &player->console.log);
 }
 
 /* Forgets the content of inputs whose extent depends on the frame's size. */
@@ -193,9 +205,10 @@ static bool recover(struct dt_player *player)
 
 bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
 {
-    const uint32_t size[2] = {width, height}, *fixed = player->pipeline.frame_size;
+    const uint32_t size[2] = {width, height};
     if (!is_idle(player, "resize") || !check_size(player, size))
         return false;
+    const uint32_t *fixed = player->pipeline.frame_size;
     if (fixed[0] && memcmp(fixed, size, sizeof size) != 0) {
         report_error(&player->console.log, "size %ux%u: a file of `inputs` fits %ux%u alone", width,
                      height, fixed[0], fixed[1]);
@@ -261,11 +274,13 @@ static bool keep_input(struct dt_player *player, uint32_t resource, uint32_t mip
 bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, const void *data,
                    size_t size)
 {
-    const struct dt_pipeline *info = player->pipeline.info;
     struct dt_bytes bytes = {.data = (uint8_t *)data, .size = size};
     uint32_t index;
-    if (!is_idle(player, "write") ||
-        !pipeline_find(info, "write", name, &index, &player->console.log))
+    if (!is_idle(player, "write") || !is_given(player, "write", name) ||
+        !is_given(player, "write", data))
+        return false;
+    const struct dt_pipeline *info = player->pipeline.info;
+    if (!pipeline_find(info, "write", name, &index, &player->console.log))
         return false;
     const struct dt_resource *resource = &info->resources[index];
     if (!resource->input) {
@@ -304,11 +319,11 @@ bool dt_play_camera(struct dt_player *player, const float eye[3], const float ta
                     const float up[3], float fov_y)
 {
     struct scene_camera camera = {.fov_y = fov_y * (float)(M_PI / 180)};
+    if (!is_own(player, "camera") || !is_given(player, "camera", eye && target ? up : NULL))
+        return false;
     memcpy(camera.eye, eye, sizeof camera.eye);
     memcpy(camera.target, target, sizeof camera.target);
     memcpy(camera.up, up, sizeof camera.up);
-    if (!is_own(player, "camera"))
-        return false;
     if (!is_camera(&camera))
         return player_fail(player,
                            "camera: the target is away from the eye, not along up, and fov_y is "
@@ -345,11 +360,12 @@ static bool is_there(const struct dt_player *player, uint32_t index, uint32_t mi
 
 bool dt_play_read(struct dt_player *player, const char *name, uint32_t mip, struct dt_bytes *out)
 {
-    const struct dt_pipeline *info = player->pipeline.info;
     uint32_t index;
+    if (!is_own(player, "read") || !is_given(player, "read", name && out ? out : NULL))
+        return false;
     *out = (struct dt_bytes){0};
-    if (!is_own(player, "read") ||
-        !pipeline_find(info, "read", name, &index, &player->console.log) ||
+    const struct dt_pipeline *info = player->pipeline.info;
+    if (!pipeline_find(info, "read", name, &index, &player->console.log) ||
         !is_there(player, index, mip) ||
         !player->session.runtime->read(player->session.handle, index, mip, out))
         return false;
@@ -390,17 +406,17 @@ bool dt_play_render(struct dt_player *player, bool (*after)(void *user, uint32_t
 
 bool dt_play_timings(struct dt_player *player, double *pass_ms)
 {
-    return is_idle(player, "timings") &&
+    return is_idle(player, "timings") && is_given(player, "timings", pass_ms) &&
            player->session.runtime->timings(player->session.handle, pass_ms);
 }
 
 char *dt_play_undefined(struct dt_player *player)
 {
-    const struct pipeline *pipeline = &player->pipeline;
     struct undefined undefined = {0};
     struct dt_bytes bytes = {0};
     if (!is_idle(player, "undefined"))
         return NULL;
+    const struct pipeline *pipeline = &player->pipeline;
     if (!player->sanitized) {
         report_error(&player->console.log, "undefined: the player was opened without `sanitize`");
         return NULL;

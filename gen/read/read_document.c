@@ -391,11 +391,16 @@ static void apply_in_map(struct reader *reader, struct setting *setting, struct 
                          enum section section)
 {
     const struct key *key = table_find(section, setting->segment);
-    struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, setting->segment, FY_NT);
+    struct fy_node_pair *pair = yaml_pair(map, setting->segment, FY_NT);
     bool declares = key && !strcmp(key->name, "*") && section != SECTION_CONTRACTS;
     bool opens = key && key->type != KEY_LIST && key->child == SECTION_CONTRACTS;
-    if (!key || (!pair && (declares || (!opens && !is_last(setting)))))
+    bool inside = !is_last(setting) && !opens; /* what is to be there */
+    if (!key || (!pair && declares))
         report_unknown_setting(reader, setting, map, section);
+    else if (!pair && inside)
+        diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
+                   "`--set %s`: the spec has no `%s` here", setting->source->text,
+                   setting->segment);
     else if (!is_last(setting))
         apply_below(reader, setting, key,
                     pair ? fy_node_pair_value(pair) : add_value(reader, setting, map, "{}"));
@@ -419,8 +424,7 @@ static void apply_bare(struct reader *reader, struct setting *setting)
     struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
     if (params && fy_node_get_type(params) != FYNT_MAPPING)
         params = NULL;
-    bool is_param =
-        params && fy_node_mapping_lookup_pair_by_string(params, setting->segment, FY_NT);
+    bool is_param = params && yaml_pair(params, setting->segment, FY_NT);
     if (!is_param && is_scalar_key(setting->segment))
         apply_in_map(reader, setting, root, SECTION_TOP);
     else if (is_param)

@@ -52,7 +52,8 @@ const char *declared_name(struct reader *reader, struct fy_node *node, const cha
 
 static struct fy_node *map_value(struct fy_node *map, const char *key)
 {
-    return fy_node_mapping_lookup_value_by_string(map, key, FY_NT);
+    struct fy_node_pair *pair = yaml_pair(map, key, FY_NT);
+    return pair ? fy_node_pair_value(pair) : NULL;
 }
 
 /* Whether one of the passes, or of those in a repeat among them, has this name. */
@@ -87,8 +88,7 @@ static bool declares(const struct scope *scope, const char *word, size_t length)
     static const char *const sections[] = {"constants", "buffers", "images"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(sections); i++) {
         struct fy_node *map = map_value(scope->root, sections[i]);
-        if (map && fy_node_get_type(map) == FYNT_MAPPING &&
-            fy_node_mapping_lookup_pair_by_string(map, word, length))
+        if (map && fy_node_get_type(map) == FYNT_MAPPING && yaml_pair(map, word, length))
             return true;
     }
     return list_declares(map_value(scope->root, "passes"), word, length);
@@ -340,7 +340,7 @@ struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_
 
 struct fy_node *node_remove(struct fy_node *map, const char *key)
 {
-    struct fy_node_pair *pair = fy_node_mapping_lookup_pair_by_string(map, key, FY_NT);
+    struct fy_node_pair *pair = yaml_pair(map, key, FY_NT);
     return pair ? fy_node_mapping_remove_by_key(map, fy_node_pair_key(pair)) : NULL;
 }
 
@@ -514,8 +514,7 @@ static void bind_arguments(struct use *use, struct scope *scope, struct fy_node 
             diag_error(reader->diag, node_loc(reader, item), "an argument must be a name");
             continue;
         }
-        struct fy_node_pair *own =
-            with ? fy_node_mapping_lookup_pair_by_string(with, name, FY_NT) : NULL;
+        struct fy_node_pair *own = with ? yaml_pair(with, name, FY_NT) : NULL;
         struct fy_node *value = own ? fy_node_pair_value(own) : NULL;
         const char *text = node_text(reader, value);
         if (value && (!text || !*text))

@@ -39,8 +39,8 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
     const struct document *at = &reader->spec;
     do {
         struct fy_node *root = fy_document_root(at->yaml), *item;
-        struct fy_node *value = fy_node_mapping_lookup_value_by_string(root, section, FY_NT);
-        struct fy_node_pair *pair;
+        struct fy_node_pair *pair = yaml_pair(root, section, FY_NT);
+        struct fy_node *value = pair ? fy_node_pair_value(pair) : NULL;
         void *iterator = NULL;
         if (value && !first)
             first = root;

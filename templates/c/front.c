@@ -448,9 +448,14 @@ static bool make(struct dt_core *core, const struct made *before, const struct d
     return good && (!core->backend->compile_programs || core->backend->compile_programs(core));
 }
 
+bool dt_front_given(const struct dt_core *core, const void *pointer, const char *what)
+{
+    return core && (pointer || dt_error(core, "%s is NULL; give one", what));
+}
+
 bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from)
 {
-    return (from != core && from->shaders) ||
+    return (from && from != core && from->shaders) ||
            dt_error(core, "create_from: the other runtime has no pipeline; create it there first");
 }
 
@@ -468,7 +473,8 @@ bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel)
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
                      const struct dt_core *from)
 {
-    if (!dt_front_takes(core, shaders->panel))
+    if (!dt_front_given(core, shaders, "create: the struct dt_shaders") ||
+        !dt_front_takes(core, shaders->panel))
         return false;
     const struct dt_pipeline *pipeline = shaders->panel->pipeline;
     if (strcmp(shaders->backend, core->backend->name) != 0)
@@ -1156,6 +1162,8 @@ bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
         return dt_error(core,
                         "timings: none of a whole frame; open with timing and %s all passes first",
                         core->hosted ? "record" : "render");
+    if (!dt_front_given(core, pass_ms, "timings: the array of milliseconds"))
+        return false;
     if (age >= core->recorded)
         return dt_error(core,
                         "timings: none of the frame %u before the last; record more frames, up to "
@@ -1271,7 +1279,8 @@ bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
                    const struct dt_bytes *bytes)
 {
     struct dt_bytes own = {0};
-    if (!dt_front_find(core, "write", resource, mip, &own) ||
+    if (!dt_front_given(core, bytes, "write: the struct dt_bytes") ||
+        !dt_front_find(core, "write", resource, mip, &own) ||
         (core->hosted && !is_sized(core, "write")))
         return false;
     const struct dt_resource *to = &core->pipeline->resources[resource];
@@ -1286,7 +1295,8 @@ bool dt_front_fits(const struct dt_core *core, uint32_t resource, uint32_t mip,
                         "%ux%ux%u; give these",
                         to->name, bytes->size, given[0], given[1], given[2], own.size,
                         own.extent[0], own.extent[1], own.extent[2]);
-    return check_depth(core, to, bytes);
+    return dt_front_given(core, bytes->data, "write: `data` of the struct dt_bytes") &&
+           check_depth(core, to, bytes);
 }
 
 bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)

@@ -146,6 +146,9 @@ const uint32_t *dt_front_words(const struct dt_code *code, uint32_t **own);
 
 /* Whether the pipeline is of a version that the library takes; if not, logs it. */
 bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel);
+/* Whether a host has given a pointer; else logs an error that calls it `what`. core NULL: false, since the host
+ * has gone on after an open that failed. */
+bool dt_front_given(const struct dt_core *core, const void *pointer, const char *what);
 /* `from`: a core with the same shaders, whose programs are shared; NULL: none. */
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
                      const struct dt_core *from);

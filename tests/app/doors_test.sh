@@ -157,11 +157,12 @@ for file in glob.glob("templates/report/*.html"):
 }
 check "pages run their own scripts alone" policy_holds
 
-# ---- Replays --------------------------------------------------------------------------------------------------------
+# ---- Limits and replays --------------------------------------------------------------------------------------------------
 
 # A Vulkan driver tells what the process that loads it may do; a shader could do no more.
 "$diptych" compare "${grey[@]}" --fault vk:paint:bit --bisect "$work/case" >/dev/null 2>&1
 mkdir "$work/driver" "$work/home"
+machine=$(($(getconf _PHYS_PAGES) * $(getconf PAGESIZE) >> 30)) # GiB of memory
 echo secret >"$work/home/secret"
 cat >"$work/driver/spy.c" <<'END'
 #include <net/if.h>
@@ -198,7 +199,7 @@ spied() { # text option...: replays with that driver
 if bwrap --unshare-all --ro-bind / / --proc /proc --dev /dev true 2>/dev/null; then
     check "a replay sees no files, no variables, no network, and writes nothing" \
         spied "file no, variable no, written no, networks [01]$"
-    check "... and has limits of memory and time" grep -q "^limits: 16 GiB, 1800 s$" "$work/said"
+    check "... and has limits of memory and time" grep -q "^limits: $((machine < 16 ? machine : 16)) GiB, 1800 s$" "$work/said"
     # shellcheck disable=SC2016
     check "... but as JSON what it found" \
         bash -c '"$1" replay "$2/case" --backend gl --json "$2/replay.json" && grep -q as_expected "$2/replay.json"' - "$diptych" "$work"
@@ -206,6 +207,21 @@ else
     skip "a replay is confined" "bubblewrap makes no sandbox here"
 fi
 check "--trust lets it" spied "file yes, variable yes, written yes" --trust
+check "... within the same limits" grep -q "^limits: $((machine < 16 ? machine : 16)) GiB, 1800 s$" "$work/said"
+# shellcheck disable=SC2317
+has_machine() { # a process that renders
+    VK_DRIVER_FILES="$work/driver/spy.json" "$diptych" render "${grey[@]}" --backend vk -o "$work/a.png" 2>&1 | tee "$work/said"
+    grep -q "^limits: $machine GiB, " "$work/said"
+}
+check "a render may take the memory of the machine" has_machine
+# shellcheck disable=SC2317
+tool_has_limit() { # the program that runs passes of a dump
+    printf '#!/bin/sh\nulimit -d >"%s/limit"\n' "$work" >"$work/tool.sh" && chmod +x "$work/tool.sh"
+    "$diptych" render "${grey[@]}" --set level=0.7 --backend vk --dump "$work/brighter"
+    "$diptych" compare "$work/dump" "$work/brighter" --run "$work/tool.sh"
+    [ "$(cat "$work/limit")" -le $((16 << 20)) ]
+}
+check "a tool has a limit of memory" tool_has_limit
 # shellcheck disable=SC2317
 warns_without() { # without bwrap in PATH
     mkdir -p "$work/bin" && ln -sf "$(command -v env)" "$work/bin/env"
@@ -213,13 +229,65 @@ warns_without() { # without bwrap in PATH
 }
 check "without bubblewrap it warns" warns_without
 
+# ---- Models ---------------------------------------------------------------------------------------------------------
+
+mkdir -p "$work/models/ship" "$work/models/shared"
+cp tests/specs/outside_grade.png "$work/models/shared/t.png"
+cp tests/specs/outside_grade.png "$work/t.png"
+cp tests/specs/outside_grade.png "$work/models/ship/t.png"
+printf 'newmtl m\nKd 1 0 0\n' >"$work/m.mtl"
+ln -s ../../t.png "$work/models/ship/link.png"
+scene() { # folder mesh: a scene file
+    local light='{kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}'
+    printf 'mesh: %s\ncamera: {eye: [0, 0, 5], target: [0, 0, 0], fov_y: 40}\nlight: %s\n' "$2" "$light" >"$work/models/$1/scene.yaml"
+    show=("$diptych" render "${grey[@]}" --backend vk -o "$work/a.png" --scene "$work/models/$1/scene.yaml")
+}
+obj() { # library texture: a model that names them
+    printf 'newmtl m\nmap_Kd %s\n' "$2" >"$work/models/ship/m.mtl"
+    printf 'mtllib %s\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl m\nf 1 2 3\n' "$1" >"$work/models/ship/m.obj"
+}
+gltf() { # buffer image
+    printf '{"asset": {"version": "2.0"}, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "buffers": [{"byteLength": 36, "uri": "%s"}],
+"meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}], "bufferViews": [{"buffer": 0, "byteLength": 36}],
+"accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}], "textures": [{"source": 0}],
+"materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}], "images": [{"uri": "%s"}]}' "$1" "$2" >"$work/models/ship/m.gltf"
+}
+/usr/bin/python3 -c 'import struct, sys
+open(sys.argv[1], "wb").write(struct.pack("<9f", 0, 0, 0, 1, 0, 0, 0, 1, 0))' "$work/models/ship/m.bin"
+outside="names this file, which is outside the folders of the mesh and of the scene file"
+scene ship m.obj
+obj m.mtl t.png
+check "a model names files beside it" "${show[@]}"
+obj ../../m.mtl t.png
+check "... no materials outside its folder" refuses "$outside" "${show[@]}"
+for name in /etc/passwd ../../t.png ../shared/t.png link.png; do
+    obj m.mtl "$name"
+    check "... and not the picture $name" refuses "$outside" "${show[@]}"
+done
+scene . ship/m.obj
+obj m.mtl ../shared/t.png
+check "... unless the scene file's folder has it" "${show[@]}"
+scene ship m.gltf
+gltf m.bin t.png
+check "glTF" "${show[@]}"
+for name in /etc/passwd file:///etc/passwd ../../../../../../../../etc/passwd %2e%2e/%2E%2E/t.png link.png; do
+    gltf "$name" t.png
+    check "... and not the buffer $name" refuses "$outside" "${show[@]}"
+    gltf m.bin "$name"
+    check "... and not the picture $name" refuses "$outside" "${show[@]}"
+done
+
 # ---- Overlays -------------------------------------------------------------------------------------------------------
 
 overlay=("$diptych" list "${grey[@]:0:2}" --with "$work/tuned.yaml")
-for path in passes.paint.limit passes.paint.shader images.radiance.format include; do
+for path in passes.paint.limit passes.paint.shader images.radiance.format include pipeline doc origin exactness params.level.max; do
     printf -- '# tuned\n- %s=%s\n' "$path" "$work/evil.c" >"$work/tuned.yaml"
     check "an overlay sets no $path" refuses "tuned.yaml:2:3: error: an overlay sets parameters" "${overlay[@]}"
 done
 printf -- '- level=0.5\n- passes.paint.local=[16,8]\n' >"$work/tuned.yaml"
 check "... but parameters and workgroups" "${overlay[@]}"
+printf -- '- params.level.value=0.5\n- params.level=0.4\n' >"$work/tuned.yaml"
+check "... by their paths, too" "${overlay[@]}"
+printf -- '- level=0.5\n\0- level=7\n' >"$work/tuned.yaml"
+check "an overlay is text to its end" refuses "it has a byte of zero" "${overlay[@]}"
 finish

@@ -86,9 +86,9 @@ def png(name, size):
 
 
 scene("early_map", "map_Kd a.png\n")
-scene("zero_map", "newmtl m\nmap_Kd /dev/zero\n")
+scene("pipe_map", "newmtl m\nmap_Kd pipe\n")
 scene("huge_map", "newmtl m\nmap_Kd huge.png\n")
-scene("zero_mtl", "", "mtllib /dev/zero\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+scene("pipe_mtl", "", "mtllib pipe\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
 png("huge.png", 30000)
 # Each node has the next one twice: 2 to the 24th nodes.
 NODE = '<node id="n{0}"><instance_node url="#n{1}"/><instance_node url="#n{1}"/></node>'

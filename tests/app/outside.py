@@ -23,23 +23,24 @@ def write_png(path, width, height, texel, before=()):
         out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunks + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
-def write_exr(path, width, height, texel, corner=(0, 0), display=None):
-    """Three channels of float, not compressed; the data window begins at the corner. display: left, top, right, bottom."""
+def write_exr(path, width, height, texel, corner=(0, 0), display=None, names=("R", "G", "B")):
+    """Channels of float, not compressed; the data window begins at the corner. display: left, top, right, bottom. names: of the numbers
+    of a texel."""
     def attribute(name, kind, data):
         return name + b"\0" + kind + b"\0" + struct.pack("<i", len(data)) + data
 
     x, y = corner
     box = struct.pack("<4i", x, y, x + width - 1, y + height - 1)
-    channels = b"".join(n + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for n in (b"B", b"G", b"R")) + b"\0"
+    channels = b"".join(n + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for n in sorted(name.encode() for name in names)) + b"\0"
     head = b"\x76\x2f\x31\x01\x02\0\0\0" + attribute(b"channels", b"chlist", channels)
     head += attribute(b"compression", b"compression", b"\0") + attribute(b"dataWindow", b"box2i", box)
     head += attribute(b"displayWindow", b"box2i", struct.pack("<4i", *display) if display else box) + attribute(b"lineOrder", b"lineOrder", b"\0")
     head += attribute(b"pixelAspectRatio", b"float", struct.pack("<f", 1))
     head += attribute(b"screenWindowCenter", b"v2f", struct.pack("<2f", 0, 0))
     head += attribute(b"screenWindowWidth", b"float", struct.pack("<f", 1)) + b"\0"
-    size = 12 * width
+    size = 4 * len(names) * width
     lines = b"".join(
-        struct.pack("<ii", y + row, size) + b"".join(struct.pack("<f", texel(i, row)[c]) for c in (2, 1, 0) for i in range(width))
+        struct.pack("<ii", y + row, size) + b"".join(struct.pack("<f", texel(i, row)[c]) for c in sorted(range(len(names)), key=names.__getitem__) for i in range(width))
         for row in range(height)
     )
     first = len(head) + 8 * height
@@ -262,8 +263,15 @@ def make_pictures(folder):
     write_hdr(folder + "/runs.hdr", 2, 1, lambda x, y: (1, 1, 1, 3) if x else (64, 64, 64, 129))
     # texels (2, 1) to (5, 2) of 4x4: half of the data lies beyond
     write_exr(folder + "/window.exr", 4, 2, lambda x, y: CROP if x < 2 else (9, 9, 9), corner=(12, 21), display=(10, 20, 13, 23))
+    for name, names in (("flow", "RG"), ("layer", ("a.R", "a.G", "a.B")), ("passes", ("AO", "ID", "Z")), ("luma", ("Y", "RY", "BY")),
+                        ("eyes", ("left.R", "left.G", "left.B", "right.R"))):
+        write_exr(folder + "/%s.exr" % name, 1, 1, lambda x, y: (2, 0.5, 0.25, 9), names=names)
+    write_hdr(folder + "/line.hdr", 4, 1, lambda x, y: (64, 64, 64, 129), b"#" * 255 + b"\n")
     with open(folder + "/ramp.jpg", "rb") as file:
         ramp = file.read()
+    frame = ramp.index(b"\xff\xc0") + 9 # the number of components
+    with open(folder + "/inks.jpg", "wb") as out:
+        out.write(ramp[:frame] + b"\4" + ramp[frame + 1:])
     segment = b"ICC_PROFILE\0\1\1" + profile("Adobe RGB (1998)")
     with open(folder + "/adobe.jpg", "wb") as out:
         out.write(ramp[:2] + b"\xff\xe2" + struct.pack(">H", len(segment) + 2) + segment + ramp[2:])
@@ -274,6 +282,10 @@ def make_pictures(folder):
 def check_greys(folder):
     """Codes over 255, as they stand in the file."""
     expect(Dump(folder).numbers("copied"), [v for grey in GREYS for v in [grey / 255] * 3 + [1]], 1e-6, "greys")
+
+
+def check_flow(folder):
+    expect(Dump(folder).numbers("copied"), [2, 0.5, 0, 1], 0, "two channels")
 
 
 def check_window(folder):
@@ -318,5 +330,5 @@ def make(folder):
         out.write(file.read()[:60])
 
 
-COMMANDS = {"make": make, "pictures": make_pictures, "greys": check_greys, "window": check_window, "dump": check_dump, "mips": check_mips, "formats": check_formats}
+COMMANDS = {"make": make, "pictures": make_pictures, "greys": check_greys, "window": check_window, "flow": check_flow, "dump": check_dump, "mips": check_mips, "formats": check_formats}
 COMMANDS[sys.argv[1]](*sys.argv[2:])

@@ -105,9 +105,14 @@ check "... which may be 1" says as_light once.hdr ""
 check "light where the spec promises codes" says as_codes once.hdr "linear; its numbers are taken as sRGB codes"
 check "an OpenEXR of a part of its window" says as_light window.exr ""
 check "... is zero in the rest" /usr/bin/python3 "$root/tests/app/outside.py" window said
+check "two channels of an OpenEXR" says as_light flow.exr ""
+check "... are red and green" /usr/bin/python3 "$root/tests/app/outside.py" flow said
+check "a layer, if it is the only one" says as_light layer.exr ""
+check "an HDR with a long line" says as_light line.hdr ""
 # shellcheck disable=SC2016
 for wrong in 'bottom.hdr:its rows and columns are `+Y 1 +X 4`' "runs.hdr:it has run lengths of Radiance's first version" \
-    "half.jpg:it ends in the middle"; do
+    "half.jpg:it ends in the middle" "inks.jpg:its colours are CMYK" "passes.exr:its channels are " \
+    "luma.exr:its channels are " "eyes.exr:its channels are "; do
     check "${wrong%%:*} is refused" told 1 "${wrong#*:}" "$diptych" render --spec as_is.yaml --input "picture=${wrong%%:*}" --backend gl --dump large
 done
 

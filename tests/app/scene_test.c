@@ -326,6 +326,20 @@ static void material_libraries_are_found(void **state)
     assert_no_mesh("l.obj", "k.mtl: UTF-16 text");
 }
 
+static void vertex_colours_are_told_once(void **state)
+{
+    (void)state;
+    struct scene scene;
+    struct heard heard = {{0}, ""};
+    put("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\n"
+                 "g a\nf 1 2 3\ng b\nf 1 2 4\n");
+    put("v.yaml", "mesh: v.obj\n" CAMERA SUN);
+    load(&scene, at("v.yaml"), &heard);
+    assert_non_null(strstr(heard.text, "v.obj: vertex colours are not supported"));
+    assert_int_equal(heard.count[DT_WARNING], 1);
+    scene_free(&scene);
+}
+
 static void refused_models_are_named(void **state)
 {
     (void)state;
@@ -1233,6 +1247,7 @@ int main(void)
         cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
         cmocka_unit_test(wrong_indices_have_a_line),
         cmocka_unit_test(material_libraries_are_found),
+        cmocka_unit_test(vertex_colours_are_told_once),
         cmocka_unit_test(refused_models_are_named),
         cmocka_unit_test(gltf_nodes_are_flattened),
         cmocka_unit_test(gltf_brings_camera_and_light),

@@ -213,6 +213,54 @@ check "... takes another size" see large.ppm size=180x84 shown
 xdotool key Escape
 check "... and ends by Esc" ends 0
 
+# An edit keeps the history of what has the same layout, and so does another size; another format is another layout.
+cat >remember.yaml <<'END'
+pipeline: remember
+images:
+  mark: {format: rgba8, size: [4, 4], history: true}
+  picture: {format: rgba8, size: frame}
+passes:
+  - {name: remember, dispatch: mark, updates: [mark], shader: remember.glsl}
+  - {name: show, dispatch: picture, reads: [mark], writes: [picture], shader: remember_show.glsl}
+output: {display: picture}
+END
+cat >remember.glsl <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, mark_size())))
+        mark_store(p, vec4(1.0));
+}
+END
+cat >remember_show.glsl <<'END'
+void main()
+{
+    ivec2 p = invocation().xy;
+    if (all(lessThan(p, picture_size())))
+        picture_store(p, mark(ivec2(0)) * vec4(float(p.x & 1), 1.0, 0.0, 1.0));
+}
+END
+for backend in gl vk; do
+    echo 'hidden: 1' >config/diptych/view.yaml
+    "$diptych" view --spec remember.yaml --backend $backend --size 60x40 --window 60x40 >view.out 2>view.err &
+    window=$!
+    check "$backend: a window with a history" see marked.ppm shown size=60x40
+    cp remember.glsl kept.glsl
+    sed -i 's/mark_store(p, vec4(1.0))/mark_store(p, mark(p))/' remember.glsl # writes no mark of its own
+    check "... which an edit keeps" says "reloaded in"
+    sed -i 's/1.0, 0.0, 1.0/0.5, 0.5, 1.0/' remember_show.glsl
+    check "... and another" see kept.ppm shown not=marked.ppm size=60x40 still
+    xdotool search --name diptych windowsize --sync 90 50
+    check "... and another size" see larger.ppm shown size=90x50 still
+    sed -i '/mark:/s/rgba8/rgba16f/' remember.yaml
+    check "... but not another format" see lost.ppm black
+    xdotool key Escape
+    check "... up to its end" ends 0
+    cp kept.glsl remember.glsl
+    sed -i '/mark:/s/rgba16f/rgba8/' remember.yaml
+    sed -i 's/0.5, 0.5, 1.0/1.0, 0.0, 1.0/' remember_show.glsl
+done
+
 # From here on, any pipeline would do: one that opens sooner.
 small=(--scene "$scene" --spec "$work/templates/rsm.yaml" --set rsm_size=64)
 "$diptych" render "${small[@]}" --backend vk --set bounces=0 --size 240x180 -o saved.png

@@ -1,5 +1,6 @@
 """Compares diptych.py with the command line and with known numbers. Called by python_test.sh, with the folder of the build in
 DIPTYCH_BUILD."""
+import ctypes
 import json
 import os
 import re
@@ -491,6 +492,20 @@ def test_little_memory_ends_no_host(tmp_path, megabytes):
         pytest.skip("glibc ends a process that has no memory for a thread")
     assert done.returncode == 0, done.stderr
     assert "out of memory" in done.stdout
+
+
+@pytest.mark.parametrize("verb, arguments", [
+    ("set", (None, b"1")), ("set", (b"white", None)), ("write", (None, 0, b"1234", 4)), ("write", (b"photo", 0, None, 4)),
+    ("read", (None, 0, ctypes.byref(ctypes.create_string_buffer(64)))), ("read", (b"picture", 0, None)), ("camera", (None, None, None)),
+    ("timings", (None,)), ("compare", (None,)), ("describe", ()), ("render", (None, None)), ("resize", (0, 0)), ("undefined", ())])
+def test_null_is_refused(negative, verb, arguments):
+    library = ctypes.CDLL(diptych._library._name)  # types of arguments are not checked
+    function = getattr(library, "dt_play_" + verb)
+    assert not library.dt_play_open(None) and not function(None, *arguments) & 0xff
+    if None in arguments and verb not in ("render", "compare"):
+        with open_negative(negative) as pipeline:
+            with pytest.raises(diptych.Error, match=f"{verb}: a pointer is NULL"):
+                pipeline._check(function(ctypes.c_void_p(pipeline._player), *arguments) & 0xff)
 
 
 def test_python_keeps_its_signals(negative):

@@ -1,0 +1,227 @@
+/* Every function of the headers of renderers with NULL for every pointer: hosts go on after an open that failed,
+ * and forget arguments. Without a runtime there is no log; with one, the error names what is missing. */
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+
+#include "runtime_gl/diptych_gl.h"
+#include "diptych_scene.h"
+#include "runtime_vk/diptych_vk.h"
+#include "outside.h"
+
+extern const struct dt_shaders bloom_vk;
+
+/* ---- The log --------------------------------------------------------------------------------- */
+
+static struct heard {
+    unsigned errors;
+    char text[512]; /* the last error */
+} heard;
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    if (level != DT_ERROR)
+        return;
+    heard.errors++;
+    snprintf(heard.text, sizeof heard.text, "%s", message);
+}
+
+static const struct dt_log test_log = {.message = hear};
+
+#define REFUSED(call, words)                                                                       \
+    do {                                                                                           \
+        heard = (struct heard){0};                                                                 \
+        assert_false(call);                                                                        \
+        assert_int_equal(heard.errors, 1);                                                         \
+        if (!strstr(heard.text, words))                                                            \
+            fail_msg("\"%s\" lacks \"%s\"", heard.text, words);                                    \
+    } while (0)
+
+/* ---- Nothing at all -------------------------------------------------------------------------- */
+
+static void nothing_for_vulkan(void **state)
+{
+    (void)state;
+    VkPhysicalDeviceFeatures core = {0};
+    VkImageCreateInfo image;
+    VkBufferCreateInfo buffer;
+    assert_false(dt_vk_suits(NULL, NULL) || dt_vk_suits(NULL, &outside_vk));
+    dt_vk_need_features(NULL, NULL, NULL, NULL, NULL);
+    dt_vk_need_features(&outside_vk, &core, NULL, NULL, NULL);
+    dt_vk_need_features(NULL, &core, NULL, NULL, NULL);
+    assert_null(dt_vk_open(NULL));
+    dt_vk_close(NULL);
+    assert_false(dt_vk_import_scene(NULL, NULL) || dt_vk_create(NULL, NULL));
+    assert_false(dt_vk_create(NULL, &outside_vk) || dt_vk_create_from(NULL, NULL));
+    assert_false(dt_vk_describe(NULL, 0, 8, 8, NULL) || dt_vk_describe(NULL, 0, 8, 8, &image));
+    assert_false(dt_vk_describe(&outside_vk, OUTSIDE_RESOURCE_PICTURE, 8, 8, NULL));
+    assert_false(dt_vk_describe_buffer(NULL, 0, 8, 8, NULL));
+    assert_false(dt_vk_describe_buffer(NULL, 0, 8, 8, &buffer));
+    assert_false(dt_vk_describe_buffer(&outside_vk, OUTSIDE_RESOURCE_KERNEL, 8, 8, NULL));
+    assert_false(dt_vk_import_image(NULL, 0, NULL) || dt_vk_import_buffer(NULL, 0, NULL));
+    assert_false(dt_vk_exchange(NULL, 0, 0) || dt_vk_add_image_usage(NULL, 0, 0));
+    assert_false(dt_vk_add_buffer_usage(NULL, 0, 0) || dt_vk_resize(NULL, 0, 0));
+    assert_false(dt_vk_write(NULL, NULL, 0, 0, NULL) || dt_vk_record(NULL, NULL, NULL, NULL));
+    dt_vk_narrow(NULL, NULL);
+    dt_vk_narrow(NULL, &(struct dt_vk_sync){0});
+    assert_false(dt_vk_record_passes(NULL, NULL, NULL, NULL, 0, 0));
+    assert_false(dt_vk_get_resource(NULL, 0, NULL) || dt_vk_timings(NULL, 0, NULL));
+}
+
+static void nothing_for_opengl(void **state)
+{
+    (void)state;
+    struct dt_gl_resource resource;
+    struct dt_bytes bytes;
+    assert_null(dt_gl_open(NULL));
+    dt_gl_close(NULL);
+    assert_false(dt_gl_import_scene(NULL, NULL) || dt_gl_create(NULL, NULL));
+    assert_false(dt_gl_create(NULL, &outside_gl) || dt_gl_create_from(NULL, NULL));
+    assert_false(dt_gl_import_image(NULL, 0, 0) || dt_gl_import_buffer(NULL, 0, NULL));
+    assert_false(dt_gl_resize(NULL, 0, 0) || dt_gl_write(NULL, 0, 0, NULL));
+    assert_false(dt_gl_record(NULL, NULL, NULL) || dt_gl_record_passes(NULL, NULL, NULL, 0, 0));
+    assert_false(dt_gl_get_resource(NULL, 0, NULL) || dt_gl_get_resource(NULL, 0, &resource));
+    assert_false(dt_gl_get_cache(NULL, NULL) || dt_gl_get_cache(NULL, &bytes));
+    assert_false(dt_gl_timings(NULL, 0, NULL));
+}
+
+static void nothing_for_scenes(void **state)
+{
+    (void)state;
+    const struct dt_scene_camera camera = {.target = {0, 0, -1}, .up = {0, 1, 0}, .fov_y = 1};
+    const struct dt_scene_light light = {.direction = {0, -1, 0}};
+    const struct dt_scene_extent extent = {.high = {1, 1, 1}, .radius = 1};
+    static const struct dt_frame none;
+    struct dt_frame frame;
+    assert_null(dt_scene_open(NULL, NULL, NULL));
+    assert_null(dt_scene_open("nowhere.yaml", NULL, NULL));
+    REFUSED(dt_scene_open(NULL, NULL, &test_log), "the path of a scene is NULL");
+    dt_scene_close(NULL);
+    assert_null(dt_scene_data(NULL));
+    dt_scene_look(NULL, NULL);
+    dt_scene_look(NULL, &camera);
+    dt_scene_frame(NULL, 8, 8, NULL);
+    dt_scene_compose(NULL, NULL, NULL, 8, 8, NULL);
+    dt_scene_compose(&camera, &light, &extent, 8, 8, NULL);
+    for (int i = 0; i < 4; i++) { /* a frame that record refuses */
+        memset(&frame, 1, sizeof frame);
+        if (i < 3)
+            dt_scene_compose(i == 0 ? NULL : &camera, i == 1 ? NULL : &light,
+                             i == 2 ? NULL : &extent, 8, 8, &frame);
+        else
+            dt_scene_frame(NULL, 8, 8, &frame);
+        assert_memory_equal(&frame.camera, &none.camera, sizeof none.camera);
+    }
+    assert_int_equal(dt_number_triangles(NULL, 0, 0, NULL, NULL), 0);
+}
+
+/* ---- A runtime, and nothing else ------------------------------------------------------------- */
+
+static const struct dt_bytes weights = {.size = 32, .extent = {2, 1, 1}}; /* without data */
+
+static void opengl_names_what_is_missing(void **state)
+{
+    (void)state;
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
+                                 EGL_NONE};
+    EGLDisplay display =
+        eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    assert_true(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API));
+    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    assert_true(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context));
+    REFUSED(dt_gl_open(&(struct dt_gl_host){.log = test_log}), "get_proc_address");
+    struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
+        .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true});
+    assert_non_null(rt);
+    const uint32_t kernel = OUTSIDE_RESOURCE_KERNEL;
+    REFUSED(dt_gl_import_scene(rt, NULL), "import_scene: the struct dt_gl_scene is NULL");
+    REFUSED(dt_gl_create(rt, NULL), "create: the struct dt_shaders is NULL");
+    REFUSED(dt_gl_create_from(rt, NULL), "create_from: the other runtime has no pipeline");
+    REFUSED(dt_gl_import_buffer(rt, kernel, NULL), "import_buffer: the struct dt_gl_range is NULL");
+    REFUSED(dt_gl_get_resource(rt, 0, NULL), "resource: the struct dt_gl_resource is NULL");
+    REFUSED(dt_gl_get_cache(rt, NULL), "get_cache: the struct dt_bytes is NULL");
+    REFUSED(dt_gl_write(rt, kernel, 0, NULL), "write: the struct dt_bytes is NULL");
+    assert_true(dt_gl_create(rt, &outside_gl) && dt_gl_resize(rt, 16, 8));
+    REFUSED(dt_gl_write(rt, OUTSIDE_RESOURCE_WEIGHTS, 0, &weights),
+            "`data` of the struct dt_bytes");
+    REFUSED(dt_gl_record(rt, NULL, NULL), "record: ");
+    dt_gl_close(rt);
+    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglTerminate(display);
+}
+
+static void vulkan_names_what_is_missing(void **state)
+{
+    (void)state;
+    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                           .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo instance = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                           .pApplicationInfo = &application};
+    VkPhysicalDeviceVulkan13Features vulkan13 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features vulkan12 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
+    VkPhysicalDeviceVulkan11Features vulkan11 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
+    VkPhysicalDeviceFeatures core = {0};
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &(float){1}};
+    const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                       .pNext = &vulkan11,
+                                       .queueCreateInfoCount = 1,
+                                       .pQueueCreateInfos = &queue,
+                                       .pEnabledFeatures = &core};
+    struct dt_vk_host host = {.log = test_log, .get_instance_proc_addr = vkGetInstanceProcAddr};
+    uint32_t count = 1;
+    REFUSED(dt_vk_open(&host), "struct dt_vk_host: instance, ");
+    assert_int_equal(vkCreateInstance(&instance, NULL, &host.instance), VK_SUCCESS);
+    assert_true(vkEnumeratePhysicalDevices(host.instance, &count, &host.physical_device) >= 0);
+    REFUSED(dt_vk_suits(&host, NULL), "suits: the struct dt_shaders is NULL");
+    dt_vk_need_features(&outside_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    dt_vk_need_features(&bloom_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    assert_int_equal(vkCreateDevice(host.physical_device, &device, NULL, &host.device), VK_SUCCESS);
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    assert_non_null(rt);
+    const uint32_t kernel = OUTSIDE_RESOURCE_KERNEL, picture = OUTSIDE_RESOURCE_PICTURE;
+    REFUSED(dt_vk_import_scene(rt, NULL), "import_scene: the struct dt_vk_scene is NULL");
+    REFUSED(dt_vk_create(rt, NULL), "create: the struct dt_shaders is NULL");
+    REFUSED(dt_vk_create_from(rt, NULL), "create_from: the other runtime has no pipeline");
+    REFUSED(dt_vk_import_image(rt, picture, NULL), "import_image: the struct dt_vk_image is NULL");
+    REFUSED(dt_vk_import_buffer(rt, kernel, NULL), "import_buffer: the struct dt_vk_range is NULL");
+    REFUSED(dt_vk_get_resource(rt, 0, NULL), "resource: the struct dt_vk_resource is NULL");
+    REFUSED(dt_vk_write(rt, NULL, kernel, 0, NULL), "write: the struct dt_bytes is NULL");
+    dt_vk_narrow(rt, NULL);
+    assert_true(dt_vk_create(rt, &outside_vk) && dt_vk_resize(rt, 16, 8));
+    REFUSED(dt_vk_write(rt, NULL, OUTSIDE_RESOURCE_WEIGHTS, 0, &weights),
+            "`data` of the struct dt_bytes");
+    REFUSED(dt_vk_record(rt, NULL, NULL, NULL), "record: ");
+    assert_true(dt_vk_create(rt, &bloom_vk) && dt_vk_resize(rt, 16, 8)); /* without inputs */
+    const struct dt_frame frame = {0};                                   /* and without scene */
+    REFUSED(dt_vk_record(rt, NULL, &frame, NULL), "record: the command buffer is NULL");
+    dt_vk_close(rt);
+    vkDestroyDevice(host.device, NULL);
+    vkDestroyInstance(host.instance, NULL);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(nothing_for_vulkan),
+        cmocka_unit_test(nothing_for_opengl),
+        cmocka_unit_test(nothing_for_scenes),
+        cmocka_unit_test(opengl_names_what_is_missing),
+        cmocka_unit_test(vulkan_names_what_is_missing),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
