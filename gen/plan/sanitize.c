@@ -51,19 +51,21 @@ uint32_t sanitize_add(const struct model *model, const struct pass *pass,
                       const struct sanitize_site *site)
 {
     struct sanitize_sites *sites = model->sites;
-    uint32_t index = 0;
+    uint32_t index = 0, all = 1 + site->more;
     pthread_mutex_lock(&sites->lock);
-    if (sites->count == sites->room) {
+    if (sites->count + all > sites->room) {
         uint32_t room = sites->room * 2 + 256;
         struct sanitize_site *list = realloc(sites->list, room * sizeof *list);
         sites->failed |= !list;
         sites->list = list ? list : sites->list;
         sites->room = list ? room : sites->room;
     }
-    if (sites->count < sites->room) {
-        index = sites->count++;
-        sites->list[index] = *site;
-        sites->list[index].pass = pass;
+    if (sites->count + all <= sites->room) {
+        index = sites->count;
+        for (uint32_t i = 0; i < all; i++) {
+            sites->list[sites->count] = *site;
+            sites->list[sites->count++].pass = pass;
+        }
     }
     pthread_mutex_unlock(&sites->lock);
     return index;
@@ -158,12 +160,14 @@ static const char *behind_index(const char *at)
     return at;
 }
 
-enum find { FIND_ANY, FIND_READ, FIND_WRITTEN };
+enum find { FIND_ANY, FIND_READ, FIND_WRITTEN, FIND_CALLED };
 
-/* Whether a name stands here to be read, or to be assigned: it is not declared. */
+/* Whether a name stands here to be read, or to be assigned: it is not declared; or a function to be called. */
 static bool is_used(const char *line, const char *at, size_t length, enum find how)
 {
     const char *before = at, *after = at + length;
+    if (how == FIND_CALLED)
+        return !text_is_word(*at) || after[strspn(after, " \t")] == '(';
     while (before > line && (before[-1] == ' ' || before[-1] == '\t'))
         before--;
     after -= at[length - 1] == '[';
@@ -231,16 +235,25 @@ static void place_site(const struct model *model, const struct sanitize_site *si
     char indexed[72];
     snprintf(indexed, sizeof indexed, "%s[", word);
     enum find how = site->pairs ? FIND_WRITTEN : FIND_READ;
-    bool memory = *site->text == '@';
+    bool memory = site->kind & (SANITIZE_CONTENT | SANITIZE_RACE);
     if (memory || !strncmp(site->text, "index", 5))
         report->column = find_column(line, indexed, site->nth, how);
     if (!report->column && (memory || strstr(site->text, " is read ")))
         report->column = find_column(line, word, site->nth, how);
-    if (!report->column)
-        report->column = find_column(line, word, site->nth, FIND_ANY);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
-        if (!strcmp(other_words[i][0], word))
-            report->column = find_column(line, other_words[i][1], site->nth, false);
+    const char *const ends[] = {"texture", "image"}; /* the author's own call, like texelFetch() */
+    for (size_t i = 0; i < DT_ARRAY_COUNT(ends) && !report->column && !site->word; i++) {
+        snprintf(indexed, sizeof indexed, "%s_%s", word, ends[i]);
+        report->column = find_column(line, indexed, site->nth, FIND_ANY);
+    }
+    bool loop = !strcmp(word, "loop");
+    for (enum find call = loop ? FIND_ANY : FIND_CALLED; !report->column; call = FIND_ANY) {
+        report->column = find_column(line, word, site->nth, call);
+        for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
+            if (!strcmp(other_words[i][0], word))
+                report->column = find_column(line, other_words[i][1], site->nth, call);
+        if (call == FIND_ANY)
+            break;
+    }
     if (!report->column)
         report->column = 1 + (int)strspn(line, " \t");
 }

@@ -22,6 +22,7 @@ struct sanitize_site {
     const struct pass *pass; /* set by sanitize.c */
     unsigned kind;           /* enum sanitize_kind */
     uint32_t file, line;     /* by OpLine; file 0: generated text */
+    uint32_t more;           /* sites of equal content behind it */
     const char *word;        /* of the operation in the line; lives as long as the text below */
     uint32_t nth;            /* operation of this word in the line, from 0 */
     /* the message; @0i is value 0 as an int, @4u value 4 as a uint, @1f value 1 as a float, @0e a texel or
@@ -39,9 +40,13 @@ enum {
     SANITIZE_WORDS = SANITIZE_HEAD + SANITIZE_RECORDS * SANITIZE_RECORD
 };
 
+/* Findings that an invocation of a pass keeps: in this many rooms, and one for each kind that the pass allows. */
+enum { SANITIZE_FREE_ROOMS = 4, SANITIZE_ROOMS = 16 };
+
 struct sanitize_sites;                    /* of a model; shared by the threads that compile */
 bool sanitize_begin(struct model *model); /* false: out of memory */
 void sanitize_end(struct model *model);
+/* Returns the index of the first; with `more`, the others follow it. */
 uint32_t sanitize_add(const struct model *model, const struct pass *pass,
                       const struct sanitize_site *site);
 bool sanitize_failed(const struct model *model); /* out of memory while sites were added */

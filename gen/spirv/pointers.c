@@ -1,6 +1,7 @@
 /* Where in memory the operations of a shader read and store, for content.c and race.c: the resource or `shared` variable behind a
  * pointer or image, and the word or texel in it. Words of buffers have the places of their layout; a `shared` variable has
  * none, so its scalars are numbered. */
+#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <string.h>
@@ -396,6 +397,13 @@ bool memory_image(const uint32_t *i, struct texel_use *use)
     default:
         return false;
     }
+}
+
+uint32_t memory_stored(const struct sanitizer *s, const uint32_t *i)
+{
+    bool second = spirv_is(i, SpvOpExtInst) && i[3] == s->glsl &&
+                  (i[4] == GLSLstd450Modf || i[4] == GLSLstd450Frexp);
+    return spirv_is(i, SpvOpStore) ? i[1] : second ? i[6] : 0;
 }
 
 bool memory_is_atomic(const uint32_t *instruction, bool *stores)

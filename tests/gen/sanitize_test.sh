@@ -7,11 +7,11 @@ tool() { /usr/bin/python3 "$root/tests/gen/sanitize.py" "$@"; }
 tool make "$work" || exit 1
 
 # The kinds that each table is about: checks of all kinds take the drivers' compilers several times as long.
-declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow")
-kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]}
+declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow" [wrong_draw]="")
+kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]} kinds[fine_draw]=""
 # shellcheck disable=SC2317 # called through check
 sanitized() { # table backend folder
-    "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize=${kinds[$1]}" --json "$work/found.json"
+    "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize${kinds[$1]:+=${kinds[$1]}}" --json "$work/found.json"
 }
 # shellcheck disable=SC2317 # called through check
 finds() { # table backend
@@ -32,6 +32,8 @@ for backend in gl vk@llvmpipe "${strangers[@]}"; do
     check "$backend is silent about what comes near, and changes no bit" silent fine "$backend"
     check "$backend finds unwritten content, races and diverging barriers in their line" finds wrong_memory "$backend"
     check "$backend is silent about memory that is used as it may be, and changes no bit" silent fine_memory "$backend"
+    check "$backend finds derivatives of parted quads in their line" finds wrong_draw "$backend"
+    check "$backend is silent about derivatives of whole quads, and changes no bit" silent fine_draw "$backend"
 done
 [ ${#strangers[@]} -gt 0 ] || skip "another driver finds each undefined operation in its line" "$no_strangers"
 
