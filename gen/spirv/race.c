@@ -6,27 +6,20 @@
 
 #include "sanitizer.h"
 
-static void put_access(struct sanitizer *s, const struct memory *memory, uint32_t at, uint32_t site)
+/* words: from `at` on. */
+static void put_access(struct sanitizer *s, const struct memory *memory, uint32_t at,
+                       uint32_t words, uint32_t site)
 {
     uint32_t cell = at ? memory_cell(s, memory, at) : 0;
-    struct values values = {{cell, at}, 2};
+    struct values values = {{cell, at, sanitizer_number(s, words)}, 3};
     if (!cell)
         return;
     if (site) {
         sanitizer_place(s, &values, site);
-        sanitizer_call(s, "diptych_stores(u1;u1;u1;u1;", &values);
+        sanitizer_call(s, "diptych_stores(u1;u1;u1;u1;u1;", &values);
     } else {
-        sanitizer_call(s, "diptych_loads(u1;u1;", &values);
+        sanitizer_call(s, "diptych_loads(u1;u1;u1;", &values);
     }
-}
-
-static uint32_t visit_word(struct words *words, uint32_t word, uint32_t mark)
-{
-    struct sanitizer *s = words->s;
-    bool shared = !words->memory->access;
-    (void)mark;
-    put_access(s, words->memory, shared ? word : memory_at(s, words->memory, word), words->site);
-    return 0;
 }
 
 /* Whether the dispatch stores to it: else its loads meet no store. */
@@ -63,11 +56,12 @@ static void put_race(struct sanitizer *s, const uint32_t *i)
         (memory.access && memory.access->resource->kind == DT_IMAGE && !texel))
         return;
     uint32_t site = stores ? add_site(s, &memory) : 0;
-    struct words words = {.s = s, .memory = &memory, .visit = visit_word, .site = site};
-    if (texel)
-        put_access(s, &memory, memory_texel(s, &memory, use.place, use.lod), site);
-    else
-        memory_visit(&words, pointer, 0);
+    if (texel) {
+        put_access(s, &memory, memory_texel(s, &memory, use.place, use.lod), 1, site);
+        return;
+    }
+    uint32_t words, word = memory_range(s, &memory, pointer, &words);
+    put_access(s, &memory, memory.access ? memory_at(s, &memory, word) : word, words, site);
 }
 
 bool race_is_barrier(const struct spirv *from, const uint32_t *i)

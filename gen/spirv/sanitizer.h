@@ -73,6 +73,9 @@ struct words {
 };
 /* mark: of the value that is stored, 0: none. Returns that of all words, 0 where no visitor returned one. */
 uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark);
+/* The first word of what a pointer leads to, and how many follow each other from there. */
+uint32_t memory_range(struct sanitizer *s, const struct memory *memory, uint32_t pointer,
+                      uint32_t *words);
 /* The index of a texel in its image, by diptych_at_B(); 0: it is not followed. */
 uint32_t memory_texel(struct sanitizer *s, const struct memory *memory, uint32_t place,
                       uint32_t lod);

@@ -69,7 +69,8 @@ uint diptych_place_of(const uint invocation)
 uint diptych_meets(const uint access, const uint me)
 {
     uint other = access & diptych_last;
-    bool apart = any(bvec2((other - 1u) / diptych_local != (me - 1u) / diptych_local, access >> 22 == (diptych_epoch & 1023u)));
+    bool foreign = other - 1u - diptych_group() * diptych_local >= diptych_local; /* of another workgroup */
+    bool apart = any(bvec2(foreign, access >> 22 == (diptych_epoch & 1023u)));
     return mix(diptych_last, other, all(bvec3(access != 0u, other != me, apart)));
 }
 
@@ -92,27 +93,34 @@ void diptych_tell_race(const uint cell, const uint other, const uint me, const u
     diptych_raced.times = times;
 }
 
-void diptych_stores(const uint cell, const uint at, const uint site, const uint what)
+/* words: that follow each other, of one value. */
+void diptych_stores(const uint first_cell, const uint at, const uint words, const uint site, const uint what)
 {
     uint me = diptych_invocation(), epoch = diptych_epoch << 22;
-    if (!all(bvec2(cell != diptych_none_at, me < diptych_last))@single@)
+    if (!all(bvec2(first_cell != diptych_none_at, me < diptych_last))@single@)
         return;
-    atomicMax(diptych_cells[cell + 4u], diptych_upside_down(epoch | (site + 1u)));
-    atomicMax(diptych_cells[cell + 5u], diptych_upside_down(epoch | ((what >> 4) + 1u)));
-    uint before = diptych_upside_down(atomicMax(diptych_cells[cell + 1u], diptych_upside_down(epoch | me)));
-    uint first = diptych_upside_down(diptych_cells[cell + 2u]), last = diptych_cells[cell + 3u];
-    diptych_tell_race(cell, min(diptych_meets(before, me), min(diptych_meets(first, me), diptych_meets(last, me))), me, at);
+    for (uint k = 0u; k < words; k++) {
+        uint cell = first_cell + 6u * k;
+        atomicMax(diptych_cells[cell + 4u], diptych_upside_down(epoch | (site + 1u)));
+        atomicMax(diptych_cells[cell + 5u], diptych_upside_down(epoch | ((what >> 4) + 1u)));
+        uint before = diptych_upside_down(atomicMax(diptych_cells[cell + 1u], diptych_upside_down(epoch | me)));
+        uint first = diptych_upside_down(diptych_cells[cell + 2u]), last = diptych_cells[cell + 3u];
+        diptych_tell_race(cell, min(diptych_meets(before, me), min(diptych_meets(first, me), diptych_meets(last, me))), me, at + k);
+    }
 }
 
 /* A load, or an atomic operation. */
-void diptych_loads(const uint cell, const uint at)
+void diptych_loads(const uint first_cell, const uint at, const uint words)
 {
     uint me = diptych_invocation(), access = diptych_epoch << 22 | me;
-    if (!all(bvec2(cell != diptych_none_at, me < diptych_last))@single@)
+    if (!all(bvec2(first_cell != diptych_none_at, me < diptych_last))@single@)
         return;
-    atomicMax(diptych_cells[cell + 2u], diptych_upside_down(access));
-    atomicMax(diptych_cells[cell + 3u], access);
-    diptych_tell_race(cell, diptych_meets(diptych_upside_down(diptych_cells[cell + 1u]), me), me, at);
+    for (uint k = 0u; k < words; k++) {
+        uint cell = first_cell + 6u * k;
+        atomicMax(diptych_cells[cell + 2u], diptych_upside_down(access));
+        atomicMax(diptych_cells[cell + 3u], access);
+        diptych_tell_race(cell, diptych_meets(diptych_upside_down(diptych_cells[cell + 1u]), me), me, at + k);
+    }
 }
 
 /* ---- Control flow ---------------------------------------------------------------------------- */
