@@ -172,6 +172,8 @@ WRONG_MEMORY = [
     ("stack_store(ivec3(1), uvec4(i));", "stack_store", "texel (1, 1, 1) of `stack` is also touched by invocation (1, 0, 0)", 0),
     ("cell.weight = 1.0; r = 1.0;", "cell", "`cell` is also touched by invocation (1, 0, 0)", 0, "shared Cell cell;\n"),
     ("if (l == 7) stack_store(ivec3(1), uvec4(i));", "stack_store", "texel (1, 1, 1) of `stack` is also touched by invocation (39, 0, 0)", 7),
+    ("if (i == 7) stack_store(ivec3(3, 2, 1), uvec4(i)); barrier(); if (i == 39) stack_store(ivec3(3, 2, 1), uvec4(i));", "stack_store",
+     "texel (3, 2, 1) of `stack` is also touched by invocation (39, 0, 0)", 7, "", 2),
     ("stack_atomicAdd(ivec3(2, 0, 0), 1u); if (i == 40) stack_store(ivec3(2, 0, 0), uvec4(0));", "stack_store",
      "texel (2, 0, 0) of `stack` is also touched by invocation (40, 0, 0)", 0),
     ("modf(x, result[0]); r = 1.0;", "result", "element 0 of `out_", 0),
