@@ -126,7 +126,7 @@ rooms() { # backend
     [ $? = 1 ] || return
     cat "$work/found" "$work/told"
     # shellcheck disable=SC2016
-    [ "$(grep -c undefined: "$work/found")" = 1 ] && grep -qF 'rooms.glsl:5:43: undefined: `u` is read before it has a value' "$work/found" &&
+    [ "$(grep -c undefined: "$work/found")" = 1 ] && grep -qF 'rooms.glsl:5:48: undefined: `u` is read before it has a value' "$work/found" &&
         [ "$(grep -c 'silenced nothing' "$work/told")" = 1 ] && grep -qF '`allow: loop` of the pass `look` has silenced nothing' "$work/told"
 }
 for backend in gl vk@llvmpipe; do
@@ -151,6 +151,45 @@ replayed() {
     jq -e '.undefined == []' "$work/replay.json"
 }
 check "replay has them, too" replayed
+
+# A reduction without one of its barriers, and an atomic that became a store: found by every run, for every number of threads.
+cat >"$work/seeded.yaml" <<'END'
+pipeline: seeded
+buffers: {sums: {of: uint, count: 16}, total: {of: uint, count: 1}}
+passes:
+  - {name: clear, dispatch: 1, local: 1, writes: [total], shader: seeded_clear.glsl}
+  - {name: reduce, dispatch: 1024, local: 64, updates: [total], writes: [sums], shader: seeded.glsl}
+END
+echo 'void main() { total[0] = 0u; }' >"$work/seeded_clear.glsl"
+cat >"$work/seeded.glsl" <<'END'
+shared uint part[64];
+void main()
+{
+    int l = invocation().x % 64;
+    part[l] = 1u;
+    barrier();
+    for (int k = 32; k > 0; k /= 2)
+        if (l < k) part[l] += part[l + k];
+    barrier();
+    if (l == 0) sums[invocation().x / 64] = part[0];
+    if (l == 0) total[0] = total[0] + part[0];
+}
+END
+# shellcheck disable=SC2317
+seeded() { # threads
+    for _ in 1 2 3; do
+        LP_NUM_THREADS=$1 "$diptych" render --spec "$work/seeded.yaml" --size 8x8 --backend vk@llvmpipe --dump "$work/seeded" --sanitize=race >"$work/found"
+        [ $? = 1 ] || return
+        cat "$work/found"
+        # shellcheck disable=SC2016
+        [ "$(grep -c undefined: "$work/found")" = 2 ] &&
+            grep -qF 'seeded.glsl:8:20: undefined: element 1 of `part` is also touched by invocation (1, 0, 0), and no barrier' "$work/found" &&
+            grep -qF 'seeded.glsl:11:17: undefined: element 0 of `total` is also touched by invocation (64, 0, 0), and no barrier' "$work/found" || return
+    done
+}
+for threads in 0 1 2 8; do
+    check "seeded races are found in every run with $threads threads" seeded "$threads"
+done
 
 mkdir "$work/mutants"
 cd "$root" || exit
