@@ -9,7 +9,7 @@ struct cJSON;
 
 struct undefined {
     struct dt_finding *list; /* in the order of their places; owned */
-    uint32_t *sides;              /* of each: mask of the sides that found it; owned */
+    uint32_t *sides;         /* of each: mask of the sides that found it; owned */
     uint32_t count;
 };
 
