@@ -112,7 +112,7 @@ done
 put_output $examples/play.py sed -n '/^```python/,/^```$/ { /^```/d; p }' templates/README.md
 put_output share/doc/diptych/reference.md build/diptych-gen --reference
 
-for header in templates/c/diptych.h templates/c/formats.def templates/c/types.def templates/c/panel.h templates/c/device_limits.h runtime_gl/diptych_gl.h \
+for header in templates/c/diptych.h templates/c/formats.def templates/c/types.def templates/c/panel.h templates/c/diptych_reports.h templates/c/device_limits.h runtime_gl/diptych_gl.h \
     runtime_vk/diptych_vk.h scenes/diptych_scene.h app/play/diptych_play.h templates/c/diptych_tap.h templates/c/diptych_tap_gl.h \
     templates/c/diptych_tap_vk.h; do
     put 644 $header "include/diptych/$(basename $header)"

@@ -12,6 +12,7 @@
 #include "base/installed.h"
 #include "base/limit.h"
 #include "load.h"
+#include "model/sanitize_kinds.h"
 #include "print/output.h"
 #include "print/print.h"
 #include "spirv/compile.h"
@@ -27,7 +28,7 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 
 struct options {
     const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
-        *variations, *seed, *memory, *with;
+        *variations, *seed, *memory, *with, *sanitize;
     struct text_list sets;
     char *with_text;
     bool check, prove, needs, names, glsl, schema, reference, help, version;
@@ -51,6 +52,12 @@ static const struct option_row option_rows[] = {
         "keep names and sources in the SPIR-V of generated C, for debuggers such as RenderDoc"),
     ROW("--glsl", OPTION_FLAG, glsl, NULL,
         "also put OpenGL's GLSL into generated C, for hosts that set `glsl`"),
+    ROW("--sanitize", OPTION_WORDS, sanitize, "KINDS",
+        "generated shaders look for undefined behaviour, and NAME_report() logs what they found, "
+        "in "
+        "file and line; --sanitize=KINDS: some of index, arithmetic, loop, variable, content, "
+        "race, "
+        "flow"),
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
     ROW("--prove", OPTION_FLAG, prove, NULL,
         "check only, and prove that the pipeline is exact: an error for each operation and input "
@@ -322,6 +329,13 @@ static enum status generate(struct generation *g)
                                    .prove = options->prove,
                                    .text = options->out != NULL,
                                    .cache = options->cache};
+    const char *end = NULL;
+    request.sanitize = options->sanitize ? sanitize_kinds(options->sanitize, &end) : 0;
+    if (options->sanitize && !request.sanitize) {
+        fprintf(stderr, "diptych-gen: error: --sanitize: unknown kind \"%s\"; there are %s\n", end,
+                sanitize_names);
+        return STATUS_FAILED;
+    }
     if (!limit_memory(SPEC_GIBIBYTES) || !watchdog_start((unsigned)seconds)) {
         fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;

@@ -11,18 +11,18 @@
 #include "console/console.h"
 #include "gen/plan/sanitize.h"
 
-static bool is_same_report(const struct sanitize_report *a, const struct sanitize_report *b)
+static bool is_same(const struct dt_finding *a, const struct dt_finding *b)
 {
-    return strcmp(a->file, b->file) == 0 && a->line == b->line && a->column == b->column &&
-           strcmp(a->pass, b->pass) == 0 && strcmp(a->text, b->text) == 0;
+    return strcmp(a->place->file, b->place->file) == 0 && a->place->line == b->place->line &&
+           a->place->column == b->place->column && strcmp(a->what->pass, b->what->pass) == 0 &&
+           strcmp(a->text, b->text) == 0;
 }
 
-static void add_report(struct undefined *undefined, const struct sanitize_report *report,
-                       uint32_t side)
+static void add_report(struct undefined *undefined, const struct dt_finding *report, uint32_t side)
 {
     uint32_t bit = 1u << (side & 31);
     for (uint32_t i = 0; i < undefined->count; i++)
-        if (is_same_report(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
+        if (is_same(&undefined->list[i], report) && !(undefined->sides[i] & bit)) {
             undefined->sides[i] |= bit;
             return;
         }
@@ -33,11 +33,11 @@ static void add_report(struct undefined *undefined, const struct sanitize_report
 bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline, uint32_t side,
                    const struct dt_bytes *bytes, const struct dt_log *log)
 {
-    struct sanitize_report *found = NULL;
+    struct dt_finding *found = NULL;
     uint32_t count = 0;
     bool good = plan_undefined(pipeline->plan, bytes->data, bytes->size, &found, &count);
     size_t most = undefined->count + count + 1;
-    struct sanitize_report *list = good ? realloc(undefined->list, most * sizeof *list) : NULL;
+    struct dt_finding *list = good ? realloc(undefined->list, most * sizeof *list) : NULL;
     undefined->list = list ? list : undefined->list;
     uint32_t *sides = list ? realloc(undefined->sides, most * sizeof *sides) : NULL;
     undefined->sides = sides ? sides : undefined->sides;
@@ -80,9 +80,10 @@ void undefined_text(const struct undefined *undefined, struct text *text)
 {
     text_add(text, "%s", "");
     for (uint32_t i = 0; i < undefined->count; i++) {
-        const struct sanitize_report *report = &undefined->list[i];
-        text_add(text, "%s:%d:%d: undefined: %s; pass %s, %u times\n", report->file, report->line,
-                 report->column, report->text, report->pass, report->count);
+        const struct dt_finding *report = &undefined->list[i];
+        text_add(text, "%s:%d:%d: undefined: %s; pass %s, %u times\n", report->place->file,
+                 report->place->line, report->place->column, report->text, report->what->pass,
+                 report->count);
     }
 }
 
@@ -90,10 +91,11 @@ void undefined_print(const struct undefined *undefined, const char *const *label
                      uint32_t side_count)
 {
     for (uint32_t i = 0; i < undefined->count; i++) {
-        const struct sanitize_report *report = &undefined->list[i];
-        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ", typed(report->file),
-               report->line, report->column, report->text, report->pass, report->invocation[0],
-               report->invocation[1], report->invocation[2]);
+        const struct dt_finding *report = &undefined->list[i];
+        printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ",
+               typed(report->place->file), report->place->line, report->place->column, report->text,
+               report->what->pass, report->invocation[0], report->invocation[1],
+               report->invocation[2]);
         print_count(report->count);
         printf(" time%s; first in frame %u", report->count == 1 ? "" : "s", report->frame);
         const char *between = "; ";
@@ -120,14 +122,14 @@ cJSON *undefined_json(const struct undefined *undefined, const char *const *labe
 {
     cJSON *list = cJSON_CreateArray();
     for (uint32_t i = 0; i < undefined->count; i++) {
-        const struct sanitize_report *report = &undefined->list[i];
+        const struct dt_finding *report = &undefined->list[i];
         cJSON *item = cJSON_CreateObject(), *invocation = cJSON_CreateArray();
-        cJSON_AddStringToObject(item, "file", report->file);
-        cJSON_AddNumberToObject(item, "line", report->line);
-        cJSON_AddNumberToObject(item, "column", report->column);
-        cJSON_AddStringToObject(item, "kind", report->kind);
+        cJSON_AddStringToObject(item, "file", report->place->file);
+        cJSON_AddNumberToObject(item, "line", report->place->line);
+        cJSON_AddNumberToObject(item, "column", report->place->column);
+        cJSON_AddStringToObject(item, "kind", report->what->kind);
         cJSON_AddStringToObject(item, "message", report->text);
-        cJSON_AddStringToObject(item, "pass", report->pass);
+        cJSON_AddStringToObject(item, "pass", report->what->pass);
         for (int axis = 0; axis < 3; axis++)
             cJSON_AddItemToArray(invocation, cJSON_CreateNumber(report->invocation[axis]));
         cJSON_AddItemToObject(item, "invocation", invocation);

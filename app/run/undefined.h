@@ -8,8 +8,8 @@
 struct cJSON;
 
 struct undefined {
-    struct sanitize_report *list; /* in the order of their places; owned */
-    uint32_t *sides;              /* of each: mask of the sides that found it; owned */
+    struct dt_finding *list; /* in the order of their places; owned */
+    uint32_t *sides;         /* of each: mask of the sides that found it; owned */
     uint32_t count;
 };
 

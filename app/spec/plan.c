@@ -236,9 +236,10 @@ uint32_t plan_reports(const struct plan *plan)
 }
 
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
-                    struct sanitize_report **reports, uint32_t *count)
+                    struct dt_finding **findings, uint32_t *count)
 {
-    return sanitize_read(&plan->spec.model, bytes, size, reports, count);
+    return sanitize_read(&plan->spec.model, &plan->spec.tables->pipeline, bytes, size, findings,
+                         count);
 }
 
 void plan_warn_idle(const struct plan *plan, struct console *console)

@@ -65,10 +65,10 @@ uint32_t plan_group(const struct plan *plan, uint32_t pass);
 /* The buffer that --sanitize adds; its index is that of no resource without it. */
 uint32_t plan_reports(const struct plan *plan);
 /* What its content tells; see sanitize_read in gen/plan/sanitize.h. */
-struct sanitize_report;
+struct dt_finding;
 void plan_warn_idle(const struct plan *plan, struct console *console); /* sanitize_warn_idle */
 bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
-                    struct sanitize_report **reports, uint32_t *count);
+                    struct dt_finding **findings, uint32_t *count);
 
 /* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);

@@ -30,8 +30,8 @@ bool glsl_uses(const struct glsl *glsl, const char *format, ...)
     if (length < 0 || (size_t)length >= sizeof word)
         return true;
     for (int part = 0; part < PART_COUNT; part++)
-        if ((part != PART_BODY || glsl->expanded || !glsl->files) && glsl->parts[part].data &&
-            find_word(glsl->parts[part].data, word))
+        if ((part != PART_BODY || glsl->expanded || !glsl->files) && part != PART_CHECKS &&
+            glsl->parts[part].data && find_word(glsl->parts[part].data, word))
             return true;
     for (uint32_t i = 0; i < glsl->shader->wanted_count; i++)
         if (!strcmp(glsl->shader->wanted[i], word))

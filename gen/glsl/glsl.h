@@ -26,6 +26,7 @@ enum glsl_part {
     PART_FUNCTIONS, /* accessors, samplers, metrics, interleaves */
     PART_CACHES,    /* shared memory of ranges */
     PART_VALUES,    /* of a whole shader: functions that give its uniforms their values */
+    PART_CHECKS,    /* --sanitize: library files, which use no declaration of other parts */
     PART_END,       /* diptych_end(): what runs behind the body's main */
     PART_DEFINES,   /* the pass's `defines`, and names that the body has of its own */
     PART_BODY,

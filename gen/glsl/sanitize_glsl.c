@@ -57,7 +57,7 @@ bool sanitize_library(struct glsl *glsl, const char *name, const char *const *wo
     struct model *model = glsl->model;
     const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
     const struct source *source = path ? glsl_source(model, path) : NULL;
-    struct text *out = &glsl->parts[PART_END];
+    struct text *out = &glsl->parts[PART_CHECKS];
     if (!source) {
         diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
                    path ? path : name);
@@ -77,7 +77,23 @@ bool sanitize_glsl(struct glsl *glsl)
 {
     if (!glsl->model->sanitize)
         return true;
-    const char *const words[] = {"@layout@", sanitize_layout(glsl, sanitize_buffer), NULL};
-    text_add(&glsl->parts[PART_END], "%s", place_function(glsl));
-    return words[1] && sanitize_library(glsl, "sanitize", words) && shadow_glsl(glsl);
+    uint32_t rooms = SANITIZE_FREE_ROOMS + glsl->pass->allow_count;
+    struct text nothing = {0};
+    for (uint32_t i = 0; i < rooms; i++)
+        text_add(&nothing, "%sDiptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u)", i ? ", " : "");
+    const char *const words[] = {"@layout@",  sanitize_layout(glsl, sanitize_buffer),
+                                 "@rooms@",   arena_printf(glsl->model->arena, "%u", rooms),
+                                 "@nothing@", nothing.failed ? NULL : nothing.data,
+                                 NULL};
+    text_add(&glsl->parts[PART_END],
+             "%suint diptych_now()\n{\n    return frame.index + 1u;\n}\n\nuint "
+             "diptych_frame_size()\n{\n    return "
+             "frame.width | frame.height << 16;\n}\n\n",
+             place_function(glsl));
+    bool good = words[1] && words[3] && words[5] && sanitize_library(glsl, "sanitize", words) &&
+                shadow_glsl(glsl);
+    if (glsl->model->sanitize & SANITIZE_FLOW && glsl->stage == STAGE_IS_FRAGMENT)
+        good = good && sanitize_library(glsl, "quads", &(const char *const){NULL});
+    text_free(&nothing);
+    return good;
 }

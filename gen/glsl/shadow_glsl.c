@@ -41,8 +41,9 @@ static void add_index(const struct access *access, struct text *out)
     bool all = access->kind & DT_READ_TEXTURE && !access_sees_one_mip(access);
     text_add(out,
              "uint diptych_at_%d(const ivec3 p, const int mip)\n{\n    return diptych_texel_at(p + "
-             "ivec3(0, 0, %u), mip + %u, ivec3(",
-             access->binding, access->layer ? access->layer_value : 0, all ? 0 : access->mip_value);
+             "ivec3(0, 0, %u), mip + %u, %u, ivec3(",
+             access->binding, access->layer ? access->layer_value : 0, all ? 0 : access->mip_value,
+             mips_of(resource));
     put_side(resource->width, "int(frame.width)", out);
     text_add(out, ", ");
     put_side(resource->height, "int(frame.height)", out);
@@ -134,12 +135,12 @@ static bool add_libraries(struct glsl *glsl, bool cells)
         return false;
     if (!cells)
         return true;
-    text_add(&glsl->parts[PART_END], "const uint diptych_shared_cells = %uu;\n\n",
+    text_add(&glsl->parts[PART_CHECKS], "const uint diptych_shared_cells = %uu;\n\n",
              SHADOW_SHARED_CELLS);
     const char *const words[] = {
         "@cells@",
         sanitize_layout(glsl, shadow_cell_buffers[shadow_bank(pipeline, glsl->pass->index)]),
-        "@single@", pipeline->pass_count == 1 ? " || frame.index > 0u" : "", NULL};
+        "@single@", pipeline->pass_count == 1 ? " || diptych_now() > 1u" : "", NULL};
     return words[1] && sanitize_library(glsl, "cells", words);
 }
 

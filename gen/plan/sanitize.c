@@ -17,7 +17,8 @@ struct sanitize_sites {
     struct sanitize_site *list; /* site 0 is no place */
     uint32_t count, room;
     bool failed;
-    unsigned *silenced; /* per pass of the spec: mask of the kinds whose `allow` was of use */
+    struct dt_site *table; /* NULL: not made yet */
+    unsigned *silenced;    /* per pass of the spec: mask of the kinds whose `allow` was of use */
 };
 
 /* ---- Sites ----------------------------------------------------------------------------------- */
@@ -51,19 +52,21 @@ uint32_t sanitize_add(const struct model *model, const struct pass *pass,
                       const struct sanitize_site *site)
 {
     struct sanitize_sites *sites = model->sites;
-    uint32_t index = 0;
+    uint32_t index = 0, all = 1 + site->more;
     pthread_mutex_lock(&sites->lock);
-    if (sites->count == sites->room) {
+    if (sites->count + all > sites->room) {
         uint32_t room = sites->room * 2 + 256;
         struct sanitize_site *list = realloc(sites->list, room * sizeof *list);
         sites->failed |= !list;
         sites->list = list ? list : sites->list;
         sites->room = list ? room : sites->room;
     }
-    if (sites->count < sites->room) {
-        index = sites->count++;
-        sites->list[index] = *site;
-        sites->list[index].pass = pass;
+    if (sites->count + all <= sites->room) {
+        index = sites->count;
+        for (uint32_t i = 0; i < all; i++) {
+            sites->list[sites->count] = *site;
+            sites->list[sites->count++].pass = pass;
+        }
     }
     pthread_mutex_unlock(&sites->lock);
     return index;
@@ -122,7 +125,7 @@ bool sanitize_count(struct model *model, struct diag *diag)
     struct resource *reports = pipeline->resources;
     while (strcmp(reports->name, sanitize_buffer) != 0)
         reports++;
-    const char *count = arena_printf(model->arena, "%u", model->sites->count * SANITIZE_WORDS);
+    const char *count = arena_printf(model->arena, "%u", model->sites->count * DT_SITE_WORDS);
     reports->count = count ? expr_parse(model, count, pipeline->loc, NULL, diag) : NULL;
     return reports->count && expr_resolve(reports->count, pipeline, diag);
 }
@@ -158,12 +161,14 @@ static const char *behind_index(const char *at)
     return at;
 }
 
-enum find { FIND_ANY, FIND_READ, FIND_WRITTEN };
+enum find { FIND_ANY, FIND_READ, FIND_WRITTEN, FIND_CALLED };
 
-/* Whether a name stands here to be read, or to be assigned: it is not declared. */
+/* Whether a name stands here to be read, or to be assigned: it is not declared; or a function to be called. */
 static bool is_used(const char *line, const char *at, size_t length, enum find how)
 {
     const char *before = at, *after = at + length;
+    if (how == FIND_CALLED)
+        return !text_is_word(*at) || after[strspn(after, " \t")] == '(';
     while (before > line && (before[-1] == ' ' || before[-1] == '\t'))
         before--;
     after -= at[length - 1] == '[';
@@ -216,7 +221,7 @@ static const char *const other_words[][2] = {
     {"int", "ivec4"}, {"uint", "uvec2"}, {"uint", "uvec3"}, {"uint", "uvec4"}};
 
 static void place_site(const struct model *model, const struct sanitize_site *site,
-                       struct sanitize_report *report)
+                       struct dt_site *report)
 {
     report->file = site->pass ? site->pass->shader_loc.source->path : "";
     if (!site->file || site->file > model->glsl_source_count) {
@@ -231,147 +236,98 @@ static void place_site(const struct model *model, const struct sanitize_site *si
     char indexed[72];
     snprintf(indexed, sizeof indexed, "%s[", word);
     enum find how = site->pairs ? FIND_WRITTEN : FIND_READ;
-    bool memory = *site->text == '@';
+    bool memory = site->kind & (SANITIZE_CONTENT | SANITIZE_RACE);
     if (memory || !strncmp(site->text, "index", 5))
         report->column = find_column(line, indexed, site->nth, how);
     if (!report->column && (memory || strstr(site->text, " is read ")))
         report->column = find_column(line, word, site->nth, how);
-    if (!report->column)
-        report->column = find_column(line, word, site->nth, FIND_ANY);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
-        if (!strcmp(other_words[i][0], word))
-            report->column = find_column(line, other_words[i][1], site->nth, false);
+    const char *const ends[] = {"texture", "image"}; /* the author's own call, like texelFetch() */
+    for (size_t i = 0; i < DT_ARRAY_COUNT(ends) && !report->column && !site->word; i++) {
+        snprintf(indexed, sizeof indexed, "%s_%s", word, ends[i]);
+        report->column = find_column(line, indexed, site->nth, FIND_ANY);
+    }
+    bool loop = !strcmp(word, "loop");
+    for (enum find call = loop ? FIND_ANY : FIND_CALLED; !report->column; call = FIND_ANY) {
+        report->column = find_column(line, word, site->nth, call);
+        for (size_t i = 0; i < DT_ARRAY_COUNT(other_words) && !report->column; i++)
+            if (!strcmp(other_words[i][0], word))
+                report->column = find_column(line, other_words[i][1], site->nth, call);
+        if (call == FIND_ANY)
+            break;
+    }
     if (!report->column)
         report->column = 1 + (int)strspn(line, " \t");
 }
 
-static void put_value(char letter, uint32_t bits, struct text *out)
+static bool allows(const struct pass *pass, unsigned kind)
 {
-    float number;
-    memcpy(&number, &bits, sizeof number);
-    if (letter == 'f')
-        text_add(out, "%.9g", (double)number);
-    else if (letter == 'w' || letter == 'h') /* width and height in half a word each */
-        text_add(out, "%u", letter == 'w' ? bits & 0xffff : bits >> 16);
-    else if (letter == 'i')
-        text_add(out, "%d", (int32_t)bits);
-    else
-        text_add(out, "%u", bits);
-}
-
-/* The coordinates of an invocation in a dispatch of this size. */
-static void find_invocation(uint32_t number, const uint32_t extent[2], uint32_t invocation[3])
-{
-    uint32_t width = extent[0] ? extent[0] : 1, height = extent[1] ? extent[1] : 1;
-    invocation[0] = number % width;
-    invocation[1] = number / width % height;
-    invocation[2] = (uint32_t)(number / ((uint64_t)width * height));
-}
-
-/* The value of a message at `code`: its number and letter. words: of the place in the buffer of reports. */
-static void put_code(const struct sanitize_site *site, const char *code, const uint32_t *words,
-                     const uint32_t *values, struct text *out)
-{
-    uint32_t value = values[code[0] - '0'], p[3];
-    char text[160];
-    if (code[1] == 'e') {
-        shadow_place(site, value, values[3], text, sizeof text);
-        text_add(out, "%s", text);
-    } else if (code[1] == 'p') {
-        find_invocation(value, words + 4, p);
-        text_add(out, "(%u, %u, %u)", p[0], p[1], p[2]);
-    } else {
-        put_value(code[1], value, out);
-    }
-}
-
-static bool write_finding(const struct sanitize_site *site, const uint32_t *words,
-                          const uint32_t *values, struct sanitize_report *report)
-{
-    struct text out = {0};
-    for (const char *format = site->text; *format; format++)
-        if (*format == '@' && format[1] && format[2]) {
-            put_code(site, format + 1, words, values, &out);
-            format += 2;
-        } else {
-            text_add_bytes(&out, format, 1);
-        }
-    bool good = !out.failed;
-    snprintf(report->text, sizeof report->text, "%s", good && out.data ? out.data : "");
-    text_free(&out);
-    return good;
-}
-
-/* The record of the least invocation; else, where later ones took its place, that of the least that is left. */
-static const uint32_t *find_record(const uint32_t *site)
-{
-    const uint32_t *best = site + SANITIZE_HEAD;
-    for (uint32_t i = 1; i < SANITIZE_RECORDS; i++) {
-        const uint32_t *record = site + SANITIZE_HEAD + (size_t)i * SANITIZE_RECORD;
-        best = record[0] > best[0] ? record : best;
-    }
-    return best;
-}
-
-/* Which operation the record of a place is of. */
-static const struct sanitize_site *find_site(const struct sanitize_sites *sites,
-                                             const uint32_t *words)
-{
-    const uint32_t *record = find_record(words);
-    return &sites->list[record[1] < sites->count ? record[1] : 0];
-}
-
-/* Whether the pass has an `allow` of what is told; notes that it is of use. */
-static bool is_allowed(const struct model *model, const struct sanitize_site *site)
-{
-    for (uint32_t i = 0; site->pass && i < site->pass->allow_count; i++)
-        if (site->pass->allows[i].kind == site->kind) {
-            model->sites->silenced[site->pass - model->pipeline.passes] |= site->kind;
+    for (uint32_t i = 0; pass && i < pass->allow_count; i++)
+        if (pass->allows[i].kind == kind)
             return true;
-        }
     return false;
 }
 
-static bool read_site(const struct model *model, uint32_t index, const uint32_t *words,
-                      struct sanitize_report *report)
+const struct dt_site *sanitize_table(const struct model *model, uint32_t *count)
 {
-    const struct sanitize_sites *sites = model->sites;
-    const uint32_t *record = find_record(words);
-    const struct sanitize_site *what = find_site(sites, words);
-    *report = (struct sanitize_report){.count = words[0], .frame = words[3] - 1};
-    find_invocation(what->pairs ? record[2] : ~record[0], words + 4, report->invocation);
-    report->pass = what->pass ? what->pass->name : "";
-    report->kind = what->kind ? sanitize_kind_name(what->kind) : "";
-    place_site(model, index ? &sites->list[index] : what, report);
-    return write_finding(what, words, record + 2, report);
+    struct sanitize_sites *sites = model->sites;
+    *count = sites->count;
+    if (sites->table)
+        return sites->table;
+    sites->table = arena_alloc(model->arena, (sites->count + 1) * sizeof *sites->table);
+    for (uint32_t i = 0; sites->table && i < sites->count; i++) {
+        const struct sanitize_site *site = &sites->list[i];
+        struct dt_site *to = &sites->table[i];
+        *to = (struct dt_site){.pass = site->pass ? site->pass->name : "",
+                               .kind = site->kind ? sanitize_kind_name(site->kind) : "",
+                               .text = site->text,
+                               .name = site->name,
+                               .resource = site->resource ? (int)site->resource->index : -1,
+                               .words = site->words,
+                               .first = site->first,
+                               .pairs = site->pairs,
+                               .allowed = allows(site->pass, site->kind)};
+        place_site(model, site, to);
+    }
+    return sites->table;
 }
 
 static int by_place(const void *left, const void *right)
 {
-    const struct sanitize_report *a = left, *b = right;
-    int order = strcmp(a->file, b->file);
-    order = order ? order : a->line - b->line;
-    order = order ? order : a->column - b->column;
-    order = order ? order : strcmp(a->pass, b->pass);
+    const struct dt_finding *a = left, *b = right;
+    int order = strcmp(a->place->file, b->place->file);
+    order = order ? order : a->place->line - b->place->line;
+    order = order ? order : a->place->column - b->place->column;
+    order = order ? order : strcmp(a->what->pass, b->what->pass);
     return order ? order : strcmp(a->text, b->text);
 }
 
-bool sanitize_read(const struct model *model, const void *bytes, uint64_t size,
-                   struct sanitize_report **reports, uint32_t *count)
+/* Notes that an `allow` is of use. */
+static void silence(const struct model *model, const struct dt_finding *finding,
+                    const struct dt_site *table)
 {
-    const uint32_t *words = bytes;
-    uint32_t sites = (uint32_t)(size / (SANITIZE_WORDS * sizeof *words));
-    bool good = true;
+    const struct sanitize_site *what = &model->sites->list[finding->what - table];
+    model->sites->silenced[what->pass - model->pipeline.passes] |= what->kind;
+}
+
+bool sanitize_read(const struct model *model, const struct dt_pipeline *pipeline, const void *bytes,
+                   uint64_t size, struct dt_finding **findings, uint32_t *count)
+{
+    uint32_t site_count, most = (uint32_t)(size / (DT_SITE_WORDS * sizeof(uint32_t)));
+    const struct dt_site *table = sanitize_table(model, &site_count);
     *count = 0;
-    *reports = calloc(sites + 1, sizeof **reports);
-    for (uint32_t i = 0; *reports && i < sites && i < model->sites->count; i++)
-        if (words[(size_t)i * SANITIZE_WORDS] &&
-            !is_allowed(model, find_site(model->sites, words + (size_t)i * SANITIZE_WORDS)))
-            good &=
-                read_site(model, i, words + (size_t)i * SANITIZE_WORDS, &(*reports)[(*count)++]);
-    if (*reports)
-        qsort(*reports, *count, sizeof **reports, by_place);
-    return *reports && good;
+    *findings = calloc(most + 1, sizeof **findings);
+    for (uint32_t i = 0; table && *findings && i < most && i < site_count; i++) {
+        struct dt_finding *next = &(*findings)[*count];
+        if (!dt_find_undefined(pipeline, table, site_count, bytes, i, next))
+            continue;
+        if (next->what->allowed)
+            silence(model, next, table);
+        else
+            ++*count;
+    }
+    if (*findings)
+        qsort(*findings, *count, sizeof **findings, by_place);
+    return table && *findings;
 }
 
 /* Passes of a group have one `allow` in the spec, which is of use if it is to any of them. */

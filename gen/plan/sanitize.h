@@ -8,6 +8,7 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "diptych_reports.h"
 #include "model/sanitize_kinds.h"
 
 struct access;
@@ -22,26 +23,22 @@ struct sanitize_site {
     const struct pass *pass; /* set by sanitize.c */
     unsigned kind;           /* enum sanitize_kind */
     uint32_t file, line;     /* by OpLine; file 0: generated text */
+    uint32_t more;           /* sites of equal content behind it */
     const char *word;        /* of the operation in the line; lives as long as the text below */
     uint32_t nth;            /* operation of this word in the line, from 0 */
-    /* the message; @0i is value 0 as an int, @4u value 4 as a uint, @1f value 1 as a float, @0e a texel or
-     * element by its index in the resource, @1p an invocation by its number */
+    /* as struct dt_site has them */
     char text[160], name[64];
     bool pairs;                      /* a race: value 0 is the invocation */
     const struct resource *resource; /* of @0e; NULL: a shared variable */
     uint32_t words, first;           /* shared: of an element, 0: no array; the variable's first */
 };
-/* Words of a site in the buffer, and of its records; see templates/glsl/sanitize.glsl. */
-enum {
-    SANITIZE_HEAD = 8,
-    SANITIZE_RECORDS = 16,
-    SANITIZE_RECORD = 12,
-    SANITIZE_WORDS = SANITIZE_HEAD + SANITIZE_RECORDS * SANITIZE_RECORD
-};
+/* Findings that an invocation of a pass keeps: in this many rooms, and one for each kind that the pass allows. */
+enum { SANITIZE_FREE_ROOMS = 4, SANITIZE_ROOMS = 16 };
 
 struct sanitize_sites;                    /* of a model; shared by the threads that compile */
 bool sanitize_begin(struct model *model); /* false: out of memory */
 void sanitize_end(struct model *model);
+/* Returns the index of the first; with `more`, the others follow it. */
 uint32_t sanitize_add(const struct model *model, const struct pass *pass,
                       const struct sanitize_site *site);
 bool sanitize_failed(const struct model *model); /* out of memory while sites were added */
@@ -53,17 +50,12 @@ extern const char sanitize_buffer[]; /* its name */
 /* Gives the pass access to an internal resource. */
 struct access *sanitize_access(struct pass *pass, struct resource *resource);
 
-/* What the buffer's content tells, in the order of places, without what `allow` of a pass silences. */
-struct sanitize_report {
-    const char *pass, *file, *kind;
-    int line, column;
-    uint32_t invocation[3], frame;
-    uint32_t count;
-    char text[256];
-};
-/* *reports: free(). False when out of memory. */
-bool sanitize_read(const struct model *model, const void *bytes, uint64_t size,
-                   struct sanitize_report **reports, uint32_t *count);
+/* All sites for diptych_reports.h, once all shaders are compiled; they live with the model. NULL: out of memory. */
+const struct dt_site *sanitize_table(const struct model *model, uint32_t *count);
+/* What the buffer's content tells, in the order of places, without what `allow` of a pass silences. pipeline: of the model's
+ * tables. *findings: free(); they refer to the model. False when out of memory. */
+bool sanitize_read(const struct model *model, const struct dt_pipeline *pipeline, const void *bytes,
+                   uint64_t size, struct dt_finding **findings, uint32_t *count);
 /* Warns of each `allow` that has silenced nothing in all contents so far, among the kinds that were looked for. */
 void sanitize_warn_idle(const struct model *model, struct diag *diag);
 

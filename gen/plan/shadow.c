@@ -96,16 +96,18 @@ static void add_product(struct shadow_sum *sum, uint64_t times, const struct fac
         if (expr ? expr_is_literal(expr) : !factors[i].frame) {
             times *= own;
         } else if (expr) {
-            text_add(&text, " * uint(max(");
-            expr_emit_glsl(expr, &text);
-            text_add(&text, ", 1))");
+            text_add(&text, sum->c ? " * dt_size(" : " * uint(max(");
+            (sum->c ? expr_emit_c : expr_emit_glsl)(expr, &text);
+            text_add(&text, sum->c ? ")" : ", 1))");
         } else {
-            text_add(&text, " * frame.%s", factors[i].frame == 'w' ? "width" : "height");
+            text_add(&text, " * %s%s", sum->c ? "" : "frame.",
+                     factors[i].frame == 'w' ? "width" : "height");
         }
     }
     sum->value += value;
     if (text.length)
-        text_add(&sum->text, " + %lluu%s", (unsigned long long)times, text.data);
+        text_add(&sum->text, sum->c ? " + INT64_C(%llu)%s" : " + %lluu%s",
+                 (unsigned long long)times, text.data);
     else
         sum->literal += times;
     sum->text.failed |= text.failed;
@@ -185,41 +187,29 @@ uint64_t shadow_words(const struct model *model, const struct resource *resource
     return most + 1;
 }
 
-/* ---- Messages -------------------------------------------------------------------------------- */
-
-static void texel_text(const struct resource *image, uint32_t at, uint32_t frame_size, char *text,
-                       size_t room)
+bool shadow_emit_c(const struct model *model, const struct resource *resource, struct text *out)
 {
-    uint32_t width = frame_size & 0xffff, height = frame_size >> 16, mip = 0;
-    uint32_t x = expr_value(image->width, width, height, width);
-    uint32_t y = expr_value(image->height, width, height, height);
-    uint32_t z = expr_value(image->layers, width, height, 1), mips = mips_of(image);
-    x = x ? x : 1;
-    y = y ? y : 1;
-    z = z ? z : 1;
-    for (; mip + 1 < mips && at >= x * y * z; mip++) {
-        at -= x * y * z;
-        x = x > 1 ? x / 2 : 1;
-        y = y > 1 ? y / 2 : 1;
-        z = image->shape == DT_SHAPE_3D && z > 1 ? z / 2 : z;
+    const struct pipeline *pipeline = &model->pipeline;
+    struct shadow_sum sum = {.c = true};
+    if (!resource->internal || !(model->sanitize & SANITIZE_SHADOW) || resource->count)
+        return false;
+    bool all = !strcmp(resource->name, shadow_buffer);
+    if (all)
+        shadow_add_all(&sum, pipeline, NULL);
+    else
+        sum.literal = BARRIER_WORDS + CELL_WORDS * SHADOW_SHARED_CELLS;
+    text_add(out, "%llu%s", (unsigned long long)sum.literal + 1,
+             sum.text.data ? sum.text.data : "");
+    for (uint32_t i = 0; i < pipeline->pass_count && !all; i++) { /* more than the most of them */
+        struct shadow_sum own = {.c = true};
+        shadow_add_cells(&own, pipeline, &pipeline->passes[i], NULL);
+        if (own.literal || own.text.data)
+            text_add(out, " + %d * (%llu%s)", CELL_WORDS, (unsigned long long)own.literal,
+                     own.text.data ? own.text.data : "");
+        out->failed |= own.text.failed;
+        text_free(&own.text);
     }
-    int length = snprintf(text, room, "texel (%u, %u", at % x, at / x % y);
-    if (image->layers)
-        length += snprintf(text + length, room - (size_t)length, ", %u", at / x / y);
-    length += snprintf(text + length, room - (size_t)length, ")");
-    if (mips > 1)
-        snprintf(text + length, room - (size_t)length, " of mip %u", mip);
-}
-
-void shadow_place(const struct sanitize_site *site, uint32_t at, uint32_t frame_size, char *text,
-                  size_t room)
-{
-    char place[96] = "";
-    if (site->resource && site->resource->kind == DT_IMAGE)
-        texel_text(site->resource, at, frame_size, place, sizeof place);
-    else if (site->resource || site->words)
-        snprintf(place, sizeof place, "element %u",
-                 (at - site->first) / (site->resource ? site->resource->stride / 4 : site->words));
-    snprintf(text, room, "%s%s`%.60s`", place, *place ? " of " : "",
-             site->resource ? site->resource->name : site->name);
+    out->failed |= sum.text.failed;
+    text_free(&sum.text);
+    return true;
 }

@@ -6,8 +6,6 @@
 #include "base/text.h"
 #include "model/source.h"
 
-struct sanitize_site;
-
 enum { SHADOW_BANKS = 3, SHADOW_SHARED_CELLS = 1 << 18 };
 /* Names of the buffers. */
 extern const char shadow_buffer[];
@@ -26,6 +24,7 @@ struct shadow_sum {
     uint32_t width, height; /* of the frame */
     uint64_t value, literal;
     struct text text;
+    bool c; /* the text is C, not GLSL */
 };
 /* Adds the words of a resource; of all that a pass stores to, before `until`; of all resources before it. NULL: of all. */
 void shadow_add_words(struct shadow_sum *sum, const struct resource *resource);
@@ -37,8 +36,7 @@ void shadow_add_all(struct shadow_sum *sum, const struct pipeline *pipeline,
 /* Words of an internal resource at a frame size; 0: its count says it. */
 uint64_t shadow_words(const struct model *model, const struct resource *resource, uint32_t width,
                       uint32_t height);
-/* Where the word or texel of a resource is: "texel (3, 0) of `name`", "element 2 of `name`". */
-void shadow_place(const struct sanitize_site *site, uint32_t at, uint32_t frame_size, char *text,
-                  size_t room);
+/* The same as an expression in C, of `width` and `height`; false: its count says it. */
+bool shadow_emit_c(const struct model *model, const struct resource *resource, struct text *out);
 
 #endif

@@ -39,4 +39,7 @@ void c_head(const struct c_output *c, const char *what);
 /* emit_pipeline.c: the reflection, the first half of NAME.c. */
 void emit_reflection(const struct c_output *c);
 
+/* emit_sites.c: nothing without --sanitize. */
+void emit_sites(const struct c_output *c);
+
 #endif

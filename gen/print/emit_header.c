@@ -379,5 +379,12 @@ void emit_header(const struct model *model, struct text *out)
     emit_block(&c);
     emit_indices(&c);
     emit_objects(&c);
+    if (model->sanitize)
+        text_add(
+            out,
+            "\n/* Logs what --sanitize has found as errors. reports: the bytes of the resource "
+            "diptych_reports, after a frame has\n * finished. Returns how many places. */\n"
+            "uint32_t %s_report(const void *reports, size_t size, const struct dt_log *log);\n",
+            model->pipeline.name);
     text_add(out, "\n#endif\n");
 }

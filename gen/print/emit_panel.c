@@ -125,9 +125,9 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     struct c_output c = {tables->model, pipeline, tables, out};
     c_head(&c, ": the panel, for all backends.");
     text_add(out,
-             "#include \"%s.h\"\n\n#include \"panel.h\"\n\n"
+             "#include \"%s.h\"\n\n#include \"panel.h\"\n%s\n"
              "/* ---- What the pipeline is made of ---- */\n\n",
-             pipeline->name);
+             pipeline->name, tables->model->sanitize ? "#include \"diptych_reports.h\"\n" : "");
     emit_reflection(&c);
     text_add(out, "/* ---- How it is stored, bound and drawn ---- */\n\n");
     emit_rows(&c, "storage", &storage_members, panel->storage, pipeline->resource_count,
@@ -149,4 +149,5 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     c_table(&c, "demands", "demand_count", panel->demand_count);
     text_add(out, "    .slot_count = %" PRIu32 ",\n    .record = record,\n};\n",
              pipeline->slot_count);
+    emit_sites(&c);
 }

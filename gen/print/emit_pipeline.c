@@ -5,6 +5,7 @@
 
 #include "emit_c.h"
 #include "lower/members.h"
+#include "plan/shadow.h"
 
 /* ---- Sizes and runs -------------------------------------------------------------------------- */
 
@@ -42,6 +43,13 @@ static void emit_cases(const struct c_output *c, uint32_t count,
 static void emit_size(const struct c_output *c, uint32_t index)
 {
     text_add(c->out, "        dt_set_extent(size");
+    struct text words = {0};
+    if (shadow_emit_c(c->model, &c->pipeline->resources[index], &words)) {
+        text_add(c->out, ", %s, 1, 1);\n        break;\n", words.data ? words.data : "");
+        c->out->failed |= words.failed;
+        text_free(&words);
+        return;
+    }
     for (int axis = 0; axis < 3; axis++) {
         text_add(c->out, ", ");
         c_expr(c->out, resource_size(&c->pipeline->resources[index], axis));

@@ -3,6 +3,7 @@
  * write every format. */
 #include <string.h>
 
+#include "model/sanitize_kinds.h"
 #include "reader.h"
 
 enum { MOST_PREVIOUS = 64, MOST_MIPS = 15 };
@@ -30,7 +31,7 @@ static void make_copy(struct reader *reader, struct pass *pass, const char *name
                           .live_binding = -1,
                           .textures_binding = -1,
                           .materials_binding = -1};
-    pass->accesses = reader_alloc(reader, 3, sizeof *pass->accesses); /* one more: sanitize.c */
+    pass->accesses = reader_alloc(reader, 2 + SANITIZE_ACCESSES, sizeof *pass->accesses);
     if (!pass->accesses)
         return;
     const struct access access = {.loc = loc, .as_loc = loc, .binding = -1, .attachment = -1};
@@ -118,7 +119,8 @@ static void keep_frames(struct reader *reader, const char *name, uint32_t frames
 {
     struct pipeline *pipeline = &reader->model->pipeline;
     uint32_t count = pipeline->resource_count;
-    struct resource *resources = reader_alloc(reader, count + frames + 1, sizeof *resources);
+    struct resource *resources =
+        reader_alloc(reader, count + frames + SANITIZE_RESOURCES, sizeof *resources);
     if (!resources)
         return;
     memcpy(resources, pipeline->resources, count * sizeof *resources);

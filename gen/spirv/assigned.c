@@ -1,8 +1,7 @@
 /* --sanitize=variable: variables that are read before they have a value. Each variable of a body has a word of bits beside it,
- * one bit per component of a vector, column of a matrix, member of a struct or element of an array, of which there are up to
- * 32: set by stores, copied where a value is only copied, and passed with a pointer to a function. A read that goes elsewhere is
- * told if a bit is missing that it uses. Parts of parts are not told apart; a store by a variable index counts for all elements,
- * and a read by one, or of a struct or array as a whole, is told where nothing was assigned. */
+ * one bit per scalar if these are up to 32, else one per part: set by stores, copied where a value is only copied, and passed with a
+ * pointer to a function. A read that goes elsewhere is told if a bit is missing that it uses. A read of a struct or array as a
+ * whole is told where nothing of it was assigned. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,7 +14,8 @@ struct assigned {     /* of an id */
     const char *name; /* of a parameter that a temporary variable is passed as */
     uint32_t uses;    /* of a loaded value */
     uint32_t target;  /* the variable that it is stored to, if that is all */
-    bool chosen;      /* it is only an operand of a choice by a condition */
+    size_t user;      /* offset of the only instruction that uses it; 0: there are others */
+    uint32_t word;    /* of that instruction */
     uint32_t parts;   /* mask of the components that are used */
 };
 
@@ -23,17 +23,6 @@ bool assigned_begin(struct sanitizer *s)
 {
     s->ids = calloc(s->from->words[3], sizeof *s->ids);
     return s->ids;
-}
-
-static uint32_t add_bits(struct sanitizer *s)
-{
-    struct spirv_edit *edit = &s->edit;
-    uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0,
-                                  (uint32_t[]){SpvStorageClassPrivate, sanitizer_uint(s)}, 2);
-    uint32_t zero = sanitizer_number(s, 0), id = edit->bound++;
-    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, id, SpvStorageClassPrivate, zero);
-    spirv_append(edit, &s->variables, &id, 1);
-    return id;
 }
 
 /* What a variable holds; NULL: it is not followed. */
@@ -57,16 +46,17 @@ static uint32_t bits_of(struct sanitizer *s, uint32_t variable)
     const char *name = spirv_name(s->from, variable);
     struct assigned *of = &s->ids[variable];
     if (!of->bits && pointee(s, variable) && !(name && !strncmp(name, "diptych_", 8)))
-        of->bits = add_bits(s);
+        of->bits = sanitizer_variable(s);
     return of->bits;
 }
 
-static void use(struct sanitizer *s, const uint32_t *i, uint32_t word)
+static void use(struct sanitizer *s, size_t at, uint32_t word)
 {
+    const uint32_t *i = s->from->words + at;
     struct assigned *of = &s->ids[i[word]];
     of->uses++;
-    of->chosen = of->uses == 1 && spirv_is(i, SpvOpSelect) && word > 3 &&
-                 spirv_is(spirv_type(s->from, i[3]), SpvOpTypeBool);
+    of->user = of->uses == 1 ? at : 0;
+    of->word = word;
     of->target =
         spirv_is(i, SpvOpStore) && word == 2 && of->uses == 1 && pointee(s, i[1]) ? i[1] : 0;
     if (spirv_is(i, SpvOpCompositeExtract)) {
@@ -90,7 +80,7 @@ void assigned_find(struct sanitizer *s, const struct spirv_function *function)
         for (uint32_t word = 1; word < spirv_length(i); word++)
             if (word != result && !(result == 2 && word == 1) && !spirv_is_literal(i, word) &&
                 i[word] < s->from->words[3] && !spirv_is(i, SpvOpLine))
-                use(s, i, word);
+                use(s, at, word);
     }
 }
 
@@ -106,7 +96,8 @@ void assigned_reset(struct sanitizer *s, const struct spirv_function *function)
     }
 }
 
-/* How many parts of a variable have a bit of their own. */
+/* ---- Bits ------------------------------------------------------------------------------------ */
+
 static uint32_t part_count(const struct sanitizer *s, const uint32_t *type)
 {
     uint32_t count = 1;
@@ -117,31 +108,127 @@ static uint32_t part_count(const struct sanitizer *s, const uint32_t *type)
     else if (spirv_is(type, SpvOpTypeArray) &&
              spirv_is(spirv_definition(s->from, type[3]), SpvOpConstant))
         count = spirv_definition(s->from, type[3])[3];
-    return count > 32 ? 1 : count;
+    return count;
 }
 
-static uint32_t all_parts(const struct sanitizer *s, const uint32_t *type)
+static const uint32_t *part_type(const struct sanitizer *s, const uint32_t *type, uint32_t part)
 {
-    return UINT32_MAX >> (32 - part_count(s, type));
+    return spirv_definition(s->from, spirv_is(type, SpvOpTypeStruct) ? type[2 + part] : type[2]);
 }
 
-/* The variable behind an access chain, and the bit of a constant part; all bits for others, 0 for an array's element by a
- * variable index. */
-static uint32_t variable_of(const struct sanitizer *s, uint32_t pointer, uint32_t *parts)
+static bool has_parts(const uint32_t *type)
 {
-    const struct spirv *from = s->from;
-    const uint32_t *i = spirv_definition(from, pointer);
-    *parts = UINT32_MAX;
-    while (spirv_is(i, SpvOpAccessChain)) {
-        const uint32_t *index = spirv_definition(from, i[4]), *type = pointee(s, i[3]);
-        bool constant = spirv_is(index, SpvOpConstant), several = type && part_count(s, type) > 1;
-        *parts = several && constant                         ? 1u << (index[3] & 31)
-                 : several && spirv_is(type, SpvOpTypeArray) ? 0
-                                                             : UINT32_MAX;
-        pointer = i[3];
-        i = spirv_definition(from, pointer);
+    return spirv_is(type, SpvOpTypeVector) || spirv_is(type, SpvOpTypeMatrix) ||
+           spirv_is(type, SpvOpTypeArray) || spirv_is(type, SpvOpTypeStruct);
+}
+
+/* Scalars of a type, up to 33. */
+static uint32_t scalar_count(const struct sanitizer *s, const uint32_t *type)
+{
+    uint32_t count = 0, parts = part_count(s, type);
+    if (!has_parts(type))
+        return 1;
+    for (uint32_t k = 0; k < parts && count <= 32; k++)
+        count += scalar_count(s, part_type(s, type, k));
+    return count > 32 ? 33 : count;
+}
+
+/* Bits of a type in the word of a variable, and those before a part. whole: the variable's type. */
+static uint32_t bit_count(const struct sanitizer *s, const uint32_t *whole, const uint32_t *type)
+{
+    if (scalar_count(s, whole) <= 32)
+        return scalar_count(s, type);
+    return type == whole && part_count(s, type) <= 32 ? part_count(s, type) : 1;
+}
+
+static uint32_t bits_before(const struct sanitizer *s, const uint32_t *whole, const uint32_t *type,
+                            uint32_t part)
+{
+    uint32_t bits = 0;
+    if (bit_count(s, whole, type) == 1)
+        return 0;
+    for (uint32_t k = 0; k < part && k < part_count(s, type) && bits < 32; k++)
+        bits += bit_count(s, whole, part_type(s, type, k));
+    return bits;
+}
+
+static uint32_t mask_of(uint32_t first, uint32_t count)
+{
+    return first > 31 ? 0 : UINT32_MAX >> (32 - count) << first;
+}
+
+/* What a pointer leads to: bits of a variable. */
+struct bit_range {
+    uint32_t variable, first, count;
+    const uint32_t *type;
+    uint32_t moved; /* id of a number of bits to add to `first`; 0: none */
+};
+
+static uint32_t put_two(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b)
+{
+    uint32_t result = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, opcode, sanitizer_uint(s), result, a, b);
+    return result;
+}
+
+static void follow(struct sanitizer *s, struct bit_range *range, const uint32_t *whole,
+                   uint32_t index)
+{
+    const uint32_t *i = spirv_definition(s->from, index);
+    bool deep = has_parts(range->type) && bit_count(s, whole, range->type) > 1;
+    if (!has_parts(range->type))
+        return;
+    bool fixed = spirv_is(i, SpvOpConstant) && i[3] < part_count(s, range->type);
+    const uint32_t *part = part_type(s, range->type, fixed ? i[3] : 0);
+    if (deep && fixed) {
+        range->first += bits_before(s, whole, range->type, i[3]);
+    } else if (deep) {
+        uint32_t bits =
+            put_two(s, SpvOpIMul, index, sanitizer_number(s, bit_count(s, whole, part)));
+        range->moved = range->moved ? put_two(s, SpvOpIAdd, range->moved, bits) : bits;
     }
+    range->count = deep ? bit_count(s, whole, part) : range->count;
+    range->type = part;
+}
+
+/* Of a pointer to what is followed; type NULL: it is not. Writes the numbers of variable indices. */
+static struct bit_range range_of(struct sanitizer *s, uint32_t pointer)
+{
+    const uint32_t *i = spirv_definition(s->from, pointer);
+    if (!spirv_is(i, SpvOpAccessChain)) {
+        const uint32_t *type = pointee(s, pointer);
+        return (struct bit_range){pointer, 0, type ? bit_count(s, type, type) : 0, type, 0};
+    }
+    struct bit_range range = range_of(s, i[3]);
+    for (uint32_t word = 4; range.type && word < spirv_length(i); word++)
+        follow(s, &range, pointee(s, range.variable), i[word]);
+    return range;
+}
+
+/* The variable behind a pointer. */
+static uint32_t variable_of(const struct sanitizer *s, uint32_t pointer)
+{
+    while (spirv_is(spirv_definition(s->from, pointer), SpvOpAccessChain))
+        pointer = spirv_definition(s->from, pointer)[3];
     return pointer;
+}
+
+/* The id of the mask of a range. parts: of its parts that count, for values with few. */
+static uint32_t put_mask(struct sanitizer *s, const struct bit_range *range, uint32_t parts)
+{
+    const uint32_t *whole = pointee(s, range->variable);
+    uint32_t mask = 0, all = mask_of(0, bit_count(s, whole, whole));
+    bool some = parts != UINT32_MAX && has_parts(range->type) && range->count > 1;
+    for (uint32_t k = 0; some && k < part_count(s, range->type) && k < 32; k++)
+        if (parts >> k & 1)
+            mask |= mask_of(bits_before(s, whole, range->type, k),
+                            bit_count(s, whole, part_type(s, range->type, k)));
+    mask = (some ? mask : mask_of(0, range->count)) << range->first;
+    if (!range->moved)
+        return sanitizer_number(s, mask & all);
+    uint32_t by = put_two(s, SpvOpBitwiseAnd, range->moved, sanitizer_number(s, 31));
+    uint32_t moved = put_two(s, SpvOpShiftLeftLogical, sanitizer_number(s, mask), by);
+    return put_two(s, SpvOpBitwiseAnd, moved, sanitizer_number(s, all));
 }
 
 static uint32_t put_load(struct sanitizer *s, uint32_t bits)
@@ -151,12 +238,16 @@ static uint32_t put_load(struct sanitizer *s, uint32_t bits)
     return result;
 }
 
-static void put_set(struct sanitizer *s, uint32_t bits, uint32_t parts)
+/* All of what a pointer leads to has a value. */
+static void put_set(struct sanitizer *s, uint32_t pointer)
 {
-    uint32_t before = put_load(s, bits), after = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpBitwiseOr, sanitizer_uint(s), after, before,
-              sanitizer_number(s, parts));
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits, after);
+    struct bit_range range = range_of(s, pointer);
+    uint32_t bits = range.type ? bits_of(s, range.variable) : 0;
+    if (!bits)
+        return;
+    uint32_t mask = put_mask(s, &range, UINT32_MAX);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits,
+              put_two(s, SpvOpBitwiseOr, put_load(s, bits), mask));
 }
 
 static void put_copy(struct sanitizer *s, uint32_t to, uint32_t from)
@@ -192,80 +283,132 @@ static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
     sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
 }
 
-/* Parts that a load needs; 0: any. */
-static uint32_t parts_of(const struct sanitizer *s, const uint32_t *load, uint32_t *variable)
+/* The mask of what a load needs. `any`: of a struct or array as a whole, which is told where nothing of it has a value. */
+static uint32_t put_wanted(struct sanitizer *s, const uint32_t *load, const struct bit_range *range,
+                           bool any)
 {
-    uint32_t parts;
-    *variable = variable_of(s, load[3], &parts);
-    const uint32_t *type = pointee(s, *variable);
-    if (!type)
-        return 0;
-    bool whole = *variable == load[3],
-         made = spirv_is(type, SpvOpTypeStruct) || spirv_is(type, SpvOpTypeArray);
-    if (whole && part_count(s, type) > 1)
-        parts = s->ids[load[2]].parts;
-    if (whole && made && parts == UINT32_MAX)
-        return 0;
-    return parts & all_parts(s, type);
+    uint32_t mask = put_mask(s, range, s->ids[load[2]].parts);
+    if (!any)
+        return mask;
+    uint32_t own = put_two(s, SpvOpBitwiseAnd, put_load(s, bits_of(s, range->variable)), mask);
+    uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{own}, 1});
+    return put_two(s, SpvOpBitwiseAnd, none, mask);
 }
 
-/* Told where nothing has a value at all. */
-static void put_none(struct sanitizer *s, uint32_t variable)
+/* ---- Values that a condition may leave unused ------------------------------------------------ */
+
+/* glslang loads variables on both sides of `?:`, and right of `&&` and `||`, before it chooses. The instruction that chooses
+ * whether a value counts, and the word of the value's operand there; NULL: it counts. */
+static const uint32_t *guard_of(const struct sanitizer *s, uint32_t value, uint32_t *word)
 {
-    struct values values = {{put_load(s, bits_of(s, variable))}, 1};
-    put_check(s, variable, sanitizer_call(s, "diptych_none(u1;", &values));
+    for (;;) {
+        const struct assigned *of = &s->ids[value];
+        const uint32_t *i = s->from->words + of->user;
+        uint32_t opcode = spirv_opcode(i);
+        if (of->uses != 1 || !of->user)
+            return NULL;
+        *word = of->word;
+        if (spirv_is(i, SpvOpSelect))
+            return of->word > 3 && spirv_is(spirv_type(s->from, i[3]), SpvOpTypeBool) ? i : NULL;
+        if (spirv_is(i, SpvOpLogicalAnd) || spirv_is(i, SpvOpLogicalOr)) {
+            if (of->word == 4)
+                return i;
+        } else if (opcode < SpvOpLogicalEqual || opcode > SpvOpFUnordGreaterThanEqual) {
+            return NULL;
+        }
+        value = i[2];
+    }
 }
+
+/* Whether a value counts, by the guards around it. */
+static uint32_t put_counts(struct sanitizer *s, const uint32_t *guard, uint32_t word)
+{
+    uint32_t boolean = spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0), counts = guard[3];
+    if (spirv_is(guard, SpvOpLogicalOr) || (spirv_is(guard, SpvOpSelect) && word == 5)) {
+        counts = s->edit.bound++;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLogicalNot, boolean, counts, guard[3]);
+    }
+    const uint32_t *outer = guard_of(s, guard[2], &word);
+    if (!outer)
+        return counts;
+    uint32_t around = put_counts(s, outer, word), both = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLogicalAnd, boolean, both, around, counts);
+    return both;
+}
+
+static void put_guarded(struct sanitizer *s, const uint32_t *load, uint32_t counts)
+{
+    struct bit_range range = range_of(s, load[3]);
+    uint32_t wanted = s->edit.bound;
+    if (!range.type || !bits_of(s, range.variable))
+        return;
+    uint32_t mask = put_wanted(s, load, &range, false);
+    wanted = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), wanted, counts, mask,
+              sanitizer_number(s, 0));
+    put_check(s, range.variable, wanted);
+}
+
+/* At a guard: the loads that it guards. */
+static void put_guards(struct sanitizer *s, const uint32_t *guard, uint32_t counts, uint32_t value)
+{
+    const uint32_t *i = spirv_definition(s->from, value);
+    uint32_t word;
+    if (s->ids[value].uses != 1 || guard_of(s, value, &word) != guard)
+        return;
+    if (spirv_is(i, SpvOpLoad))
+        put_guarded(s, i, counts);
+    else if (spirv_opcode(i) >= SpvOpLogicalEqual && spirv_opcode(i) <= SpvOpFUnordGreaterThanEqual)
+        for (word = 3; word < spirv_length(i); word++)
+            put_guards(s, guard, counts, i[word]);
+}
+
+static void put_choice(struct sanitizer *s, const uint32_t *i)
+{
+    uint32_t first = 4, last = spirv_is(i, SpvOpSelect) ? 5 : 4;
+    if (spirv_is(i, SpvOpSelect) && !spirv_is(spirv_type(s->from, i[3]), SpvOpTypeBool))
+        return;
+    for (uint32_t word = first; word <= last; word++)
+        put_guards(s, i, put_counts(s, i, word), i[word]);
+}
+
+/* ---- Reads and stores ------------------------------------------------------------------------ */
 
 /* Of a copy, a part that is missing is told where it is read. */
 static void put_read(struct sanitizer *s, const uint32_t *load)
 {
-    uint32_t variable, parts = parts_of(s, load, &variable);
-    if (!bits_of(s, variable) || s->ids[load[2]].chosen)
+    uint32_t variable = variable_of(s, load[3]), word;
+    const uint32_t *type = pointee(s, variable);
+    if (!type || !bits_of(s, variable) || guard_of(s, load[2], &word))
         return;
     bool copied = is_copied(s, load);
-    if (!copied && parts)
-        put_check(s, variable, sanitizer_number(s, parts));
-    else if (!copied || (!is_temporary(s, variable) && !is_temporary(s, s->ids[load[2]].target)))
-        put_none(s, variable);
-}
-
-/* `c ? a : b` of variables is a choice among values that are both loaded. */
-static void put_choice(struct sanitizer *s, const uint32_t *choice)
-{
-    for (uint32_t word = 4; word < 6; word++) {
-        const uint32_t *load = spirv_definition(s->from, choice[word]);
-        uint32_t variable, wanted = s->edit.bound++;
-        if (!s->ids[choice[word]].chosen || !spirv_is(load, SpvOpLoad))
-            continue;
-        uint32_t parts = sanitizer_number(s, parts_of(s, load, &variable));
-        uint32_t none = sanitizer_number(s, 0);
-        if (!bits_of(s, variable))
-            continue;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), wanted, choice[3],
-                  word == 4 ? parts : none, word == 4 ? none : parts);
-        put_check(s, variable, wanted);
-    }
+    if (copied && (is_temporary(s, variable) || is_temporary(s, s->ids[load[2]].target)))
+        return;
+    struct bit_range range = range_of(s, load[3]);
+    bool made = spirv_is(range.type, SpvOpTypeStruct) || spirv_is(range.type, SpvOpTypeArray);
+    bool any = copied || (made && s->ids[load[2]].parts == UINT32_MAX);
+    put_check(s, variable, put_wanted(s, load, &range, any));
 }
 
 static void put_stored(struct sanitizer *s, const uint32_t *store)
 {
-    uint32_t parts, variable = variable_of(s, store[1], &parts);
-    uint32_t bits = bits_of(s, variable), all;
+    uint32_t variable = variable_of(s, store[1]), bits = bits_of(s, variable);
     const uint32_t *load = spirv_definition(s->from, store[2]);
-    uint32_t from = spirv_is(load, SpvOpLoad) ? variable_of(s, load[3], &all) : 0;
+    uint32_t from = spirv_is(load, SpvOpLoad) ? variable_of(s, load[3]) : 0;
     if (!bits)
         return;
     bool copied = from && variable == store[1] && bits_of(s, from) && is_copied(s, load);
-    if (copied)
-        put_copy(s, bits, bits_of(s, from));
-    if (copied && !is_temporary(s, from) && !is_temporary(s, variable)) { /* it was told */
-        uint32_t before = put_load(s, bits), none, after = s->edit.bound++;
-        none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{before}, 1});
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpBitwiseOr, sanitizer_uint(s), after, before, none);
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits, after);
+    if (!copied) {
+        put_set(s, store[1]);
+        return;
     }
-    if (!copied)
-        put_set(s, bits, (parts ? parts : UINT32_MAX) & all_parts(s, pointee(s, variable)));
+    put_copy(s, bits, bits_of(s, from));
+    if (!is_temporary(s, from) && !is_temporary(s, variable)) { /* it was told */
+        uint32_t before = put_load(s, bits);
+        uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{before}, 1});
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits,
+                  put_two(s, SpvOpBitwiseOr, before, none));
+    }
 }
 
 static const uint32_t *parameter_of(const struct sanitizer *s, uint32_t function, uint32_t index)
@@ -307,7 +450,8 @@ void assigned_before(struct sanitizer *s, const uint32_t *instruction)
     s->kind = SANITIZE_VARIABLE;
     if (spirv_is(instruction, SpvOpLoad))
         put_read(s, instruction);
-    else if (spirv_is(instruction, SpvOpSelect))
+    else if (spirv_is(instruction, SpvOpSelect) || spirv_is(instruction, SpvOpLogicalAnd) ||
+             spirv_is(instruction, SpvOpLogicalOr))
         put_choice(s, instruction);
     else if (spirv_is(instruction, SpvOpFunctionCall))
         put_pointers(s, instruction, false);
@@ -317,8 +461,11 @@ void assigned_before(struct sanitizer *s, const uint32_t *instruction)
 
 void assigned_after(struct sanitizer *s, const uint32_t *instruction)
 {
+    uint32_t pointer = memory_stored(s, instruction);
     if (spirv_is(instruction, SpvOpStore))
         put_stored(s, instruction);
+    else if (pointer)
+        put_set(s, pointer);
     else if (spirv_is(instruction, SpvOpFunctionCall))
         put_pointers(s, instruction, true);
 }

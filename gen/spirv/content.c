@@ -194,11 +194,13 @@ static bool any_operand(const struct sanitizer *s, const uint32_t *i)
 static bool find_one(struct sanitizer *s, uint32_t function, const uint32_t *i)
 {
     bool stores;
-    uint32_t result = spirv_result(i), base;
+    uint32_t result = spirv_result(i), base, pointer = memory_stored(s, i);
+    if (pointer) {
+        bool changed = result && set(s, result, may_be(s, i[5]));
+        base = memory_base(s->from, pointer);
+        return (is_local(s->from, base) && set(s, base, may_be(s, i[result ? 5 : 2]))) || changed;
+    }
     switch (spirv_opcode(i)) {
-    case SpvOpStore:
-        base = memory_base(s->from, i[1]);
-        return is_local(s->from, base) && set(s, base, may_be(s, i[2]));
     case SpvOpReturnValue:
         return set(s, function, may_be(s, i[1]));
     case SpvOpFunctionCall:
@@ -225,19 +227,13 @@ static bool find_one(struct sanitizer *s, uint32_t function, const uint32_t *i)
     }
 }
 
-static bool is_check(const struct spirv *from, const struct spirv_function *function)
-{
-    const char *name = spirv_name(from, function->id);
-    return name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_end(") != 0;
-}
-
 static void find_all(struct sanitizer *s)
 {
     const struct spirv *from = s->from;
     for (bool changed = true; changed;) {
         changed = false;
         for (uint32_t f = 0; f < from->function_count; f++) {
-            if (is_check(from, &from->functions[f]))
+            if (sanitizer_is_check(from, &from->functions[f]))
                 continue;
             SPIRV_EACH(from, at, from->functions[f].begin, from->functions[f].end)
             changed |= find_one(s, from->functions[f].id, from->words + at);
@@ -425,21 +421,22 @@ static uint32_t load_mark(struct sanitizer *s, const uint32_t *load)
     return memory_visit(&words, load[3], 0);
 }
 
-static void put_store(struct sanitizer *s, const uint32_t *store)
+/* value: what is stored, or a number of its type that it is made of. */
+static void put_store(struct sanitizer *s, uint32_t to, uint32_t value)
 {
-    uint32_t base = memory_base(s->from, store[1]);
+    uint32_t base = memory_base(s->from, to);
     if (is_local(s->from, base)) {
-        uint32_t pointer = put_pointer(s, store[1]);
+        uint32_t pointer = put_pointer(s, to);
         if (pointer)
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, pointer, sure_mark(s, store[2]));
+            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, pointer, sure_mark(s, value));
         return;
     }
-    struct memory memory = memory_of(s, store[1]);
+    struct memory memory = memory_of(s, to);
     if (!memory.variable || memory.access)
-        put_use(s, store[2]);
+        put_use(s, value);
     struct words words = {.s = s, .memory = &memory, .visit = visit_store};
     if (memory.variable)
-        memory_visit(&words, store[1], memory.access ? 0 : mark_of(s, store[2]));
+        memory_visit(&words, to, memory.access ? 0 : mark_of(s, value));
 }
 
 /* A texel: its mark if it is read. */
@@ -646,6 +643,19 @@ static uint32_t put_combined(struct sanitizer *s, const uint32_t *i)
     return composite ? splat : put_max(s, shape, wide, splat);
 }
 
+/* What is right of `&&` or `||` counts where the left side does not decide. */
+static uint32_t put_logical(struct sanitizer *s, const uint32_t *i)
+{
+    uint32_t left = mark_of(s, i[3]), right = mark_of(s, i[4]), none = sanitizer_number(s, 0);
+    uint32_t counts = s->edit.bound++;
+    bool both = spirv_is(i, SpvOpLogicalAnd), single = content_shape(s, i[1]) == sanitizer_uint(s);
+    if (!right || !single)
+        return put_combined(s, i);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), counts, i[3],
+              both ? right : none, both ? none : right);
+    return put_max(s, sanitizer_uint(s), left, counts);
+}
+
 static uint32_t operation_mark(struct sanitizer *s, const uint32_t *i)
 {
     struct texel_use use;
@@ -665,6 +675,9 @@ static uint32_t operation_mark(struct sanitizer *s, const uint32_t *i)
         mark = mark ? put_splat(s, i[1], put_reduced(s, type, mark)) : 0;
         return put_max(s, content_shape(s, i[1]), chosen, mark);
     }
+    case SpvOpLogicalAnd:
+    case SpvOpLogicalOr:
+        return put_logical(s, i);
     case SpvOpImageRead:
     case SpvOpImageFetch:
         memory_image(i, &use);
@@ -729,8 +742,8 @@ void content_after(struct sanitizer *s, const uint32_t *i)
     bool stores;
     if (!is_on(s))
         return;
-    if (spirv_is(i, SpvOpStore))
-        put_store(s, i);
+    if (memory_stored(s, i))
+        put_store(s, memory_stored(s, i), i[spirv_is(i, SpvOpStore) ? 2 : 5]);
     if (!result || spirv_result_word(i) < 2)
         return;
     if (spirv_is(i, SpvOpLoad) && may_be(s, result))

@@ -1,6 +1,7 @@
 /* Where in memory the operations of a shader read and store, for content.c and race.c: the resource or `shared` variable behind a
  * pointer or image, and the word or texel in it. Words of buffers have the places of their layout; a `shared` variable has
  * none, so its scalars are numbered. */
+#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <string.h>
@@ -315,6 +316,46 @@ uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark)
     return visit(words, &at, mark);
 }
 
+/* Words from the first to the last of a type. */
+static uint32_t extent_of(const struct spirv *from, uint32_t id, bool shared, uint32_t matrix)
+{
+    const uint32_t *type = spirv_definition(from, id);
+    uint32_t most = 0;
+    if (shared)
+        return count_words(from, id);
+    switch (spirv_opcode(type)) {
+    case SpvOpTypeVector:
+    case SpvOpTypeMatrix:
+        return (type[3] - 1) * stride_of(from, type, false, matrix) +
+               extent_of(from, type[2], false, 0);
+    case SpvOpTypeArray:
+        return (constant(from, type[3]) - 1) * stride_of(from, type, false, 0) +
+               extent_of(from, type[2], false, matrix);
+    case SpvOpTypeStruct:
+        for (uint32_t k = 2; k < spirv_length(type); k++) {
+            uint32_t stride = decoration(from, id, k - 2, SpvDecorationMatrixStride);
+            uint32_t end =
+                member_offset(from, type, k - 2, false) + extent_of(from, type[k], false, stride);
+            most = end > most ? end : most;
+        }
+        return most;
+    default:
+        return spirv_length(type) > 2 && type[2] == 64 ? 2 : 1;
+    }
+}
+
+uint32_t memory_range(struct sanitizer *s, const struct memory *memory, uint32_t pointer,
+                      uint32_t *words)
+{
+    struct step_place at = {.matrix = 0};
+    bool shared = !memory->access;
+    if (shared)
+        at.offset = shared_before(s->from, memory->variable);
+    follow_chain(s, &at, pointer, shared);
+    *words = extent_of(s->from, at.type, shared, at.matrix);
+    return at.word ? put_offset(s, at.word, at.offset) : sanitizer_number(s, at.offset);
+}
+
 /* ---- Calls ----------------------------------------------------------------------------------- */
 
 uint32_t memory_call(struct sanitizer *s, const struct memory *memory, const char *name,
@@ -396,6 +437,13 @@ bool memory_image(const uint32_t *i, struct texel_use *use)
     default:
         return false;
     }
+}
+
+uint32_t memory_stored(const struct sanitizer *s, const uint32_t *i)
+{
+    bool second = spirv_is(i, SpvOpExtInst) && i[3] == s->glsl &&
+                  (i[4] == GLSLstd450Modf || i[4] == GLSLstd450Frexp);
+    return spirv_is(i, SpvOpStore) ? i[1] : second ? i[6] : 0;
 }
 
 bool memory_is_atomic(const uint32_t *instruction, bool *stores)

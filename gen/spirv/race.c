@@ -6,27 +6,20 @@
 
 #include "sanitizer.h"
 
-static void put_access(struct sanitizer *s, const struct memory *memory, uint32_t at, uint32_t site)
+/* words: from `at` on. */
+static void put_access(struct sanitizer *s, const struct memory *memory, uint32_t at,
+                       uint32_t words, uint32_t site)
 {
     uint32_t cell = at ? memory_cell(s, memory, at) : 0;
-    struct values values = {{cell, at}, 2};
+    struct values values = {{cell, at, sanitizer_number(s, words)}, 3};
     if (!cell)
         return;
     if (site) {
         sanitizer_place(s, &values, site);
-        sanitizer_call(s, "diptych_stores(u1;u1;u1;u1;", &values);
+        sanitizer_call(s, "diptych_stores(u1;u1;u1;u1;u1;", &values);
     } else {
-        sanitizer_call(s, "diptych_loads(u1;u1;", &values);
+        sanitizer_call(s, "diptych_loads(u1;u1;u1;", &values);
     }
-}
-
-static uint32_t visit_word(struct words *words, uint32_t word, uint32_t mark)
-{
-    struct sanitizer *s = words->s;
-    bool shared = !words->memory->access;
-    (void)mark;
-    put_access(s, words->memory, shared ? word : memory_at(s, words->memory, word), words->site);
-    return 0;
 }
 
 /* Whether the dispatch stores to it: else its loads meet no store. */
@@ -51,25 +44,33 @@ static uint32_t add_site(struct sanitizer *s, const struct memory *memory)
 static void put_race(struct sanitizer *s, const uint32_t *i)
 {
     struct texel_use use;
-    bool stores = spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpImageWrite), writes;
+    uint32_t stored = memory_stored(s, i);
+    bool stores = stored || spirv_is(i, SpvOpImageWrite), writes;
     bool atomic = memory_is_atomic(i, &writes);
     if (!stores && !atomic && !spirv_is(i, SpvOpLoad) && !spirv_is(i, SpvOpImageRead))
         return;
-    uint32_t pointer = spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpImageWrite) ? i[1] : i[3];
+    uint32_t pointer = stored ? stored : stores ? i[1] : i[3];
     struct memory memory = memory_of(s, pointer);
     bool texel = memory_image(atomic ? spirv_definition(s->from, pointer) : i, &use);
     if (!is_stored(s, &memory) ||
         (memory.access && memory.access->resource->kind == DT_IMAGE && !texel))
         return;
     uint32_t site = stores ? add_site(s, &memory) : 0;
-    struct words words = {.s = s, .memory = &memory, .visit = visit_word, .site = site};
-    if (texel)
-        put_access(s, &memory, memory_texel(s, &memory, use.place, use.lod), site);
-    else
-        memory_visit(&words, pointer, 0);
+    if (texel) {
+        put_access(s, &memory, memory_texel(s, &memory, use.place, use.lod), 1, site);
+        return;
+    }
+    uint32_t words, word = memory_range(s, &memory, pointer, &words);
+    put_access(s, &memory, memory.access ? memory_at(s, &memory, word) : word, words, site);
 }
 
-static void put_barrier(struct sanitizer *s)
+bool race_is_barrier(const struct spirv *from, const uint32_t *i)
+{
+    const uint32_t *scope = spirv_is(i, SpvOpControlBarrier) ? spirv_definition(from, i[1]) : NULL;
+    return scope && !(spirv_is(scope, SpvOpConstant) && scope[3] == SpvScopeSubgroup);
+}
+
+static void put_barrier(struct sanitizer *s, size_t place)
 {
     struct values none = {.count = 0};
     if (!(s->request->kinds & SANITIZE_FLOW)) {
@@ -79,15 +80,16 @@ static void put_barrier(struct sanitizer *s)
     s->kind = SANITIZE_FLOW;
     uint32_t site = sanitizer_site(s, "barrier", "",
                                    "some invocations of the workgroup do not reach this barrier");
-    struct values values = {{sanitizer_number(s, site)}, 1};
-    sanitizer_call(s, "diptych_arrives(u1;", &values);
+    struct values values = {{sanitizer_number(s, site), quads_path(s, place)}, 2};
+    sanitizer_call(s, "diptych_arrives(u1;u1;", &values);
 }
 
-void race_before(struct sanitizer *s, const uint32_t *i)
+void race_before(struct sanitizer *s, size_t place)
 {
     unsigned kinds = s->request->kinds;
-    if (spirv_is(i, SpvOpControlBarrier) && kinds & (SANITIZE_RACE | SANITIZE_FLOW))
-        put_barrier(s);
+    const uint32_t *i = s->from->words + place;
+    if (race_is_barrier(s->from, i) && kinds & (SANITIZE_RACE | SANITIZE_FLOW))
+        put_barrier(s, place);
     else if (kinds & SANITIZE_RACE)
         put_race(s, i);
 }

@@ -131,29 +131,74 @@ uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name,
     return sanitizer_add(s, &site);
 }
 
+uint32_t sanitizer_caller(const struct sanitizer *s)
+{
+    return find_variable(s->from, "diptych_caller");
+}
+
+uint32_t sanitizer_variable(struct sanitizer *s)
+{
+    struct spirv_edit *edit = &s->edit;
+    uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0,
+                                  (uint32_t[]){SpvStorageClassPrivate, sanitizer_uint(s)}, 2);
+    uint32_t zero = sanitizer_number(s, 0), id = edit->bound++;
+    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, id, SpvStorageClassPrivate, zero);
+    spirv_append(edit, &s->variables, &id, 1);
+    return id;
+}
+
+bool sanitizer_is_check(const struct spirv *from, const struct spirv_function *function)
+{
+    const char *name = spirv_name(from, function->id);
+    return name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_begin(") != 0 &&
+           strcmp(name, "diptych_end(") != 0;
+}
+
+/* The number of a kind among those that the pass allows, from 1; 0: it does not. */
+static uint32_t allowed_number(const struct sanitizer *s, unsigned kind)
+{
+    const struct pass *pass = s->request->pass;
+    for (uint32_t i = 0; i < pass->allow_count; i++)
+        if (pass->allows[i].kind == kind)
+            return i + 1;
+    return 0;
+}
+
+/* Findings of one kind that are allowed take no room from others: see templates/glsl/sanitize.glsl. */
+uint32_t sanitizer_what(struct sanitizer *s, uint32_t site)
+{
+    uint32_t allowed = allowed_number(s, s->kind);
+    uint32_t room = allowed ? SANITIZE_FREE_ROOMS - 1 + allowed : site % SANITIZE_FREE_ROOMS;
+    return sanitizer_number(s, site * SANITIZE_ROOMS + room % SANITIZE_ROOMS);
+}
+
 /* Appends place and operation. */
 void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site)
 {
-    uint32_t what = sanitizer_number(s, site), place = what, caller;
-    if (!s->file && (caller = find_variable(s->from, "diptych_caller"))) {
-        place = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), place, caller);
+    uint32_t place = sanitizer_number(s, site), caller, allowed = allowed_number(s, s->kind);
+    if (!s->file && (caller = sanitizer_caller(s))) {
+        uint32_t first = s->edit.bound++;
+        place = allowed ? s->edit.bound++ : first;
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), first, caller);
+        if (allowed)
+            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), place, first,
+                      sanitizer_number(s, allowed));
     }
     values->ids[values->count++] = place;
-    values->ids[values->count++] = what;
+    values->ids[values->count++] = sanitizer_what(s, site);
 }
 
-/* Calls of generated functions leave their place. */
+/* Calls of generated functions leave their place, which has a site for each kind that the pass allows. */
 static void put_caller(struct sanitizer *s, const uint32_t *call)
 {
     const char *name = spirv_name(s->from, call[3]);
-    uint32_t caller = find_variable(s->from, "diptych_caller");
-    char word[64];
+    uint32_t caller = sanitizer_caller(s);
     if (!name || !caller || !s->file)
         return;
-    snprintf(word, sizeof word, "%.*s", (int)strcspn(name, "("), name);
-    uint32_t site = sanitizer_number(s, sanitizer_site(s, NULL, word, ""));
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, caller, site);
+    struct sanitize_site site = {.more = s->request->pass->allow_count};
+    snprintf(site.name, sizeof site.name, "%.*s", (int)strcspn(name, "("), name);
+    uint32_t first = sanitizer_number(s, sanitizer_add(s, &site));
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, caller, first);
 }
 
 /* ---- Arithmetic ------------------------------------------------------------------------------ */
@@ -213,6 +258,7 @@ static const struct check functions[] = {
     {GLSLstd450Normalize, "normalize", "normalize", "normalize of zero", 0, 1, true},
     {GLSLstd450Exp, NULL, "exp", "", 0, 0, false},
     {GLSLstd450Exp2, NULL, "exp2", "", 0, 0, false},
+    {GLSLstd450Degrees, NULL, "degrees", "", 0, 0, false},
     {GLSLstd450Sinh, NULL, "sinh", "", 0, 0, false},
     {GLSLstd450Cosh, NULL, "cosh", "", 0, 0, false},
     {GLSLstd450Length, NULL, "length", "", 0, 0, false},
@@ -436,13 +482,23 @@ static const char *member_name(const struct spirv *from, uint32_t structure, uin
     return NULL;
 }
 
+/* glslang's variable of a constant array that is indexed has no name of the author's. */
+static bool is_unnamed(const char *name)
+{
+    return !name || !*name || !strcmp(name, "indexable");
+}
+
 static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const char *name)
 {
     char letter = spirv_letter(spirv_type(s->from, index)), mangled[40], text[160];
     struct values values = {{index, count}, 2};
-    snprintf(text, sizeof text, "index @0%c of `%.60s`, which has @1u elements", letter, name);
+    if (is_unnamed(name))
+        snprintf(text, sizeof text, "index @0%c of an array of @1u elements", letter);
+    else
+        snprintf(text, sizeof text, "index @0%c of `%.60s`, which has @1u elements", letter, name);
     snprintf(mangled, sizeof mangled, "diptych_index(%c1;u1;u1;u1;", letter);
-    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
+    sanitizer_place(s, &values,
+                    sanitizer_site(s, is_unnamed(name) ? "[" : NULL, name ? name : "", text));
     sanitizer_call(s, mangled, &values);
 }
 
@@ -487,7 +543,7 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
             spirv_letter(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
         (void)index;
         if (count)
-            put_index(s, chain[word], count, name && *name ? name : "an array");
+            put_index(s, chain[word], count, is_unnamed(name) ? NULL : name);
         type = spirv_definition(from, type[2]);
     }
 }
@@ -518,6 +574,41 @@ static uint32_t put_size(struct sanitizer *s, const uint32_t *type, uint32_t ima
     return size;
 }
 
+/* Of cubes: width, height and faces. */
+static uint32_t put_faces(struct sanitizer *s, const uint32_t *type, uint32_t size)
+{
+    struct spirv_edit *edit = &s->edit;
+    uint32_t whole = int_type(s), three = sanitizer_vector(s, whole, 3), faces, result, cubes;
+    faces = spirv_declare(edit, SpvOpConstant, whole, (uint32_t[]){6}, 1);
+    if (type[5]) {
+        cubes = edit->bound++;
+        SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, whole, cubes, size, 2);
+        result = edit->bound++;
+        SPIRV_PUT(edit, &edit->code, SpvOpIMul, whole, result, cubes, faces);
+        faces = result;
+    }
+    uint32_t width = edit->bound++, height = edit->bound++;
+    SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, whole, width, size, 0);
+    SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, whole, height, size, 1);
+    result = edit->bound++;
+    SPIRV_PUT(edit, &edit->code, SpvOpCompositeConstruct, three, result, width, height, faces);
+    return result;
+}
+
+/* A level of detail that is fetched from. Returns one that the image has. */
+static uint32_t put_mip(struct sanitizer *s, uint32_t image, uint32_t lod, const char *name)
+{
+    uint32_t mips = s->edit.bound++, index;
+    char text[160];
+    if (!lod || (constant_of(s->from, lod, &index) && !index))
+        return lod;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQueryLevels, sanitizer_uint(s), mips, image);
+    struct values values = {{lod, mips}, 2};
+    snprintf(text, sizeof text, "mip @0i of `%.60s`, which has @1u mips", name);
+    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
+    return sanitizer_call(s, "diptych_mip(i1;u1;u1;u1;", &values);
+}
+
 static const uint8_t dimensions[] = {[SpvDim1D] = 1,   [SpvDim2D] = 2,   [SpvDim3D] = 3,
                                      [SpvDimCube] = 2, [SpvDimRect] = 2, [SpvDimBuffer] = 1};
 
@@ -531,25 +622,22 @@ static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image,
         "texel (@0i, @1i, @2i) of `%.50s`, which has @3w x @3h texels"};
     const char *base = base_name(s->from, pointer);
     char name[64], text[160], mangled[48] = "diptych_texel(i1;i1;u1;u1;";
-    if (type[3] >= DT_ARRAY_COUNT(dimensions) || (type[3] == SpvDimCube && type[5]))
+    if (type[3] >= DT_ARRAY_COUNT(dimensions))
         return;
-    uint32_t width = dimensions[type[3]] + type[5];
+    bool cube = type[3] == SpvDimCube;
+    uint32_t sizes = dimensions[type[3]] + type[5], width = cube ? 3 : sizes;
     if (width > 3 || width > width_of(spirv_type(s->from, place)))
         return;
-    if (type[3] == SpvDimCube) { /* without its face */
-        uint32_t part = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVectorShuffle, sanitizer_vector(s, int_type(s), 2),
-                  part, place, place, 0, 1);
-        place = part;
-    }
     snprintf(name, sizeof name, "%s", base ? base : "an image");
     char *end = strstr(name, "_image") ? strstr(name, "_image") : strstr(name, "_texture");
     if (end && end != name)
         *end = 0;
+    lod = put_mip(s, image, lod, name);
     snprintf(text, sizeof text, texts[width - 1], name);
     if (width > 1)
         snprintf(mangled, sizeof mangled, "diptych_texel(vi%u;vi%u;u1;u1;", width, width);
-    struct values values = {{place, put_size(s, type, image, lod, width)}, 2};
+    uint32_t size = put_size(s, type, image, lod, sizes);
+    struct values values = {{place, cube ? put_faces(s, type, size) : size}, 2};
     sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
     sanitizer_call(s, mangled, &values);
 }
@@ -600,7 +688,7 @@ static void put_start(struct sanitizer *s, const uint32_t *branch, size_t at)
         SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, sanitizer_number(s, 0));
 }
 
-/* In the header of a loop, before OpLoopMerge: counts a turn. Returns the condition of its end. */
+/* In the header of a loop, before OpLoopMerge: counts a turn. Returns the condition of its end; 0: it is not looked for. */
 static uint32_t put_turn(struct sanitizer *s)
 {
     uint32_t before = s->edit.bound++, turns = s->edit.bound++, counter = s->counters[s->label];
@@ -608,6 +696,8 @@ static uint32_t put_turn(struct sanitizer *s)
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), turns, before,
               sanitizer_number(s, 1));
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, turns);
+    if (!(s->request->kinds & SANITIZE_LOOP))
+        return 0;
     struct values values = {{turns}, 1};
     s->kind = SANITIZE_LOOP;
     sanitizer_place(
@@ -673,31 +763,33 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
 {
     uint32_t more = 0;
     const uint32_t *i = s->from->words + at;
-    bool loops = s->request->kinds & SANITIZE_LOOP;
+    bool loops = s->request->kinds & SANITIZE_LOOP, turns = loops || quads_count_turns(s);
     const struct check *check = s->request->kinds & SANITIZE_ARITHMETIC ? check_of(s, i) : NULL;
     uint32_t bad = check ? put_operands(s, check, i) : 0;
     put_before(s, i);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_before(s, i);
-    race_before(s, i);
+    race_before(s, at);
     content_before(s, i);
+    quads_before(s, at);
     if (spirv_is(i, SpvOpFunctionCall))
         put_caller(s, i);
     if (spirv_is(i, SpvOpKill) || spirv_is(i, SpvOpTerminateInvocation))
         sanitizer_call(s, "diptych_flush(", &(struct values){.count = 0});
-    if (loops && spirv_is(i, SpvOpBranch))
+    if (turns && spirv_is(i, SpvOpBranch))
         put_start(s, i, at);
-    if (loops && spirv_is(i, SpvOpLoopMerge))
+    if (turns && spirv_is(i, SpvOpLoopMerge))
         more = put_header(s, i);
     else if (loops && spirv_is(i, SpvOpUnreachable))
         put_return(s, function);
-    else
+    else if (!quads_discard(s, i))
         spirv_copy(&s->edit, &s->edit.code, i);
     if (check)
         put_result(s, check, i, bad);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_after(s, i);
     content_after(s, i);
+    quads_after(s, i);
     return more;
 }
 
@@ -714,7 +806,7 @@ static size_t put_checked(struct sanitizer *s, const struct spirv_function *func
     }
     at += put_instruction(s, function, at);
     s->label = spirv_is(i, SpvOpLabel) ? i[1] : s->label;
-    if (first && s->request->kinds & SANITIZE_LOOP)
+    if (first && (s->request->kinds & SANITIZE_LOOP || quads_count_turns(s)))
         put_counters(s, function);
     return at;
 }
@@ -722,12 +814,12 @@ static size_t put_checked(struct sanitizer *s, const struct spirv_function *func
 static void put_function(struct sanitizer *s, const struct spirv_function *function)
 {
     const char *name = spirv_name(s->from, function->id);
-    bool check = name && !strncmp(name, "diptych_", 8) && strcmp(name, "diptych_end(") != 0;
+    bool check = sanitizer_is_check(s->from, function);
     s->file = s->line = s->label = 0;
     s->begun = false;
     s->function = function->id;
-    if (name && !strncmp(name, "diptych_number(", 15)) /* content.c writes it */
-        return;
+    if (name && (!strncmp(name, "diptych_number(", 15) || !strcmp(name, "diptych_quads(")))
+        return; /* content.c and quads.c write these */
     if (!check && s->request->kinds & SANITIZE_VARIABLE)
         assigned_find(s, function);
     SPIRV_EACH(s->from, at, function->begin, function->end)
@@ -787,17 +879,19 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
                           .glsl = spirv_glsl(module),
                           .counters = calloc(module->words[3], sizeof *s.counters)};
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |= !s.counters || !assigned_begin(&s) || !content_begin(&s);
+    s.edit.failed |= !s.counters || !assigned_begin(&s) || !content_begin(&s) || !quads_begin(&s);
     if (!s.edit.failed) {
         spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
                      module->declarations - module->annotations);
         for (uint32_t i = 0; i < module->function_count; i++)
             put_function(&s, &module->functions[i]);
         content_end(&s);
+        quads_end(&s);
         drop_lines(&s.edit.declarations);
         copy_front(&s);
     }
     content_free(&s);
+    quads_free(&s);
     free(s.seen.data);
     free(s.ids);
     free(s.variables.data);

@@ -19,6 +19,7 @@ struct sanitizer {
     uint32_t *counters;      /* by label of a loop's header: its variable; 0: no loop */
     struct assigned *ids;    /* by id */
     struct content *content; /* of content.c */
+    struct quads *quads;     /* of quads.c */
     struct spirv_words variables; /* of this pass, in the private storage class */
 };
 
@@ -32,6 +33,13 @@ uint32_t sanitizer_number(struct sanitizer *s, uint32_t value);
 uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values);
 /* The index of a new site. name: copied; word: a literal, NULL: the name. */
 uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text);
+/* Whether a function is one of the generator's that gets no checks. */
+bool sanitizer_is_check(const struct spirv *from, const struct spirv_function *function);
+/* A new variable, 0 when the shader begins; the variable of the author's call of generated text, 0: there is none. */
+uint32_t sanitizer_variable(struct sanitizer *s);
+uint32_t sanitizer_caller(const struct sanitizer *s);
+/* The constant that checks get for an operation. */
+uint32_t sanitizer_what(struct sanitizer *s, uint32_t site);
 /* Appends place and operation. */
 void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site);
 
@@ -65,6 +73,9 @@ struct words {
 };
 /* mark: of the value that is stored, 0: none. Returns that of all words, 0 where no visitor returned one. */
 uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark);
+/* The first word of what a pointer leads to, and how many follow each other from there. */
+uint32_t memory_range(struct sanitizer *s, const struct memory *memory, uint32_t pointer,
+                      uint32_t *words);
 /* The index of a texel in its image, by diptych_at_B(); 0: it is not followed. */
 uint32_t memory_texel(struct sanitizer *s, const struct memory *memory, uint32_t place,
                       uint32_t lod);
@@ -81,6 +92,8 @@ struct texel_use {
     uint32_t image, place, lod; /* ids; lod 0: none */
 };
 bool memory_image(const uint32_t *instruction, struct texel_use *use);
+/* The pointer that the instruction stores through, like that of modf(); 0: none. */
+uint32_t memory_stored(const struct sanitizer *s, const uint32_t *instruction);
 bool memory_is_atomic(const uint32_t *instruction, bool *stores); /* on a pointer */
 
 /* ---- content.c ------------------------------------------------------------------------------- */
@@ -96,7 +109,23 @@ uint32_t content_shape(struct sanitizer *s, uint32_t type);
 
 /* ---- race.c: race and flow ------------------------------------------------------------------- */
 
-void race_before(struct sanitizer *s, const uint32_t *instruction);
+void race_before(struct sanitizer *s, size_t place);
+bool race_is_barrier(const struct spirv *from, const uint32_t *instruction); /* of the workgroup */
+
+/* ---- quads.c --------------------------------------------------------------------------------- */
+
+bool quads_begin(struct sanitizer *s); /* false: out of memory */
+bool quads_count_turns(
+    const struct sanitizer
+        *s); /* whether the function that is written needs the counters of its loops */
+/* A number of how the invocation came to an instruction of such a function. */
+uint32_t quads_path(struct sanitizer *s, size_t place);
+void quads_before(struct sanitizer *s, size_t place); /* an instruction by its offset */
+bool quads_discard(struct sanitizer *s,
+                   const uint32_t *instruction); /* whether it has written a return instead */
+void quads_after(struct sanitizer *s, const uint32_t *instruction);
+void quads_end(struct sanitizer *s); /* writes diptych_quads() */
+void quads_free(struct sanitizer *s);
 
 /* ---- assigned.c ------------------------------------------------------------------------------ */
 

@@ -1,10 +1,12 @@
 /* What --sanitize knows of a dispatch, for race, flow, and content of `shared` variables; all zero when the dispatch begins.
- * First 64 words for each of 1,024 workgroups, two for each of 32 barriers: the site of the one that came first, + 2, or 1 for
- * the end; ~least invocation + 1 that came to the end. Then cells, of words of `shared` variables, and behind them of all that the pass stores to: content (shared variables: 0,
+ * First 64 words for each of 1,024 workgroups, two for each of 32 barriers: the site of the one that came first, + 2, with its path
+ * above 22 bits, or 1 for the end; ~least invocation + 1 that came to the end. Then cells, of words of `shared` variables, and behind them of all that the pass stores to: content (shared variables: 0,
  * nothing; 1, a value; else its mark), the last store, the first and the last other access, and place and site of the store. */
 layout(std430, @cells@) coherent buffer Diptych_cells {
     uint diptych_cells[];
 };
+
+uvec3 diptych_place_at(const uvec3 group, const uvec3 local); /* of an invocation */
 
 uint diptych_group()
 {
@@ -67,7 +69,8 @@ uint diptych_place_of(const uint invocation)
 uint diptych_meets(const uint access, const uint me)
 {
     uint other = access & diptych_last;
-    bool apart = any(bvec2((other - 1u) / diptych_local != (me - 1u) / diptych_local, access >> 22 == (diptych_epoch & 1023u)));
+    bool foreign = other - 1u - diptych_group() * diptych_local >= diptych_local; /* of another workgroup */
+    bool apart = any(bvec2(foreign, access >> 22 == (diptych_epoch & 1023u)));
     return mix(diptych_last, other, all(bvec3(access != 0u, other != me, apart)));
 }
 
@@ -90,46 +93,54 @@ void diptych_tell_race(const uint cell, const uint other, const uint me, const u
     diptych_raced.times = times;
 }
 
-void diptych_stores(const uint cell, const uint at, const uint site, const uint what)
+/* words: that follow each other, of one value. */
+void diptych_stores(const uint first_cell, const uint at, const uint words, const uint site, const uint what)
 {
     uint me = diptych_invocation(), epoch = diptych_epoch << 22;
-    if (!all(bvec2(cell != diptych_none_at, me < diptych_last))@single@)
+    if (!all(bvec2(first_cell != diptych_none_at, me < diptych_last))@single@)
         return;
-    atomicMax(diptych_cells[cell + 4u], diptych_upside_down(epoch | (site + 1u)));
-    atomicMax(diptych_cells[cell + 5u], diptych_upside_down(epoch | (what + 1u)));
-    uint before = diptych_upside_down(atomicMax(diptych_cells[cell + 1u], diptych_upside_down(epoch | me)));
-    uint first = diptych_upside_down(diptych_cells[cell + 2u]), last = diptych_cells[cell + 3u];
-    diptych_tell_race(cell, min(diptych_meets(before, me), min(diptych_meets(first, me), diptych_meets(last, me))), me, at);
+    for (uint k = 0u; k < words; k++) {
+        uint cell = first_cell + 6u * k;
+        atomicMax(diptych_cells[cell + 4u], diptych_upside_down(epoch | (site + 1u)));
+        atomicMax(diptych_cells[cell + 5u], diptych_upside_down(epoch | ((what >> 4) + 1u)));
+        uint before = diptych_upside_down(atomicMax(diptych_cells[cell + 1u], diptych_upside_down(epoch | me)));
+        uint first = diptych_upside_down(diptych_cells[cell + 2u]), last = diptych_cells[cell + 3u];
+        diptych_tell_race(cell, min(diptych_meets(before, me), min(diptych_meets(first, me), diptych_meets(last, me))), me, at + k);
+    }
 }
 
 /* A load, or an atomic operation. */
-void diptych_loads(const uint cell, const uint at)
+void diptych_loads(const uint first_cell, const uint at, const uint words)
 {
     uint me = diptych_invocation(), access = diptych_epoch << 22 | me;
-    if (!all(bvec2(cell != diptych_none_at, me < diptych_last))@single@)
+    if (!all(bvec2(first_cell != diptych_none_at, me < diptych_last))@single@)
         return;
-    atomicMax(diptych_cells[cell + 2u], diptych_upside_down(access));
-    atomicMax(diptych_cells[cell + 3u], access);
-    diptych_tell_race(cell, diptych_meets(diptych_upside_down(diptych_cells[cell + 1u]), me), me, at);
+    for (uint k = 0u; k < words; k++) {
+        uint cell = first_cell + 6u * k;
+        atomicMax(diptych_cells[cell + 2u], diptych_upside_down(access));
+        atomicMax(diptych_cells[cell + 3u], access);
+        diptych_tell_race(cell, diptych_meets(diptych_upside_down(diptych_cells[cell + 1u]), me), me, at + k);
+    }
 }
 
 /* ---- Control flow ---------------------------------------------------------------------------- */
 
-/* what: the site of a barrier; 0xffffffff: the end. Told is the least invocation that has come to the end. */
-void diptych_arrives(const uint what)
+/* what: the site of a barrier; 0xffffffff: the end. path: how it came there. Told is the least invocation that has come to the end. */
+void diptych_arrives(const uint what, const uint path)
 {
     uint slot = 64u * diptych_group() + 2u * diptych_epoch, other = 0u, me = diptych_invocation();
     bool ends = what == 0xffffffffu;
+    uint own = ends ? 1u : (what + 2u) | (path ^ path >> 10 ^ path >> 20) << 22;
     if (all(bvec2(diptych_epoch < 32u, diptych_group() < 1024u))) {
         if (ends)
             atomicMax(diptych_cells[slot + 1u], ~me);
-        other = atomicCompSwap(diptych_cells[slot], 0u, what + 2u);
+        other = atomicCompSwap(diptych_cells[slot], 0u, own);
         me = other == 1u ? ~diptych_cells[slot + 1u] : me;
     }
     diptych_epoch++;
-    if (any(bvec3(other == 0u, other == what + 2u, diptych_parted.site != 0u)))
+    if (any(bvec3(other == 0u, other == own, diptych_parted.site != 0u)))
         return;
-    uint site = ends ? other - 2u : what;
+    uint site = ends ? (other & 0x3fffffu) - 2u : what;
     diptych_parted = Diptych_found(site + 1u, site, 1u, me - 1u, 0u, 0u, 0u);
 }
 
@@ -150,6 +161,6 @@ void diptych_finish_race()
 
 void diptych_finish_flow()
 {
-    diptych_arrives(0xffffffffu);
+    diptych_arrives(0xffffffffu, 0u);
     diptych_report(~diptych_place_of(diptych_parted.a), diptych_parted);
 }

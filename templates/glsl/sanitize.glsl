@@ -1,9 +1,14 @@
 /* Checks of --sanitize. gen/spirv/sanitize.c calls them before the operations of a body; the generator appends this file to
- * each stage, with diptych_place() and diptych_extent(). A check computes with integers alone or compares, so it changes no
+ * each stage, with the functions that have no body here. A check computes with integers alone or compares, so it changes no
  * result.
  *
  * site: where the author wrote it, what: which operation. Both are indices of model->sites; they differ where a generated
  * function, like NAME_store(), holds the operation and the author calls it. */
+
+uvec3 diptych_place(); /* of the invocation */
+uvec3 diptych_extent(); /* of all of them */
+uint diptych_now(); /* the frame's index + 1 */
+uint diptych_frame_size(); /* width and height in half a word each */
 
 /* The call of a generated function that runs. */
 uint diptych_caller = 0u;
@@ -14,30 +19,30 @@ layout(std430, @layout@) coherent buffer Diptych_reports {
     uint diptych_reports[];
 };
 
-/* What an invocation has found: for each quarter of the operations the first one, and how often. Drivers inline every check, so
- * a check only selects; diptych_flush() reports, once, behind the body. */
+/* What an invocation has found: the first one of each room, and how often. Operations of a pass are in four rooms in turn; those of
+ * a kind that the pass allows have a room of their own. `what` of a check is the site times 16, and the room. Drivers inline every
+ * check, so a check only selects; diptych_flush() reports, once, behind the body. */
 struct Diptych_found {
     uint site, what, times; /* site + 1; 0: nothing */
     uint a, b, c, d;
 };
-Diptych_found diptych_found[4] = Diptych_found[4](Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u), Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u),
-                                                  Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u), Diptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u));
+Diptych_found diptych_found[@rooms@] = Diptych_found[](@nothing@);
 
 bool diptych_note(const bool bad, const uint site, const uint what)
 {
-    uint quarter = what & 3u;
-    bool fresh = all(bvec2(bad, diptych_found[quarter].site == 0u));
-    diptych_found[quarter].site = mix(diptych_found[quarter].site, site + 1u, fresh);
-    diptych_found[quarter].what = mix(diptych_found[quarter].what, what, fresh);
-    diptych_found[quarter].times += uint(all(bvec2(bad, diptych_found[quarter].what == what)));
+    uint room = what & 15u;
+    bool fresh = all(bvec2(bad, diptych_found[room].site == 0u));
+    diptych_found[room].site = mix(diptych_found[room].site, site + 1u, fresh);
+    diptych_found[room].what = mix(diptych_found[room].what, what, fresh);
+    diptych_found[room].times += uint(all(bvec2(bad, diptych_found[room].what == what)));
     return fresh;
 }
 
 bool diptych_told(const bool bad, const uint a, const uint b, const uint site, const uint what)
 {
     bool fresh = diptych_note(bad, site, what);
-    diptych_found[what & 3u].a = mix(diptych_found[what & 3u].a, a, fresh);
-    diptych_found[what & 3u].b = mix(diptych_found[what & 3u].b, b, fresh);
+    diptych_found[what & 15u].a = mix(diptych_found[what & 15u].a, a, fresh);
+    diptych_found[what & 15u].b = mix(diptych_found[what & 15u].b, b, fresh);
     return bad;
 }
 
@@ -45,7 +50,7 @@ bool diptych_told(const bool bad, const uint a, const uint b, const uint site, c
  * is no lock: Mesa 22's llvmpipe loses lanes behind a loop that waits. */
 void diptych_report(const uint key, const Diptych_found found)
 {
-    uint slot = 200u * (found.site - 1u), now = frame.index + 1u;
+    uint slot = 200u * (found.site - 1u), now = diptych_now();
     uvec3 extent = diptych_extent();
     if (found.site == 0u)
         return;
@@ -71,10 +76,10 @@ void diptych_flush()
 {
     uvec3 place = diptych_place(), extent = diptych_extent();
     uint key = ~((place.z * extent.y + place.y) * extent.x + place.x);
-    diptych_report(key, diptych_found[0]);
-    diptych_report(key, diptych_found[1]);
-    diptych_report(key, diptych_found[2]);
-    diptych_report(key, diptych_found[3]);
+    for (int i = 0; i < @rooms@; i++) {
+        diptych_found[i].what >>= 4;
+        diptych_report(key, diptych_found[i]);
+    }
     diptych_finish(key);
 }
 
@@ -95,14 +100,20 @@ void diptych_index(const int i, const uint count, const uint site, const uint wh
     diptych_told(uint(i) >= count, uint(i), count, site, what);
 }
 
+/* A mip that there is. */
+int diptych_mip(const int i, const uint count, const uint site, const uint what)
+{
+    return diptych_told(uint(i) >= count, uint(i), count, site, what) ? 0 : i;
+}
+
 /* d: width and height in half a word each. */
 void diptych_texel(const ivec3 p, const ivec3 size, const uint site, const uint what)
 {
     bool fresh = diptych_note(any(greaterThanEqual(uvec3(p), uvec3(size))), site, what);
-    diptych_found[what & 3u].a = mix(diptych_found[what & 3u].a, uint(p.x), fresh);
-    diptych_found[what & 3u].b = mix(diptych_found[what & 3u].b, uint(p.y), fresh);
-    diptych_found[what & 3u].c = mix(diptych_found[what & 3u].c, uint(p.z), fresh);
-    diptych_found[what & 3u].d = mix(diptych_found[what & 3u].d, uint(size.x | size.y << 16), fresh);
+    diptych_found[what & 15u].a = mix(diptych_found[what & 15u].a, uint(p.x), fresh);
+    diptych_found[what & 15u].b = mix(diptych_found[what & 15u].b, uint(p.y), fresh);
+    diptych_found[what & 15u].c = mix(diptych_found[what & 15u].c, uint(p.z), fresh);
+    diptych_found[what & 15u].d = mix(diptych_found[what & 15u].d, uint(size.x | size.y << 16), fresh);
 }
 
 void diptych_texel(const ivec2 p, const ivec2 size, const uint site, const uint what)

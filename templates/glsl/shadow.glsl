@@ -17,21 +17,16 @@ uint diptych_word_at(const uint word, const uint words)
 }
 
 /* Mips follow each other, each with its layers. */
-uint diptych_texel_at(const ivec3 p, const int mip, const ivec3 whole, const bool solid)
+uint diptych_texel_at(const ivec3 p, const int mip, const int mips, const ivec3 whole, const bool solid)
 {
     ivec3 size = whole;
     uint first = 0u;
-    for (int k = 0; k < mip; k++) {
+    for (int k = 0; k < min(mip, mips); k++) {
         first += uint(size.x * size.y * size.z);
         size = max(ivec3(size.xy >> 1, size.z >> int(solid)), ivec3(1));
     }
-    bool outside = any(greaterThanEqual(uvec3(p), uvec3(size)));
+    bool outside = any(bvec2(any(greaterThanEqual(uvec3(p), uvec3(size))), uint(mip) >= uint(mips)));
     return mix(first + uint((p.z * size.y + p.y) * size.x + p.x), diptych_none_at, outside);
-}
-
-uint diptych_frame_size()
-{
-    return frame.width | frame.height << 16;
 }
 
 /* ---- Content --------------------------------------------------------------------------------- */
@@ -46,14 +41,14 @@ uint diptych_unwritten(const uint at, const uint base, const bool whole, const b
 {
     bool beside = any(bvec2(whole, at == diptych_none_at));
     uint written = diptych_shadow[mix(base + at, 0u, beside)];
-    bool good = any(bvec3(beside, written == frame.index + 1u, all(bvec2(ever, written != 0u))));
+    bool good = any(bvec3(beside, written == diptych_now(), all(bvec2(ever, written != 0u))));
     return mix(diptych_mark(at, number), 0u, good);
 }
 
 void diptych_written(const uint at, const uint base)
 {
     if (at != diptych_none_at)
-        diptych_shadow[base + at] = frame.index + 1u;
+        diptych_shadow[base + at] = diptych_now();
 }
 
 /* The first mark that the invocation has used, and how often those of its read. */

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""For sanitize_test.sh: `make FOLDER` writes wrong.yaml, whose bodies are undefined in the line that ends with `// here`, and
-fine.yaml, whose bodies come near but are not. `found FILE.json NAME` checks the findings of NAME.yaml (wrong, wrong_memory) against the messages below,
-`silent FILE.json NAME` those of fine.yaml or fine_memory.yaml, `equal DUMP DUMP` that two dumps have the same bits."""
+"""For sanitize_test.sh: `make FOLDER` writes wrong.yaml, wrong_memory.yaml and wrong_draw.yaml, whose bodies are undefined in the line that ends with `// here`, and
+fine.yaml, whose bodies come near but are not. `found FILE.json NAME` checks the findings of NAME.yaml against the messages below,
+`silent FILE.json NAME` those of a fine one, `equal DUMP DUMP` that two dumps have the same bits."""
 import json
 import os
 import re
@@ -18,23 +18,32 @@ buffers:
   steps: {{of: uint, count: 64}}
   vectors: {{of: vec4, count: 64}}
   partial: {{of: Cell, count: 4}}
-{buffers}structs:
+{buffers}samplers:
+  soft: {{kind: filter, filter: linear, mip_filter: linear}}
+structs:
   Cell: {{weight: float, parts: {{type: float, count: 4}}}}
 images:
   grid: {{format: rgba32f, size: [8, 4]}}
-  patchy: {{format: rgba16f, size: [8, 8]}}
+  pyramid: {{format: rgba32f, size: [8, 8], mips: 2}}
+  faces: {{format: r32f, size: [4, 4], cube: true}}
+{images}  patchy: {{format: rgba16f, size: [8, 8]}}
   stack: {{format: r32ui, size: [4, 4], layers: 2}}
 passes:
   - {{name: fill, dispatch: 8, writes: [taps], shader: fill.glsl}}
   - {{name: cells, dispatch: 4, writes: [cells], shader: cells.glsl}}
   - {{name: paint, dispatch: grid, writes: [grid], shader: paint.glsl}}
+  - {{name: fine_mip, dispatch: [8, 8], writes: [{{name: pyramid, mip: 0, as: mip}}], shader: mip.glsl}}
+  - {{name: coarse_mip, dispatch: [4, 4, 6], local: [4, 4, 6], writes: [{{name: pyramid, mip: 1, as: mip}}, faces], shader: mips.glsl}}
   - {{name: stack, dispatch: stack, writes: [stack], shader: stack.glsl}}
   - {{name: some, dispatch: 64, writes: [sparse, steps, vectors, partial], shader: some.glsl}}
   - {{name: patching, dispatch: patchy, writes: [patchy], shader: patching.glsl}}
 {passes}"""
-PASS = ("  - {{name: {0}, dispatch: 64, local: 32, reads: [taps, cells, grid, sparse, steps, vectors, partial, patchy], updates: [stack], "
+PASS = ("  - {{name: {0}, dispatch: 64, local: 32, reads: [taps, cells, grid, sparse, steps, vectors, partial, patchy, faces, {{name: pyramid, sampler: soft}}], updates: [stack], "
         "writes: [{{name: out_{0}, as: result}}], shader: {0}.glsl}}\n")
+DRAW = "  - {{name: {0}, draw: fullscreen, reads: [{{name: pyramid, sampler: soft}}], writes: [{{name: out_{0}, as: result}}], shader: {0}.glsl}}\n"
 FILES = {
+    "mip": "void main() { mip_store(invocation().xy, vec4(1)); }\n",
+    "mips": "void main() { ivec3 p = invocation(); faces_store(p, vec4(1)); if (p.z == 0) mip_store(p.xy, vec4(1)); }\n",
     "fill": "void main() { int i = invocation().x; if (i < 8) taps[i] = float(i + 1); }\n",
     "cells": "void main() { int i = invocation().x;\n"
              "    if (i < 4) cells[i] = Cell(1.0, float[4](1.0, 2.0, 3.0, 4.0)); }\n",
@@ -46,6 +55,13 @@ FILES = {
     "stack": "void main() { ivec3 p = invocation(); if (p.x < 4 && p.y < 4) stack_store(p, uvec4(p.z)); }\n",
 }
 START = "    int i = invocation().x, l = i % 32; /* 0 to 63, and 0 to 31 in each workgroup */\n    int null = int(zero); float x = float(i);\n"
+
+
+DRAW_START = "    ivec2 p = ivec2(gl_FragCoord.xy); float x = gl_FragCoord.x, r = 0.0; /* 16 x 16 */\n    vec2 uv = gl_FragCoord.xy / 16.0; float nought = zero;\n"
+
+
+def draw_body(code, functions=""):
+    return f"{functions}void main() {{\n{DRAW_START}    {code}\n    result = vec4(r);\n}}\n"
 
 
 def body(code, functions=""):
@@ -66,6 +82,10 @@ WRONG = [
     ("if (l == 0) stack_store(ivec3(0, 0, i / 32 + 1), uvec4(1)); r = 1.0;", "stack_store",
      "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
     ("if (i % 8 == 0) scratch[i / 8] = x; r = 1.0;", "scratch", "index 4 of `scratch`, which has 4 elements", 32, "shared float scratch[4];\n"),
+    ("r = texelFetch(pyramid_texture, ivec2(0), i / 16).x;", "pyramid_texture", "mip 2 of `pyramid`, which has 2 mips", 32),
+    ("r = texelFetch(pyramid_texture, ivec2(i % 6, 0), 1).x;", "pyramid_texture", "texel (4, 0) of `pyramid`, which has 4 x 4 texels", 4),
+    ("r = faces(ivec3(0, 0, i / 10)).x;", "faces", "texel (0, 0, 6) of `faces`, which has 4 x 4 texels", 60),
+    ("r = table[i / 8];", "[i", "index 7 of an array of 7 elements", 56, "const float table[7] = float[](1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0);\n"),
     # arithmetic of integers
     ("r = float(7 / (i - 3));", "/ (", "7 / 0", 3),
     ("int least = null - 2147483647 - 1; r = float(least / (i - 5));", "/ (i", "-2147483648 / -1", 4),
@@ -102,6 +122,8 @@ WRONG = [
     ("r = smoothstep(x, 32.0, 5.0);", "smoothstep", "smoothstep from 32 to 32", 32),
     ("r = clamp(5.0, x, 32.0);", "clamp", "clamp from 33 to 32", 33),
     ("r = mat2(x * 1e36, 1.0, 1.0, 1.0)[0].x * one; r = dot(vec2(r), vec2(r));", "dot", "`dot` of finite numbers makes inf", 1),
+    ("uint k = uint(1.0 - x); r = float(k);", "uint(", "-1 as a uint", 2),
+    ("r = degrees(x * 1e36);", "degrees", "`degrees` of finite numbers makes inf", 6),
     # loops
     ("for (int k = 0; k >= 0; k += null) if (i != 5) break;", "for", "loops of more than 65,000 turns", 5),
     ("while (true) if (i < 63) break;", "while", "loops of more than 65,000 turns", 63),
@@ -122,6 +144,11 @@ WRONG = [
     ("float a[4]; a[0] = x; r = a[1];", "a[1]", "`a` is read before it has a value", 0),
     ("mat2 m; m[0] = vec2(x); r = (m * vec2(x)).x;", "m *", "`m` is read before it has a value", 0),
     ("float a[4]; r = a[i % 4];", "a[i", "`a` is read before it has a value", 0),
+    ("float a[4]; a[i % 4] = x; r = a[(i + 1) % 4];", "a[(i", "`a` is read before it has a value", 0),
+    ("vec2 v; v[i & 1] = x; r = v.x;", "v.x", "`v` is read before it has a value", 1),
+    ("Cell c; for (int k = 0; k < 3; k++) c.parts[k] = x; r = c.parts[3];", "c.parts[3]", "`c` is read before it has a value", 0),
+    ("float a[2][2]; a[0][0] = x; r = a[0][1];", "a[0][1]", "`a` is read before it has a value", 0),
+    ("float u; bool b = i > 3; if (b) u = x; if (b || u > 5.0) r = 1.0;", "u >", "`u` is read before it has a value", 0),
 ]
 WRONG_MEMORY = [
     # content
@@ -135,6 +162,8 @@ WRONG_MEMORY = [
      "float f(int k) { float v = sparse[k]; // here\n    return k > 0 ? v : 2.0; }\n"),
     ("if (l > 3) scratch[l] = x; barrier(); r = scratch[l];", "scratch", "element 0 of `scratch` was never written", 0,
      "shared float scratch[32];\n", 2),
+    ("float v = sparse[i], w; r = modf(v, w); if (w > 3.0) r = 1.0;", "sparse", "element 1 of `sparse` was never written in this frame", 1),
+    ("float v = sparse[i]; bool even = i % 2 == 0; if (even || v > 0.5) r = 1.0;", "sparse", "element 1 of `sparse` was never written in this frame", 1),
     # races
     ("scratch[l] = 0.0; barrier(); scratch[l] = x; r = scratch[l ^ 1];", "scratch",
      "element 1 of `scratch` is also touched by invocation (1, 0, 0), and no barrier is between", 0, "shared float scratch[32];\n", 2),
@@ -143,8 +172,11 @@ WRONG_MEMORY = [
     ("stack_store(ivec3(1), uvec4(i));", "stack_store", "texel (1, 1, 1) of `stack` is also touched by invocation (1, 0, 0)", 0),
     ("cell.weight = 1.0; r = 1.0;", "cell", "`cell` is also touched by invocation (1, 0, 0)", 0, "shared Cell cell;\n"),
     ("if (l == 7) stack_store(ivec3(1), uvec4(i));", "stack_store", "texel (1, 1, 1) of `stack` is also touched by invocation (39, 0, 0)", 7),
+    ("if (i == 7) stack_store(ivec3(3, 2, 1), uvec4(i)); barrier(); if (i == 39) stack_store(ivec3(3, 2, 1), uvec4(i));", "stack_store",
+     "texel (3, 2, 1) of `stack` is also touched by invocation (39, 0, 0)", 7, "", 2),
     ("stack_atomicAdd(ivec3(2, 0, 0), 1u); if (i == 40) stack_store(ivec3(2, 0, 0), uvec4(0));", "stack_store",
      "texel (2, 0, 0) of `stack` is also touched by invocation (40, 0, 0)", 0),
+    ("modf(x, result[0]); r = 1.0;", "result", "element 0 of `out_", 0),
     ("result[i / 2] = x;", "result", "element 0 of `out_", 0),
     # control flow
     ("if (l < 10) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 10),
@@ -153,8 +185,30 @@ WRONG_MEMORY = [
     ("if (l > 20) return; barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 21),
     ("switch (l / 16) { case 0: barrier(); break; default: break; }", "barrier",
      "some invocations of the workgroup do not reach this barrier", 16),
+    ("for (int k = 0; k < 2; k++) if (k == l / 16) barrier();", "barrier", "some invocations of the workgroup do not reach this barrier", 16),
+    ("if (l < 16) f(); else f();", "barrier", "some invocations of the workgroup do not reach this barrier", 16,
+     "void f() {\n    barrier(); // here\n}\n"),
     ("f(l);", "barrier", "some invocations of the workgroup do not reach this barrier", 5,
      "void f(int k) {\n    if (k < 5) barrier(); // here\n}\n"),
+]
+PARTED = "some invocations of the quad do not reach this derivative"
+WRONG_DRAW = [
+    ("if (p.x < 5) r = dFdx(x * x);", "dFdx", PARTED, 4),
+    ("for (int k = 0; k < 3; k++) if (k == p.x % 2) r += fwidth(x);", "fwidth", PARTED, 0),
+    ("if (p.x % 4 == 1) discard; r = dFdxFine(x);", "dFdxFine", PARTED, 0),
+    ("if (p.x < 5) return; r = dFdy(x);", "dFdy", PARTED, 5),
+    ("if (p.y == 7) f(); else f();", "dFdyCoarse", PARTED, 0, "float f() {\n    return dFdyCoarse(gl_FragCoord.x); // here\n}\n"),
+    ("for (int k = 0; k < 3; k++) { if (k > p.x) break; r += dFdx(x * float(k)); }", "dFdx", PARTED, 0),
+    ("if (p.x == 3) r = texture(pyramid_texture, uv).x;", "texture", PARTED, 3),
+    ("r = p.x == 3 ? dFdx(x) : 0.0;", "dFdx", PARTED, 3),
+    ("if (p.x == 3) r = pyramid_sample(uv).x;", "pyramid_sample", PARTED, 3),
+    ("r = sqrt(4.0 - x);", "sqrt", "sqrt(-0.5)", 4),
+]
+FINE_DRAW = [
+    "r = dFdx(x * x); if (p.x < 4) r += dFdy(x);", "if (p.x / 2 == 3) for (int k = 0; k < 3; k++) r += dFdx(x * float(k));",
+    "r = dFdx(x); if (p.x % 4 == 1) discard;", "if (x < 0.0) discard; r = dFdxFine(x);", "for (int k = 0; k < p.x; k++) r += 1.0; r += dFdx(x);",
+    "if (nought < one) r = fwidth(x);", "if (p.x == 3) r = textureLod(pyramid_texture, uv, 1.0).x; r += texture(pyramid_texture, uv).x;",
+    "r = p.x > 7 ? fwidth(x) : dFdy(x);", "if (p.x == 3) r = textureGrad(pyramid_texture, uv, vec2(0.1), vec2(0.1)).x;",
 ]
 FINE = [
     "r = taps[i / 8];", "float a[7] = float[7](x, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0); r = a[i % 7];", "vec4 v = vec4(x); r = v[i / 16];",
@@ -175,6 +229,12 @@ FINE = [
     "vec3 u; u.xy = vec2(x); r = u.x + u.y; vec2 w = u.yx; r += w.x;",
     "float best; bool found = false; for (int k = 0; k < 4; k++) if (!found || taps[k] > best) { best = taps[k]; found = true; } r = best;",
     "float a[4]; for (int k = 0; k < 4; k++) a[k] = x; r = a[i % 4];",
+    "float a[4]; a[i % 4] = x; r = a[i % 4]; vec2 v; v[i & 1] = x; r += v[i & 1];",
+    "float u; bool b = i > 3; if (b) u = x; if (b && u > 5.0) r = 1.0; if (x < 99.0 && b && u > 5.0) r = 2.0;",
+    "float u; bool b = i > 3; if (b) u = x; if (!b || u < 5.0) r = 1.0; r += b ? u : 2.0;",
+    "float w; r = modf(x * 0.5, w) + w; int e; r += frexp(x, e) + float(e);",
+    "Cell c; c.parts = float[4](x, x, x, x); r = c.parts[i % 4];",
+    "r = texelFetch(pyramid_texture, ivec2(i % 4, 0), i / 32).x + faces(ivec3(0, 0, i % 6)).x;",
     "Cell c; c.weight = x; Cell d = c; r = d.weight;",
     "float a[4]; a[1] = x; r = a[1]; mat2 m; m[0] = vec2(x); m[1] = m[0]; r += (m * vec2(x)).x;",
     "r = float(7u / uint(i + 1)); int k = 7; k %= i + 2; ivec2 q = ivec2(7) / ivec2(1, i + 9); r += float(q.y + bitfieldInsert(i, 3, i / 2, 1));",
@@ -187,22 +247,25 @@ FINE_MEMORY = [
     "vec4 v = patchy(ivec2(i % 8, i / 8)); if (i % 2 == 0) r = v.x;", "r = f(i & 62);",
     "float v[2]; v[0] = sparse[i & 62]; v[1] = sparse[i | 1]; r = v[0];",
     "vec2 v = vec2(sparse[i], x); if (i == 64) r = v.x; r += v.y;",
+    "float v = sparse[i]; bool even = i % 2 == 0; if (even && v > 0.5) r = 1.0;",
     # races
     "scratch[l] = 0.0; barrier(); scratch[l] = x; barrier(); r = scratch[l ^ 1];",
     "scratch[l] = x; barrier(); for (int k = 16; k > 0; k /= 2) { if (l < k) scratch[l] += scratch[l + k]; barrier(); } r = scratch[0];",
     "stack_atomicAdd(ivec3(1), 1u);", "if (l == 0) scratch[5] = x; barrier(); r = scratch[5];", "result[i] = x; result[i] = result[i] + one;",
     "scratch[l] = x; r = scratch[l]; barrier(); scratch[(l + 1) % 32] = r;", "if (i == 40) stack_store(ivec3(3, 3, 1), uvec4(0));",
     # control flow
-    "barrier();", "for (int k = 0; k < 3; k++) barrier();", "if (zero < one) barrier();", "if (gl_WorkGroupID.x == 0u) barrier();",
+    "barrier();", "for (int k = 0; k < 3; k++) barrier();", "g(); g();", "for (int k = 0; k < l; k++) r += 1.0; barrier();", "if (zero < one) barrier();", "if (gl_WorkGroupID.x == 0u) barrier();",
     "if (gl_WorkGroupID.x > 0u) return; barrier();", "if (l < 5) r = 1.0; else r = 2.0; barrier();",
 ]
-FINE_FUNCTIONS = "shared float scratch[32];\nfloat f(int k) { float v = sparse[k]; return v * 2.0; }\n"
+FINE_FUNCTIONS = "shared float scratch[32];\nvoid g() { barrier(); }\nfloat f(int k) { float v = sparse[k]; return v * 2.0; }\n"
 
 
 def write_spec(folder, name, bodies):
-    buffers = "".join(f"  out_{key}: {{of: float, count: 64}}\n" for key in bodies)
+    draws = name.endswith("draw")
+    outs = "".join(f"  out_{key}: {{{'format: rgba32f, size: [16, 16]' if draws else 'of: float, count: 64'}}}\n" for key in bodies)
     with open(os.path.join(folder, name + ".yaml"), "w", encoding="utf-8") as file:
-        file.write(HEAD.format(name=name, buffers=buffers, passes="".join(PASS.format(key) for key in bodies)))
+        passes = "".join((DRAW if draws else PASS).format(key) for key in bodies)
+        file.write(HEAD.format(name=name, buffers="" if draws else outs, images=outs if draws else "", passes=passes))
     for key, text in {**FILES, **bodies}.items():
         with open(os.path.join(folder, key + ".glsl"), "w", encoding="utf-8") as file:
             file.write(text)
@@ -210,18 +273,22 @@ def write_spec(folder, name, bodies):
 
 def wrong_body(row):
     functions = row[4] if len(row) > 4 else ""
-    return body(row[0] if "// here" in functions + row[0] else row[0] + " // here", functions)
+    return (draw_body if row in WRONG_DRAW else body)(row[0] if "// here" in functions + row[0] else row[0] + " // here", functions)
 
 
-TABLES = {"wrong": WRONG, "wrong_memory": WRONG_MEMORY, "fine": FINE, "fine_memory": FINE_MEMORY}
+TABLES = {"wrong": WRONG, "wrong_memory": WRONG_MEMORY, "wrong_draw": WRONG_DRAW, "fine": FINE, "fine_memory": FINE_MEMORY, "fine_draw": FINE_DRAW}
+
+
+def prefix(name):
+    return "_".join([name[0], *name.split("_")[1:], ""])
 
 
 def make(folder):
     for name, rows in TABLES.items():
         fine = name.startswith("fine")
-        memory = "memory_" if name.endswith("memory") else ""
-        functions = FINE_FUNCTIONS if memory else ""
-        write_spec(folder, name, {f"{name[0]}_{memory}{i}": body(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)})
+        functions = FINE_FUNCTIONS if name == "fine_memory" else ""
+        make_fine = draw_body if name == "fine_draw" else body
+        write_spec(folder, name, {f"{prefix(name)}{i}": make_fine(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)})
 
 
 def place(row):
@@ -230,7 +297,7 @@ def place(row):
     line = next(i for i, text in enumerate(lines) if text.endswith("// here"))
     column = -1
     for _ in range(row[5] if len(row) > 5 else 1):
-        column = re.compile(r"(?<!\w)" + re.escape(row[1])).search(lines[line], column + 1).start()
+        column = re.compile((r"(?<!\w)" if row[1][0].isalnum() else "") + re.escape(row[1])).search(lines[line], column + 1).start()
     return line + 1, column + 1
 
 
@@ -241,9 +308,8 @@ def findings_of(path):
 
 def found(path, name):
     findings, rows, bad = findings_of(path), TABLES[name], 0
-    own_name = "w_memory_" if name.endswith("memory") else "w_"
     for i, row in enumerate(rows):
-        own = [f for f in findings if f["pass"] == f"{own_name}{i}"]
+        own = [f for f in findings if f["pass"] == f"{prefix(name)}{i}"]
         told = [(f["line"], f["column"], f["message"], f["invocation"][0]) for f in own]
         wanted = (*place(row), row[2], row[3])
         number = re.sub(r"(\d)e\+0", r"\1e+0", wanted[2]).replace("2.20000000e+09", "2.2e+09")

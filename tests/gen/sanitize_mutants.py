@@ -2,7 +2,7 @@
 """sanitize_mutants.py BUILD FOLDER [long]: leaves out each check of --sanitize in turn, and expects bodies of sanitize.py to miss a
 finding. Conditions of templates/glsl/sanitize.glsl become false, in a copy of the templates beside a copy of the program. Rows of
 the tables in gen/spirv/sanitize.c and cases of its switch go, in a program that is compiled from it, linked as `build` was, and
-told by MUTANT which. Without `long`: some conditions."""
+told by MUTANT which. Checks of memory and quads are left out as MEMORY says. Without `long`: some conditions, and MEMORY."""
 import json
 import os
 import re
@@ -22,6 +22,7 @@ MORE = [
     ("r = float(bitfieldExtract(uint(i), i, 8));", "bitfieldExtract", "8 bits from bit 25 of 32", 25),
     ("r = float(clamp(uint(i), 40u, uint(i)));", "clamp", "clamp from 40 to 0", 0),
     ("r = float(7u >> uint(i));", ">> uint", "a shift by 32 of 32 bits", 32),
+    ("r = degrees(x * 1e36);", "degrees", "`degrees` of finite numbers makes inf", 6),
     ("r = acosh(x);", "acosh", "acosh(0)", 0),
     ("r = mix(uintBitsToFloat(0x7fc00000u), x, 0.5);", "mix", "mix of a NaN", 0),
     ("r = mix(x, 0.5, uintBitsToFloat(0x7fc00000u));", "mix", "mix of a NaN", 0),
@@ -53,7 +54,24 @@ MORE = [
     ("stack_atomicAdd(ivec3(0, 0, i / 32 + 1), 1u); r = 1.0;", "stack_atomicAdd", "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
 ]
 # What the message of a check has that is no row of the tables.
-TOLD = {"index": "index", "texel": "texel", "made": "makes", "assigned": "value", "turn": "turns"}
+TOLD = {"index": "index", "mip": "mip ", "texel": "texel", "made": "makes", "assigned": "value", "turn": "turns"}
+
+# File, what is left out, what stands there instead, and a part of the message that then is missed.
+MEMORY = [
+    ("cells", "min(diptych_meets(before, me), min(diptych_meets(first, me), diptych_meets(last, me)))", "diptych_last", "touched"),
+    ("cells", "diptych_meets(before, me)", "diptych_last", "`result` is also|`out_|`stack`"),
+    ("cells", "diptych_meets(diptych_upside_down(diptych_cells[cell + 1u]), me)", "diptych_last", "touched"),
+    ("cells", "access >> 22 == (diptych_epoch & 1023u)", "false", "`scratch` is also"),
+    ("cells", "bvec2(foreign,", "bvec2(false,", "39, 0, 0|40, 0, 0"),
+    ("cells", "| (path ^ path >> 10 ^ path >> 20) << 22", "", "barrier"),
+    ("cells", "bvec3(other == 0u,", "bvec3(true,", "barrier"),
+    ("cells", "content == 0u ?", "false ?", "`scratch` was never"),
+    ("shadow", "bvec3(beside, written == diptych_now()", "bvec3(true, written == diptych_now()", "never written in"),
+    ("shadow", "mix(diptych_marked, mark, diptych_marked == 0u)", "0u", "never written"),
+    ("quads", "any(notEqual(vec2(dFdxFine(own), dFdyFine(own)), vec2(0.0)))", "false", "quad"),
+    ("quads", "dFdxFine(own)", "0.0", "quad"),
+    ("quads", "dFdyFine(own)", "0.0", "quad"),
+]
 
 
 def argument(text, start):
@@ -89,8 +107,8 @@ def table_rows(text):
     return [(number, function or None, word) for number, function, word in rows]
 
 
-def run(program, spec, output, **environment):
-    options = ["--size", "16x16", "--backend", "vk@llvmpipe", "--dump", output + ".dump", "--sanitize", "--json", output]
+def run(program, spec, output, kinds, **environment):
+    options = ["--size", "16x16", "--backend", "vk@llvmpipe", "--dump", output + ".dump", "--sanitize=" + kinds, "--json", output]
     result = subprocess.run([program, "render", "--spec", spec, *options], capture_output=True, text=True, check=False,
                             env={**os.environ, **environment})
     if result.returncode not in (0, 1) or "error:" in result.stderr:
@@ -114,19 +132,21 @@ class Bench:
         with open("gen/spirv/sanitize.c", encoding="utf-8") as file:
             self.source = file.read()
         self.rows, self.survivors, self.count = sanitize.WRONG + MORE, [], 0
+        self.kinds = "index,arithmetic,loop,variable"
 
     def judge(self, name, suits, **environment):
         """Runs the bodies that suit, by their row, with the mutant and without."""
         bodies = {f"w{i}": sanitize.wrong_body(row) for i, row in enumerate(self.rows) if suits(row)}
-        sanitize.write_spec(self.folder, "wrong", bodies)
-        spec, output = os.path.join(self.folder, "wrong.yaml"), os.path.join(self.folder, "found.json")
+        table = "wrong_draw" if self.rows is sanitize.WRONG_DRAW else "wrong"
+        sanitize.write_spec(self.folder, table, bodies)
+        spec, output = os.path.join(self.folder, table + ".yaml"), os.path.join(self.folder, "found.json")
         self.count += 1
-        if not bodies or run(self.program, spec, output, **environment) == self.whole(spec):
+        if not bodies or run(self.program, spec, output, self.kinds, **environment) == self.whole(spec):
             self.survivors.append(name)
             print("survives:", name)
 
     def whole(self, spec):
-        return run(os.path.join(self.build, "diptych"), spec, os.path.join(self.folder, "whole.json"))
+        return run(os.path.join(self.build, "diptych"), spec, os.path.join(self.folder, "whole.json"), self.kinds)
 
     def templates(self, names=""):
         path = os.path.join(self.folder, "templates/glsl/sanitize.glsl")
@@ -145,6 +165,21 @@ class Bench:
             self.judge(f"{name}: {text[start:end]}", lambda row: told in row[2] if told else any(word in row[0] for word in own))
         with open(path, "w", encoding="utf-8") as file:
             file.write(text)
+
+    def memory(self):
+        self.kinds = "content,race,flow"
+        for name, old, new, told in MEMORY:
+            path = os.path.join(self.folder, f"templates/glsl/{name}.glsl")
+            with open(path, encoding="utf-8") as file:
+                text = file.read()
+            assert old in text, old
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text.replace(old, new))
+            self.rows = sanitize.WRONG_DRAW if name == "quads" else sanitize.WRONG_MEMORY
+            self.judge(f"{name}: {old}", lambda row, told=told: re.search(told, row[2]))
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+        self.rows, self.kinds = sanitize.WRONG + MORE, "index,arithmetic,loop,variable"
 
     def compile(self):
         """A program that leaves out what MUTANT names."""
@@ -177,6 +212,7 @@ def main(build, folder, form=""):
     bench = Bench(build, folder)
     bench.build = os.path.realpath(build)
     bench.templates("" if form else "modulo|shift")
+    bench.memory()
     if form:
         bench.tables()
     print(f"{bench.count} mutants, {len(bench.survivors)} survive")

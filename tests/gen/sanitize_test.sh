@@ -1,17 +1,17 @@
 #!/usr/bin/env bash
 # --sanitize finds undefined behaviour of bodies that are wrong in one place, there, on every driver; bodies that come near stay
-# silent and keep their bits. Long: all mutants of the checks, and all pipelines. TAP.
+# silent and keep their bits. Long: all mutants of the checks. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 . "$root/tests/lib/drivers.sh"
 tool() { /usr/bin/python3 "$root/tests/gen/sanitize.py" "$@"; }
 tool make "$work" || exit 1
 
 # The kinds that each table is about: checks of all kinds take the drivers' compilers several times as long.
-declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow")
-kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]}
+declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow" [wrong_draw]="")
+kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]} kinds[fine_draw]=""
 # shellcheck disable=SC2317 # called through check
 sanitized() { # table backend folder
-    "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize=${kinds[$1]}" --json "$work/found.json"
+    "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize${kinds[$1]:+=${kinds[$1]}}" --json "$work/found.json"
 }
 # shellcheck disable=SC2317 # called through check
 finds() { # table backend
@@ -32,6 +32,8 @@ for backend in gl vk@llvmpipe "${strangers[@]}"; do
     check "$backend is silent about what comes near, and changes no bit" silent fine "$backend"
     check "$backend finds unwritten content, races and diverging barriers in their line" finds wrong_memory "$backend"
     check "$backend is silent about memory that is used as it may be, and changes no bit" silent fine_memory "$backend"
+    check "$backend finds derivatives of parted quads in their line" finds wrong_draw "$backend"
+    check "$backend is silent about derivatives of whole quads, and changes no bit" silent fine_draw "$backend"
 done
 [ ${#strangers[@]} -gt 0 ] || skip "another driver finds each undefined operation in its line" "$no_strangers"
 
@@ -96,6 +98,40 @@ meant() {
         [ "$(grep -c warning: "$work/told")" = 1 ]
 }
 check "allow silences what is meant, and is told where it silences nothing" meant
+# Findings that are allowed take no room from others, in one invocation and in one call of a generated function.
+cat >"$work/rooms.yaml" <<'END'
+pipeline: rooms
+buffers: {taps: {of: float, count: 4}, sums: {of: float, count: 8}}
+passes:
+  - {name: fill, dispatch: 4, writes: [taps], shader: rooms_fill.glsl}
+  - name: look
+    dispatch: 8
+    reads: [taps]
+    writes: [sums]
+    allow: {arithmetic: "logs of zero are dropped", loop: "never needed", index: "the last one is repeated"}
+    shader: rooms.glsl
+END
+echo 'void main() { int i = invocation().x; if (i < 4) taps[i] = 1.0; }' >"$work/rooms_fill.glsl"
+cat >"$work/rooms.glsl" <<'END'
+void main()
+{
+    int i = invocation().x;
+    float x = float(i) * 0.0, u, r = log(x) + log(x) + log(x) + log(x) + log(x) + log(x) + log(x) + log(x);
+    r += taps[i]; if (i < 8) sums[i] = max(r + u, 0.0);
+}
+END
+# shellcheck disable=SC2317
+rooms() { # backend
+    "$diptych" render --spec "$work/rooms.yaml" --size 8x8 --backend "$1" --dump "$work/rooms" --sanitize >"$work/found" 2>"$work/told"
+    [ $? = 1 ] || return
+    cat "$work/found" "$work/told"
+    # shellcheck disable=SC2016
+    [ "$(grep -c undefined: "$work/found")" = 1 ] && grep -qF 'rooms.glsl:5:48: undefined: `u` is read before it has a value' "$work/found" &&
+        [ "$(grep -c 'silenced nothing' "$work/told")" = 1 ] && grep -qF '`allow: loop` of the pass `look` has silenced nothing' "$work/told"
+}
+for backend in gl vk@llvmpipe; do
+    check "$backend: what is allowed hides nothing else, and is not called idle" rooms "$backend"
+done
 # shellcheck disable=SC2317
 everywhere() {
     "$diptych" compare --spec "$work/bare.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize --fault gl:logs:bit --bisect "$work/case" \
@@ -116,21 +152,43 @@ replayed() {
 }
 check "replay has them, too" replayed
 
-# shellcheck disable=SC2317
-is_silent() { # spec options...
-    "$diptych" render --spec "$1" --size 48x27 --scene cornell --backend vk@llvmpipe --dump "$work/swept" "--sanitize=${kinds[fine]}" "${@:2}" >"$work/told" 2>"$work/errors"
-    local status=$?
-    cat "$work/told"
-    grep "silenced nothing" "$work/errors"
-    [ "$status" = 0 ] && ! grep -q "silenced nothing" "$work/errors"
+# A reduction without one of its barriers, and an atomic that became a store: found by every run, for every number of threads.
+cat >"$work/seeded.yaml" <<'END'
+pipeline: seeded
+buffers: {sums: {of: uint, count: 16}, total: {of: uint, count: 1}}
+passes:
+  - {name: clear, dispatch: 1, local: 1, writes: [total], shader: seeded_clear.glsl}
+  - {name: reduce, dispatch: 1024, local: 64, updates: [total], writes: [sums], shader: seeded.glsl}
+END
+echo 'void main() { total[0] = 0u; }' >"$work/seeded_clear.glsl"
+cat >"$work/seeded.glsl" <<'END'
+shared uint part[64];
+void main()
+{
+    int l = invocation().x % 64;
+    part[l] = 1u;
+    barrier();
+    for (int k = 32; k > 0; k /= 2)
+        if (l < k) part[l] += part[l + k];
+    barrier();
+    if (l == 0) sums[invocation().x / 64] = part[0];
+    if (l == 0) total[0] = total[0] + part[0];
 }
-swept=("$specs"/{mips,parts,atomics,particles,groups,features}.yaml)
-if [ -n "${DIPTYCH_LONG:-}" ]; then
-    mapfile -t swept < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml "$root"/templates/*.yaml)
-fi
-for spec in "${swept[@]}"; do
-    grep -q '^pipeline:' "$spec" || continue
-    check "$(basename "$spec" .yaml) does nothing undefined, or says why" is_silent "$spec" --frames 2
+END
+# shellcheck disable=SC2317
+seeded() { # threads
+    for _ in 1 2 3; do
+        LP_NUM_THREADS=$1 "$diptych" render --spec "$work/seeded.yaml" --size 8x8 --backend vk@llvmpipe --dump "$work/seeded" --sanitize=race >"$work/found"
+        [ $? = 1 ] || return
+        cat "$work/found"
+        # shellcheck disable=SC2016
+        [ "$(grep -c undefined: "$work/found")" = 2 ] &&
+            grep -qF 'seeded.glsl:8:20: undefined: element 1 of `part` is also touched by invocation (1, 0, 0), and no barrier' "$work/found" &&
+            grep -qF 'seeded.glsl:11:17: undefined: element 0 of `total` is also touched by invocation (64, 0, 0), and no barrier' "$work/found" || return
+    done
+}
+for threads in 0 1 2 8; do
+    check "seeded races are found in every run with $threads threads" seeded "$threads"
 done
 
 mkdir "$work/mutants"

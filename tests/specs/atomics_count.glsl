@@ -16,8 +16,9 @@ void main()
     ends_atomicMax(ivec3(0, 0, i % 6), i % 6 < 3 ? -2000 : i);
     /* Plain stores beside: validation 1.3.239 takes an image that is changed only atomically for one that is read. */
     if (i < 4) {
+        if (i == 0)
+            once_store(ivec2(4, 0), uvec4(3u));
         tally_store(ivec2(i, 6), uvec4(i));
-        once_store(ivec2(4, 0), uvec4(3u)); /* all the same */
         cells_store(ivec3(i & 1, i >> 1, 2), uvec4(i));
         ends_store(ivec3(1, 1, i), ivec4(i));
     }

@@ -1,5 +1,7 @@
 void main()
 {
+    if (invocation().xy != ivec2(0))
+        return;
     sizes_store(ivec2(0, 0), ivec4(fog_size(), 0));
     sizes_store(ivec2(1, 0), ivec4(sky_size(), faces_size()));
     sizes_store(ivec2(2, 0), ivec4(probes_size(), 0, 0));

@@ -1,0 +1,287 @@
+/* --sanitize=flow: invocations that must come to an operation together, in the same turns of its loops and by the same calls.
+ * Those of a workgroup come to a barrier, see race.c. A derivative is a difference between the four invocations of a quad, and so is the level
+ * of detail of most sampling.
+ * For each operation an invocation keeps a number, made of all its comings there. Behind the body, where the quad is together
+ * again, the derivative of that number is zero unless the invocations parted (templates/glsl/quads.glsl). So `discard` of main()
+ * returns first, and is done behind the comparison. */
+#include <spirv/unified1/spirv.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "sanitizer.h"
+
+struct quad {                /* an operation */
+    uint32_t number, caller; /* variables; caller: of generated text, 0: none */
+    uint32_t file, line, site;
+};
+struct quads {
+    bool fragment;
+    bool *meets;   /* by id of a function: a call of it may come to such an operation */
+    uint32_t path; /* variable: the calls that led here */
+    uint32_t
+        discard; /* variable: 1 in an invocation that is discarded, which drivers may run on; 0: none is */
+    uint32_t before, calls;
+    struct quad *list;
+    uint32_t count, room;
+};
+
+static const struct {
+    uint32_t opcode;
+    const char *word;
+} derivatives[] = {
+    {SpvOpImageSampleImplicitLod, "texture"},
+    {SpvOpImageSampleDrefImplicitLod, "texture"},
+    {SpvOpImageSampleProjImplicitLod, "textureProj"},
+    {SpvOpImageSampleProjDrefImplicitLod, "textureProj"},
+    {SpvOpImageQueryLod, "textureQueryLod"},
+    {SpvOpDPdx, "dFdx"},
+    {SpvOpDPdy, "dFdy"},
+    {SpvOpFwidth, "fwidth"},
+    {SpvOpDPdxFine, "dFdxFine"},
+    {SpvOpDPdyFine, "dFdyFine"},
+    {SpvOpFwidthFine, "fwidthFine"},
+    {SpvOpDPdxCoarse, "dFdxCoarse"},
+    {SpvOpDPdyCoarse, "dFdyCoarse"},
+    {SpvOpFwidthCoarse, "fwidthCoarse"},
+};
+
+/* The word of an operation that takes a derivative; NULL: it takes none. */
+static const char *word_of(const uint32_t *instruction)
+{
+    for (size_t i = 0; i < sizeof derivatives / sizeof *derivatives; i++)
+        if (spirv_is(instruction, derivatives[i].opcode))
+            return derivatives[i].word;
+    return NULL;
+}
+
+static bool is_kill(const uint32_t *instruction)
+{
+    return spirv_is(instruction, SpvOpKill) || spirv_is(instruction, SpvOpTerminateInvocation);
+}
+
+static bool is_fragment(const struct spirv *from)
+{
+    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
+    if (spirv_is(from->words + at, SpvOpEntryPoint))
+        return from->words[at + 1] == SpvExecutionModelFragment;
+    return false;
+}
+
+/* Whether invocations must come here together. */
+static bool is_meeting(const struct sanitizer *s, const uint32_t *i)
+{
+    return s->quads->fragment ? word_of(i) != NULL : race_is_barrier(s->from, i);
+}
+
+/* ---- Which functions ------------------------------------------------------------------------- */
+
+static bool find_in(const struct sanitizer *s, const struct spirv_function *function)
+{
+    bool *own = &s->quads->meets[function->id], before = *own;
+    if (sanitizer_is_check(s->from, function))
+        return false;
+    SPIRV_EACH(s->from, at, function->begin, function->end)
+    {
+        const uint32_t *i = s->from->words + at;
+        *own |= is_meeting(s, i) || (spirv_is(i, SpvOpFunctionCall) && s->quads->meets[i[3]]);
+    }
+    return *own != before;
+}
+
+bool quads_begin(struct sanitizer *s)
+{
+    const struct spirv *from = s->from;
+    s->quads = calloc(1, sizeof *s->quads);
+    bool *meets = s->quads ? calloc(from->words[3], sizeof *meets) : NULL;
+    if (!meets)
+        return false;
+    s->quads->meets = meets;
+    s->quads->fragment = is_fragment(from);
+    bool changed = s->request->kinds & SANITIZE_FLOW;
+    while (changed) {
+        changed = false;
+        for (uint32_t f = 0; f < from->function_count; f++)
+            changed |= find_in(s, &from->functions[f]);
+    }
+    SPIRV_EACH(from, at, from->code, from->count)
+    if (is_kill(from->words + at) && meets[spirv_entry(from)] && !s->quads->discard)
+        s->quads->discard = sanitizer_variable(s);
+    return true;
+}
+
+void quads_free(struct sanitizer *s)
+{
+    if (s->quads) {
+        free(s->quads->meets);
+        free(s->quads->list);
+    }
+    free(s->quads);
+}
+
+bool quads_count_turns(const struct sanitizer *s)
+{
+    return s->function && s->quads->meets[s->function];
+}
+
+/* ---- Numbers --------------------------------------------------------------------------------- */
+
+static uint32_t put_load(struct sanitizer *s, uint32_t variable)
+{
+    uint32_t value = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), value, variable);
+    return value;
+}
+
+/* a * 257 + b. */
+static uint32_t put_joined(struct sanitizer *s, uint32_t a, uint32_t b)
+{
+    uint32_t product = s->edit.bound++, sum = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIMul, sanitizer_uint(s), product, a,
+              sanitizer_number(s, 257));
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), sum, product, b);
+    return sum;
+}
+
+/* The calls that led here, and the turns of the loops around, which stand before it and end behind it. */
+uint32_t quads_path(struct sanitizer *s, size_t place)
+{
+    const struct spirv *from = s->from;
+    size_t begin = from->definitions[s->function];
+    uint32_t path, label = 0;
+    if (!s->quads->path)
+        s->quads->path = sanitizer_variable(s);
+    path = put_load(s, s->quads->path);
+    SPIRV_EACH(from, at, begin, place)
+    {
+        const uint32_t *i = from->words + at;
+        label = spirv_is(i, SpvOpLabel) ? i[1] : label;
+        if (spirv_is(i, SpvOpLoopMerge) && from->definitions[i[1]] > place && s->counters[label])
+            path = put_joined(s, path, put_load(s, s->counters[label]));
+    }
+    return path;
+}
+
+static struct quad *add_quad(struct sanitizer *s)
+{
+    struct quads *quads = s->quads;
+    if (quads->count == quads->room) {
+        uint32_t room = quads->room * 2 + 16;
+        struct quad *list = realloc(quads->list, room * sizeof *list);
+        if (!list) {
+            s->edit.failed = true;
+            return NULL;
+        }
+        quads->list = list;
+        quads->room = room;
+    }
+    return &quads->list[quads->count++];
+}
+
+/* The number after one more coming; the same in an invocation that is discarded. */
+static uint32_t put_next(struct sanitizer *s, uint32_t variable, size_t place)
+{
+    uint32_t path = quads_path(s, place), once = s->edit.bound++, before = put_load(s, variable);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), once, path,
+              sanitizer_number(s, 1));
+    uint32_t next = put_joined(s, before, once), alive = s->edit.bound++, kept = s->edit.bound++;
+    if (!s->quads->discard)
+        return next;
+    uint32_t boolean = spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIEqual, boolean, alive, put_load(s, s->quads->discard),
+              sanitizer_number(s, 0));
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), kept, alive, next, before);
+    return kept;
+}
+
+static void put_operation(struct sanitizer *s, const char *word, size_t place)
+{
+    struct quad *quad = add_quad(s);
+    uint32_t caller = s->file ? 0 : sanitizer_caller(s);
+    if (!quad)
+        return;
+    s->kind = SANITIZE_FLOW;
+    *quad =
+        (struct quad){sanitizer_variable(s), caller ? sanitizer_variable(s) : 0, s->file, s->line,
+                      sanitizer_site(s, word, "",
+                                     "some invocations of the quad do not reach this "
+                                     "derivative")};
+    if (caller)
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, quad->caller, put_load(s, caller));
+    uint32_t next = put_next(s, quad->number, place);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, quad->number, next);
+}
+
+void quads_before(struct sanitizer *s, size_t place)
+{
+    const uint32_t *i = s->from->words + place;
+    if (!quads_count_turns(s))
+        return;
+    if (word_of(i) && s->quads->fragment) {
+        put_operation(s, word_of(i), place);
+    } else if (spirv_is(i, SpvOpFunctionCall) && s->quads->meets[i[3]]) {
+        uint32_t path = quads_path(s, place);
+        s->quads->before = put_load(s, s->quads->path);
+        path = put_joined(s, path, sanitizer_number(s, ++s->quads->calls));
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->quads->path, path);
+    }
+}
+
+bool quads_discard(struct sanitizer *s, const uint32_t *i)
+{
+    if (!is_kill(i) || !s->quads->discard)
+        return false;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->quads->discard, sanitizer_number(s, 1));
+    if (s->function != spirv_entry(s->from))
+        return false;
+    spirv_put(&s->edit, &s->edit.code, SpvOpReturn, NULL, 0);
+    return true;
+}
+
+void quads_after(struct sanitizer *s, const uint32_t *i)
+{
+    if (quads_count_turns(s) && spirv_is(i, SpvOpFunctionCall) && s->quads->meets[i[3]])
+        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->quads->path, s->quads->before);
+}
+
+/* ---- Behind the body ------------------------------------------------------------------------- */
+
+static void put_quad(struct sanitizer *s, const struct quad *quad)
+{
+    struct values values = {{put_load(s, quad->number)}, 1};
+    s->kind = SANITIZE_FLOW;
+    values.ids[values.count++] =
+        quad->caller ? put_load(s, quad->caller) : sanitizer_number(s, quad->site);
+    values.ids[values.count++] = sanitizer_what(s, quad->site);
+    sanitizer_call(s, "diptych_quad(u1;u1;u1;", &values);
+}
+
+/* What has returned to be compared is discarded. */
+static void put_discard(struct sanitizer *s)
+{
+    struct spirv_edit *edit = &s->edit;
+    uint32_t boolean = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
+    uint32_t discard = edit->bound++, then = edit->bound++, end = edit->bound++;
+    SPIRV_PUT(edit, &edit->code, SpvOpINotEqual, boolean, discard, put_load(s, s->quads->discard),
+              sanitizer_number(s, 0));
+    SPIRV_PUT(edit, &edit->code, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
+    SPIRV_PUT(edit, &edit->code, SpvOpBranchConditional, discard, then, end);
+    SPIRV_PUT(edit, &edit->code, SpvOpLabel, then);
+    spirv_put(edit, &edit->code, SpvOpKill, NULL, 0);
+    SPIRV_PUT(edit, &edit->code, SpvOpLabel, end);
+}
+
+void quads_end(struct sanitizer *s)
+{
+    const struct spirv_function *function = spirv_find_function(s->from, "diptych_quads(");
+    if (!function)
+        return;
+    spirv_copy(&s->edit, &s->edit.code, s->from->words + function->begin);
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLabel, s->edit.bound++);
+    for (uint32_t i = 0; i < s->quads->count; i++)
+        put_quad(s, &s->quads->list[i]);
+    if (s->quads->discard)
+        put_discard(s);
+    spirv_put(&s->edit, &s->edit.code, SpvOpReturn, NULL, 0);
+    spirv_put(&s->edit, &s->edit.code, SpvOpFunctionEnd, NULL, 0);
+}

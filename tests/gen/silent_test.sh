@@ -1,0 +1,32 @@
+#!/usr/bin/env bash
+# Pipelines of ours do nothing undefined, of any kind that --sanitize knows, or say why: specs of the tests and shipped ones, whose
+# `allow` is of use. Long: all of them, on more scenes. TAP.
+. "$(dirname "$0")/../lib/tap.sh"
+scenes=(cornell)
+specs=("$root"/tests/specs/{atomics,bloom,body,features,groups,layouts,mips,objects,parts,particles,proof,proof_fixed,proof_open,reproject,shapes}.yaml
+    "$root"/tests/specs/{subgroups,upsample,whole,work}.yaml "$root"/templates/{machine,post,taa}.yaml)
+if [ -n "${DIPTYCH_LONG:-}" ]; then
+    scenes=(cornell cornell_light cornell_walk white_box)
+    mapfile -t specs < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml)
+    specs+=("$root"/templates/*.yaml)
+fi
+# shellcheck disable=SC2317 # called through check
+is_silent() { # spec scene
+    local options=()
+    case $1 in
+    */post.yaml) options=(--size 320x180 --input "photo=$root/templates/pictures/post.png") ;;
+    esac
+    "$diptych" render --spec "$1" --size 48x27 --scene "$root/scenes/$2.yaml" --backend vk@llvmpipe --frames 2 --dump "$work/dump" \
+        --sanitize "${options[@]}" >"$work/told" 2>"$work/errors"
+    local status=$?
+    cat "$work/told"
+    grep -E "error:|silenced nothing" "$work/errors"
+    [ "$status" = 0 ] && ! grep -q "silenced nothing" "$work/errors"
+}
+for scene in "${scenes[@]}"; do
+    for spec in "${specs[@]}"; do
+        grep -q '^pipeline:' "$spec" || continue
+        check "$(basename "$spec" .yaml) does nothing undefined in $scene, or says why" is_silent "$spec" "$scene"
+    done
+done
+finish
