@@ -88,8 +88,9 @@ static const struct dt_shaders *shaders_of(const struct session *session,
 bool session_create(struct session *session, const struct pipeline *pipeline)
 {
     const struct dt_shaders *shaders = shaders_of(session, pipeline);
-    if (pipeline->plan && plan_is_automatic(pipeline->plan) &&
-        session->runtime->takes_gpu(session->handle, shaders->panel)) {
+    session->for_gpu = pipeline->plan && plan_is_automatic(pipeline->plan) &&
+                       session->runtime->takes_gpu(session->handle, shaders->panel);
+    if (session->for_gpu) {
         struct plan *plan = plan_for_gpu(pipeline->plan, session->info.console);
         shaders = plan ? plan_shaders(plan, session->runtime->name) : NULL;
     }

@@ -30,6 +30,7 @@ struct session {
     struct log_source source;
     struct dt_log log;
     uint32_t frame; /* index of the next one */
+    bool for_gpu;   /* session_create has taken the plan for GPUs of `target: auto` */
 };
 
 /* session_open creates the context or device; session_prepare uploads and creates everything up to

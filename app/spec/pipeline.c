@@ -144,6 +144,7 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
                                              .cache = load.cache,
                                              .root = setup->root,
                                              .exact_twin = setup->exact_twin,
+                                             .for_gpu = setup->for_gpu,
                                              .text = takes_text(setup),
                                              .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);
@@ -156,19 +157,26 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
     return good;
 }
 
-static bool run_generator(const struct load *load, const struct setup *setup,
+static bool run_generator(const struct load *load, const struct setup *setup, const char *target,
                           struct console *console)
 {
     static const struct tool generator = {
         .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
     char *tool = format_string("%s/diptych-gen", load->tools);
-    char **argv = calloc(setup->set_count * 2 + 12, sizeof *argv);
+    char **argv = calloc(setup->set_count * 2 + 14, sizeof *argv);
     bool good = false;
     if (tool && argv) {
-        const char *const words[] = {
-            tool,        load->spec,    "--check",       "--limit",
-            TRY_SECONDS, "--templates", load->templates, load->cache ? "--cache" : NULL,
-            load->cache};
+        const char *const words[] = {tool,
+                                     load->spec,
+                                     "--check",
+                                     "--limit",
+                                     TRY_SECONDS,
+                                     "--templates",
+                                     load->templates,
+                                     load->cache ? "--cache" : NULL,
+                                     load->cache,
+                                     target ? "--set" : NULL,
+                                     target};
         size_t n = 0;
         for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
             if (words[i])
@@ -186,10 +194,11 @@ static bool run_generator(const struct load *load, const struct setup *setup,
     return good;
 }
 
-bool pipeline_try(struct console *console, const struct setup *setup)
+bool pipeline_try(struct console *console, const struct setup *setup, const char *target)
 {
     struct load load;
-    bool good = find_files(&load, setup, &console->log) && run_generator(&load, setup, console);
+    bool good =
+        find_files(&load, setup, &console->log) && run_generator(&load, setup, target, console);
     load_forget(&load);
     return good;
 }

@@ -90,6 +90,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
                                         .root = request->root,
                                         .cache = request->cache,
                                         .exact_twin = request->exact_twin,
+                                        .gpu = request->for_gpu,
                                         .text = request->text,
                                         .sanitize = request->sanitize};
     return load(&wanted, console);
@@ -104,6 +105,8 @@ struct plan *plan_for_gpu(struct plan *plan, struct console *console)
 {
     struct spec_request wanted = plan->request;
     wanted.gpu = true;
+    if (plan->request.gpu)
+        return plan;
     if (!plan->gpu)
         plan->gpu = load(&wanted, console);
     return plan->gpu;

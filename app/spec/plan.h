@@ -14,12 +14,13 @@ struct plan_request {
     const char *cache; /* folder of compiled shaders; NULL: none */
     const char *root;  /* real path: files outside are not read; NULL: no limit */
     bool exact_twin;   /* every pass is exact */
+    bool for_gpu;      /* `target: auto` is planned for GPUs */
     bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
     unsigned sanitize; /* mask of enum sanitize_kind; 0: off */
 };
 
-/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. With `target: auto`
- * it is the plan for CPU drivers. */
+/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. Without
+ * for_gpu, `target: auto` is planned for CPU drivers. */
 struct plan *plan_load(const struct plan_request *request, struct console *console);
 void plan_free(struct plan *plan); /* takes NULL */
 /* What vary() of gen/stages.h makes: `count` variations, in which resources take `bytes` at most, and the
@@ -30,7 +31,7 @@ struct cJSON *plan_variations(const struct plan_request *request, uint32_t count
 const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
 bool plan_is_automatic(const struct plan *plan); /* `target: auto` */
-/* The same pipeline planned for GPUs: made by the first call, and part of the plan. NULL: an error of the
+/* The same pipeline planned for GPUs: this plan, or made by the first call and part of it. NULL: an error of the
  * spec, printed. */
 struct plan *plan_for_gpu(struct plan *plan, struct console *console);
 /* The paths of all files that were read. */

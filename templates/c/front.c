@@ -669,8 +669,8 @@ bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elem
 {
     return elements <= core->limits.most[DT_LIMIT_TEXELS] ||
            dt_error(core,
-                    "%s: %llu elements, but %s has at most %llu in a texel buffer; generate the "
-                    "pipeline with `target: auto`, and give the scene before create",
+                    "%s: %llu elements, but %s has at most %llu in a texel buffer; take `target: "
+                    "gpu`, or `auto` and give the scene before create",
                     name, (unsigned long long)elements, core->device_name,
                     (unsigned long long)core->limits.most[DT_LIMIT_TEXELS]);
 }
