@@ -283,16 +283,31 @@ static bool find_margin(const struct dt_pipeline *info, const struct kept_contra
     return !kept->margin;
 }
 
-static bool set_contract(const struct dt_pipeline *info, uint32_t index,
+/* Whether a pass writes the resource that its `exactness` leaves free. */
+static bool is_free(const struct pipeline *pipeline, uint32_t resource)
+{
+    const struct dt_pipeline *info = pipeline->info;
+    for (uint32_t i = 0; i < info->pass_count; i++)
+        for (uint32_t k = 0; k < info->passes[i].write_count && plan_is_bounded(pipeline->plan, i);
+             k++)
+            if (info->passes[i].writes[k] == resource)
+                return true;
+    return false;
+}
+
+static bool set_contract(const struct pipeline *pipeline, uint32_t index,
                          const struct kept_contract *kept, const char *path,
                          const struct dt_log *log)
 {
     /* the plan, which the pipeline owns, has made them */
+    const struct dt_pipeline *info = pipeline->info;
     struct dt_resource *resource = (struct dt_resource *)&info->resources[index];
     resource->contract = kept->contract;
     const char *wrong = NULL;
     if (kept->contract.kind == DT_CONTRACT_RASTER && !is_drawn(info, index))
         wrong = "`raster` is for images that a draw of the scene writes";
+    else if (kept->contract.kind == DT_CONTRACT_OF_EXACT && !is_free(pipeline, index))
+        wrong = "`of_exact` is for what passes write that their `exactness` leaves free";
     else if (kept->contract.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
         wrong = "`image` is for images";
     else if (!find_margin(info, kept, &resource->contract))
@@ -314,7 +329,7 @@ bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct cont
         report_error(log, "out of memory");
     for (uint32_t i = 0; i < info->resource_count && good; i++) {
         const struct kept_contract *kept = contracts_find(contracts, "", info->resources[i].name);
-        good = !kept || set_contract(info, i, kept, path, log);
+        good = !kept || set_contract(pipeline, i, kept, path, log);
     }
     free(names);
     return good;
