@@ -359,13 +359,13 @@ static bool load(struct generation *g, struct spec_request *request, bool tables
         return true;
     struct diag *diag = diag_create();
     request->gpu = true;
-    bool good = diag && spec_load(&g->gpu, request, tables, diag);
-    if (!good && diag) {
-        diag_free(g->diag);
-        g->diag = diag;
-    } else {
-        diag_free(diag);
+    if (!diag) {
+        diag_error(g->diag, (struct loc){0}, "out of memory");
+        return false;
     }
+    bool good = spec_load(&g->gpu, request, tables, diag);
+    diag_free(good ? diag : g->diag);
+    g->diag = good ? g->diag : diag;
     if (good && tables && !emit_is_same(g->spec.tables, g->gpu.tables))
         g->spec.tables->gpu = g->gpu.tables;
     return good;
