@@ -139,9 +139,13 @@ is_both() { # name
     done
     cmp "$work/$1.auto/$1.h" "$work/$1.gpu/$1.h" && cmp "$work/$1.auto/$1.h" "$work/$1.software/$1.h" && [ "$own" -gt 9 ]
 }
+# shellcheck disable=SC2317
+for_target() { # name target
+    "$gen" "templates/$1.yaml" -o "$work/$1.$2" --set "target=$2" >"$work/$1.$2.told"
+}
 for target in auto software gpu; do
-    check "rsm for $target is generated" sh -c '"$@" >"$0"' "$work/rsm.$target.told" "$gen" templates/rsm.yaml -o "$work/rsm.$target" --set target=$target
-    check "... and machine" sh -c '"$@" >"$0"' "$work/machine.$target.told" "$gen" templates/machine.yaml -o "$work/machine.$target" --set target=$target
+    check "rsm for $target is generated" for_target rsm $target
+    check "... and machine" for_target machine $target
 done
 check "rsm for both shares what is equal" is_both rsm
 check "... and says what the others add" grep -q '; shaders for GPUs add 2[0-9][0-9] KB$' "$work/rsm.auto.told"

@@ -38,7 +38,7 @@ for api in gl vk; do
     check "the $api renderer builds" build_host $api "-DHOST_${api^^}"
     for target in 0:software 2:gpu 3:gpu; do
         wanted=${target#*:} target=${target%:*}
-        check "$api: target $target takes the shaders for $wanted" takes $api $target $wanted scenes/cornell.yaml \
+        check "$api: target $target takes the shaders for $wanted" takes $api "$target" "$wanted" scenes/cornell.yaml \
             "$work/$api.ssvp.$target.ppm" "$work/$api.rsm.$target.ppm"
     done
     check "... with the same pictures" same_pictures $api ssvp
