@@ -80,6 +80,12 @@ static void emit_text(struct text *out, const char *glsl)
 
 static const char *const stage_names[] = {"compute", "vertex", "fragment"};
 
+static uint32_t pass_of(const struct shaders_output *o, uint32_t row)
+{
+    uint32_t passes = o->c.pipeline->pass_count;
+    return row < passes ? row : row - passes;
+}
+
 /* The first row whose words for the stage equal those of `row`; `row` if none does. */
 static uint32_t owner_of(const struct shaders_output *o, uint32_t row, int stage)
 {
@@ -97,7 +103,7 @@ static uint32_t owner_of(const struct shaders_output *o, uint32_t row, int stage
 static void emit_symbol(const struct shaders_output *o, uint32_t row, int stage, const char *what)
 {
     uint32_t passes = o->c.pipeline->pass_count;
-    text_add_word(o->c.out, o->c.pipeline->order[row % passes]->name);
+    text_add_word(o->c.out, o->c.pipeline->order[pass_of(o, row)]->name);
     text_add(o->c.out, "_%s%s%s", stage_names[stage], row < passes ? "" : C_GPU, what);
 }
 
@@ -158,7 +164,7 @@ static bool take_codes(struct shaders_output *o, enum backend backend, bool name
     bool good = o->codes;
     for (uint32_t row = 0; good && row < o->rows; row++) {
         const struct lowered *tables = row < passes ? o->c.tables : o->c.tables->gpu;
-        const struct dt_stages *stages = &tables->shaders[backend].stages[row % passes];
+        const struct dt_stages *stages = &tables->shaders[backend].stages[pass_of(o, row)];
         const struct dt_code *from[] = {&stages->compute, &stages->vertex, &stages->fragment};
         for (int stage = 0; good && stage < 3; stage++)
             good = take_code(arena, &o->codes[row][stage], from[stage], names, glsl);
@@ -176,7 +182,7 @@ static void emit_stages(const struct shaders_output *o)
             c_upper(o->c.out, o->c.pipeline->name);
             text_add(o->c.out, "_PASSES + ");
         }
-        c_pass(&o->c, row % passes);
+        c_pass(&o->c, pass_of(o, row));
         text_add(o->c.out, "] = {");
         bool any = false;
         for (int stage = 0; stage < 3; stage++)
