@@ -21,6 +21,7 @@ static bool read(struct spec *spec, const struct spec_request *request, struct d
     spec->model.root = request->root;
     spec->model.prove = request->prove;
     spec->model.exact_twin = request->exact_twin;
+    spec->model.gpu = request->gpu;
     spec->model.text = request->text;
     spec->model.sanitize = request->sanitize;
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);

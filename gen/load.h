@@ -14,6 +14,7 @@ struct spec_request {
     const char *cache;     /* folder of compiled shaders; NULL: none, every shader is compiled */
     bool prove;            /* --prove */
     bool exact_twin;       /* every pass is exact */
+    bool gpu;              /* what `target: auto` is: the choices for GPUs, not for CPU drivers */
     bool text;             /* also OpenGL's GLSL */
     unsigned sanitize;     /* mask of enum sanitize_kind; 0: off */
 };

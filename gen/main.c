@@ -148,7 +148,8 @@ static bool parse_options(int count, char **words, struct options *options)
 struct generation {
     const struct options *options;
     char *templates, *spec_path;
-    struct spec spec;
+    struct spec spec, gpu; /* gpu: `target: auto`, the same planned for GPUs; else empty */
+    size_t gpu_bytes;      /* of both backends' packed shaders in generated C, for GPUs alone */
     struct diag *diag;
     struct output *output;
 };
@@ -166,26 +167,45 @@ static void add_named(struct generation *g, const char *suffix, struct text *tex
         text_free(text);
 }
 
-/* gl/NAME.PASS.comp and gl/NAME.PASS.comp.spv, and so on for every stage and backend. The output
- * takes the GLSL, and gets a copy of the SPIR-V. */
+/* FOLDER/NAME.PASS.comp and FOLDER/NAME.PASS.comp.spv. The output takes the GLSL, and gets a copy of
+ * the SPIR-V. */
+static void add_shader(struct generation *g, const char *folder, const struct pass *pass, int stage,
+                       struct shader *shader)
+{
+    struct arena *arena = g->spec.model.arena;
+    const char *name = arena_printf(arena, "%s/%s.%s.%s", folder, g->spec.model.pipeline.name,
+                                    pass->name, stage_suffixes[stage]);
+    const char *binary = arena_printf(arena, "%s.spv", name ? name : "");
+    if (!name || !binary)
+        return;
+    struct text words = {0};
+    text_add_bytes(&words, (const char *)shader->words, shader->word_count * sizeof *shader->words);
+    output_add(g->output, g->options->out, name, &shader->glsl);
+    output_add(g->output, g->options->out, binary, &words);
+}
+
+static bool same_words(const struct shader *a, const struct shader *b)
+{
+    return a->word_count == b->word_count &&
+           memcmp(a->words, b->words, a->word_count * sizeof *a->words) == 0;
+}
+
+/* For every backend, pass and stage; in gl/gpu and vk/gpu those that GPUs have of their own. */
 static void add_shaders(struct generation *g)
 {
+    static const char *const gpu_folders[] = {"gl/gpu", "vk/gpu"};
     const struct pipeline *pipeline = &g->spec.model.pipeline;
     for (int backend = 0; backend < 2; backend++)
         for (uint32_t i = 0; i < pipeline->pass_count; i++)
             for (int stage = 0; stage < 3; stage++) {
                 struct shader *shader = &g->spec.shaders[backend][i].stage[stage];
-                const char *name =
-                    arena_printf(g->spec.model.arena, "%s/%s.%s.%s", backend_names[backend],
-                                 pipeline->name, pipeline->order[i]->name, stage_suffixes[stage]);
-                const char *binary = arena_printf(g->spec.model.arena, "%s.spv", name ? name : "");
-                if (!shader->word_count || !name || !binary)
+                struct shader *gpu =
+                    g->spec.tables->gpu ? &g->gpu.shaders[backend][i].stage[stage] : NULL;
+                if (!shader->word_count)
                     continue;
-                struct text words = {0};
-                text_add_bytes(&words, (const char *)shader->words,
-                               shader->word_count * sizeof *shader->words);
-                output_add(g->output, g->options->out, name, &shader->glsl);
-                output_add(g->output, g->options->out, binary, &words);
+                if (gpu && !same_words(shader, gpu))
+                    add_shader(g, gpu_folders[backend], pipeline->order[i], stage, gpu);
+                add_shader(g, backend_names[backend], pipeline->order[i], stage, shader);
             }
 }
 
@@ -242,8 +262,9 @@ static void add_sources(struct generation *g)
                 lifetimes = {0};
     emit_header(model, &header);
     emit_c_panel(tables, &panel);
-    emit_c_shaders(tables, BACKEND_GL, g->options->names, g->options->glsl, &gl_shaders);
-    emit_c_shaders(tables, BACKEND_VK, g->options->names, g->options->glsl, &vk_shaders);
+    g->gpu_bytes =
+        emit_c_shaders(tables, BACKEND_GL, g->options->names, g->options->glsl, &gl_shaders) +
+        emit_c_shaders(tables, BACKEND_VK, g->options->names, g->options->glsl, &vk_shaders);
     emit_graph(model, &graph);
     emit_lifetimes(model, &lifetimes);
     text_wrap(&header, GENERATED_COLUMNS);
@@ -275,7 +296,7 @@ static enum status write_files(struct generation *g)
     return output_commit(g->output) ? STATUS_DONE : STATUS_FAILED;
 }
 
-static void print_summary(const struct pipeline *pipeline)
+static void print_summary(const struct pipeline *pipeline, size_t gpu_bytes)
 {
     const double mebi = 1024.0 * 1024.0;
     double whole = (double)pipeline->transient_bytes / mebi,
@@ -284,6 +305,8 @@ static void print_summary(const struct pipeline *pipeline)
            pipeline->name, pipeline->pass_count, pipeline->resource_count, whole, aliased);
     if (whole > 0)
         printf(" (%.0f %% saved)", 100 * (1 - aliased / whole));
+    if (gpu_bytes)
+        printf("; shaders for GPUs add %zu KB", (gpu_bytes + 1023) / 1024);
     printf("\n");
 }
 
@@ -316,6 +339,28 @@ static enum status print_text(struct text *text)
     return status;
 }
 
+/* Also for GPUs where the spec leaves it open. Errors are then those of the second plan, which has the
+ * same warnings. */
+static bool load(struct generation *g, struct spec_request *request, bool tables)
+{
+    if (!spec_load(&g->spec, request, tables, g->diag))
+        return false;
+    if (!g->spec.model.pipeline.automatic)
+        return true;
+    struct diag *diag = diag_create();
+    request->gpu = true;
+    if (!diag) {
+        diag_error(g->diag, (struct loc){0}, "out of memory");
+        return false;
+    }
+    bool good = spec_load(&g->gpu, request, tables, diag);
+    diag_free(good ? diag : g->diag);
+    g->diag = good ? g->diag : diag;
+    if (good && tables && !emit_is_same(g->spec.tables, g->gpu.tables))
+        g->spec.tables->gpu = g->gpu.tables;
+    return good;
+}
+
 static enum status generate(struct generation *g)
 {
     const struct options *options = g->options;
@@ -340,18 +385,18 @@ static enum status generate(struct generation *g)
         fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;
     }
-    bool good = spec_load(&g->spec, &request, options->out || options->needs, g->diag);
+    bool good = load(g, &request, options->out || options->needs);
     watchdog_stop();
     if (!good)
         return STATUS_WRONG_SPEC;
     if (options->needs) {
         struct text text = {0};
-        emit_device_needs(g->spec.tables, &text);
+        emit_device_needs(g->spec.tables->gpu ? g->spec.tables->gpu : g->spec.tables, &text);
         return print_text(&text);
     }
     enum status status = options->check || options->prove ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
-        print_summary(&g->spec.model.pipeline);
+        print_summary(&g->spec.model.pipeline, g->gpu_bytes);
     if (status == STATUS_DONE && options->prove)
         printf("%s\n", prove_assumptions);
     return status;
@@ -450,6 +495,7 @@ static enum status run_options(const struct options *options)
     }
     output_free(g.output);
     diag_free(g.diag);
+    spec_free(&g.gpu);
     spec_free(&g.spec);
     free(g.templates);
     free(g.spec_path);

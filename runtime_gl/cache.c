@@ -134,7 +134,7 @@ static uint8_t *append_bytes(struct dt_bytes *cache, size_t size)
 static bool add_program(struct dt_gl_runtime *rt, struct dt_bytes *cache, uint32_t pass)
 {
     GLuint program = ((struct gl_program *)dt_program(&rt->core, pass))->handle;
-    struct entry entry = {.code = hash_code(rt, &rt->core.shaders->stages[pass])};
+    struct entry entry = {.code = hash_code(rt, &rt->core.shaders.stages[pass])};
     GLint size = 0;
     GLenum format = 0;
     rt->gl.GetProgramiv(program, GL_PROGRAM_BINARY_LENGTH, &size);

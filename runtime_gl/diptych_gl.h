@@ -73,6 +73,10 @@ struct dt_gl_host {
     /* Resources with history, and inputs, keep their content over resize and create, where name, size
      * and layout are the same. Not after a failed frame, nor from one not recorded to its end. */
     bool keep_history;
+    /* AUTO: create takes the shaders for CPU drivers where GL_RENDERER names one (llvmpipe, softpipe,
+     * swrast, lavapipe, SwiftShader) and the scene, which is then imported before create, fits into its
+     * texel buffers; else those for GPUs. The bits are the same. */
+    enum dt_target_device target;
 };
 
 /* NULL after an error, for example if the context lacks a required feature. */

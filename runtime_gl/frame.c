@@ -33,7 +33,7 @@ bool gl_begin(void *runtime, uint32_t pass, bool runs)
      * would end before its first timestamp. */
     return rt->grouped &&
            (!rt->queries || (GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)) &&
-                             (!gl_is_software(rt) || GL(rt, name, Finish()))));
+                             (!rt->core.software || GL(rt, name, Finish()))));
 }
 
 bool gl_end(void *runtime, uint32_t pass)

@@ -45,6 +45,7 @@ struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
     rt->core.timing = host->timing;
     rt->core.frames = host->frames;
     rt->core.keep_history = host->keep_history;
+    rt->core.target = host->target;
     rt->glsl = host->glsl;
     rt->leave_state = host->leave_state;
     if (!open_in(rt, host)) {
@@ -145,7 +146,7 @@ bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *fro
            (rt->glsl == from->glsl ||
             dt_error(&rt->core, "create_from: one runtime has GLSL text, the other SPIR-V; open "
                                 "both alike")) &&
-           dt_front_create(&rt->core, from->core.shaders, &from->core);
+           dt_front_create(&rt->core, &from->core.shaders, &from->core);
 }
 
 bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned texture)

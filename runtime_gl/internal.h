@@ -135,7 +135,6 @@ bool gl_has_all(const struct dt_gl_runtime *rt, const char *const *names, size_t
 /* Checks that the current context has all required features, takes those functions that glad leaves
  * out, and reads its limits. */
 bool gl_context_suits(struct dt_gl_runtime *rt, GLADuserptrloadfunc load, void *user);
-bool gl_is_software(const struct dt_gl_runtime *rt); /* the driver draws on the CPU */
 /* Sets the state that passes rely on but do not set. */
 bool gl_state_fix(struct dt_gl_runtime *rt);
 

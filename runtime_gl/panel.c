@@ -151,7 +151,7 @@ static bool create_program(struct dt_core *core, void *made, uint32_t pass)
     if (!(program->users = calloc(1, sizeof *program->users)))
         return dt_error(core, "pass %s: out of memory; free some", name);
     *program->users = 1;
-    return gl_program_create(rt, &program->handle, name, &core->shaders->stages[pass]);
+    return gl_program_create(rt, &program->handle, name, &core->shaders.stages[pass]);
 }
 
 static bool share_program(struct dt_core *core, void *made, const void *other, uint32_t pass)
@@ -400,6 +400,13 @@ static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
     return core->panel->storage[index].share < 0;
 }
 
+static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
+{
+    const struct gl_builtin *b = &((const struct dt_gl_runtime *)core)->builtin;
+    return resource == DT_SCENE_VERTICES ? (uint64_t)b->vertices.size / DT_VERTEX_TEXEL
+                                         : (uint64_t)b->indices.size / DT_INDEX_TEXEL;
+}
+
 const struct dt_backend gl_backend = {
     .name = "gl",
     .api = "OpenGL",
@@ -411,6 +418,7 @@ const struct dt_backend gl_backend = {
     .rest = rest,
     .suits = panel_suits,
     .upload_scene = gl_scene_upload,
+    .texels = scene_texels,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
     .create_sampler = create_sampler,

@@ -96,11 +96,13 @@ static void read_limits(struct dt_gl_runtime *rt)
     rt->buffer_alignment = texels > rt->buffer_alignment ? texels : rt->buffer_alignment;
 }
 
-bool gl_is_software(const struct dt_gl_runtime *rt)
+/* Whether the driver draws on the CPU, by its GL_RENDERER. */
+static bool is_software(const char *renderer)
 {
-    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "lavapipe"};
+    static const char *const names[] = {"llvmpipe", "softpipe", "swrast", "lavapipe",
+                                        "SwiftShader"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
-        if (strstr(rt->core.device_name, names[i]))
+        if (strstr(renderer, names[i]))
             return true;
     return false;
 }
@@ -128,6 +130,7 @@ bool gl_context_suits(struct dt_gl_runtime *rt, GLADuserptrloadfunc load, void *
     char *device = rt->core.device_name, missing[512];
     snprintf(device, sizeof rt->core.device_name, "%s", renderer ? renderer : "OpenGL");
     snprintf(rt->core.driver, sizeof rt->core.driver, "%s", version ? version : "");
+    rt->core.software = is_software(device);
     if (integer(rt, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_NO_ERROR_BIT)
         return dt_error(&rt->core, "%s: the context reports no errors; unset MESA_NO_ERROR",
                         device);

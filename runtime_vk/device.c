@@ -151,9 +151,11 @@ void dt_vk_need_features(const struct dt_shaders *shaders, VkPhysicalDeviceFeatu
                                    .vulkan11 = *vulkan11,
                                    .vulkan12 = *vulkan12,
                                    .vulkan13 = *vulkan13};
+    const struct dt_panel *panel = shaders->panel, *gpu = panel->gpu ? panel->gpu : panel;
     for (size_t i = 0; i < DT_ARRAY_COUNT(known_features); i++)
-        if (known_features[i].always || (DT_TAKES(shaders->panel->version) &&
-                                         panel_needs(shaders->panel, known_features[i].name)))
+        if (known_features[i].always ||
+            (DT_TAKES(panel->version) && (panel_needs(panel, known_features[i].name) ||
+                                          panel_needs(gpu, known_features[i].name))))
             *feature(&features, i) = VK_TRUE;
     *core = features.core.features;
     *vulkan11 = features.vulkan11;
@@ -322,6 +324,7 @@ void vk_device_describe(struct dt_vk_runtime *rt, VkPhysicalDevice physical)
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
     rt->properties = properties.properties;
+    rt->core.software = rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     rt->core.limits = limits_of(&rt->properties.limits);
     snprintf(rt->core.device_name, sizeof rt->core.device_name, "%s", rt->properties.deviceName);
     snprintf(rt->core.driver, sizeof rt->core.driver, "%s, %s", driver.driverName,

@@ -136,6 +136,10 @@ struct dt_vk_host {
      * and layout are the same. Not after a failed frame, nor from one not recorded to its end; all
      * recorded commands have been submitted. */
     bool keep_history;
+    /* AUTO: create takes the shaders for CPU drivers where the physical device is of type CPU and the
+     * scene, which is then imported before create, fits into its texel buffers; else those for GPUs.
+     * The bits are the same. */
+    enum dt_target_device target;
 };
 
 /* Whether the pipeline runs on host->physical_device; if not, logs the features that the device lacks,
@@ -179,8 +183,8 @@ struct dt_vk_attribute {
 /* The scene that passes draw and read. The host owns the buffers; they must live until the next import or
  * close. The host may write them between frames; the next frame uses the new content. */
 struct dt_vk_scene {
-    /* struct dt_vertex[]; usage VERTEX_BUFFER, UNIFORM_TEXEL_BUFFER, and of pipelines with `target:
-     * gpu` STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads scene_vertices, and `attributes` has all
+    /* struct dt_vertex[]; usage VERTEX_BUFFER, for CPU drivers UNIFORM_TEXEL_BUFFER, and for GPUs
+     * STORAGE_BUFFER. VK_NULL_HANDLE: no pass reads scene_vertices, and `attributes` has all
      * that draws read */
     struct dt_vk_range vertices;
     /* of a layout of the host's own, in place of a field of `vertices`; VK_NULL_HANDLE: none */

@@ -106,7 +106,10 @@ bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders
 {
     if (!host)
         return false;
-    struct dt_vk_runtime rt = {.core = {.log = host->log, .timing = host->timing},
+    struct dt_vk_runtime rt = {.core = {.backend = &vk_backend,
+                                        .log = host->log,
+                                        .timing = host->timing,
+                                        .target = host->target},
                                .instance = host->instance};
     if (!dt_front_given(&rt.core, shaders, "suits: the struct dt_shaders"))
         return false;
@@ -118,6 +121,8 @@ bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders
     if (!dt_front_takes(&rt.core, panel) || !load_instance(&rt, host->get_instance_proc_addr))
         return false;
     vk_device_describe(&rt, host->physical_device);
+    if (panel->gpu && dt_front_takes_gpu(&rt.core, panel))
+        panel = panel->gpu;
     if (!vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing))
         return dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
                         rt.core.device_name, panel->pipeline->name, missing);
@@ -142,7 +147,8 @@ struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
                                 .hosted = true,
                                 .timing = host->timing,
                                 .frames = host->frames,
-                                .keep_history = host->keep_history};
+                                .keep_history = host->keep_history,
+                                .target = host->target};
     rt->instance = host->instance;
     rt->device = host->device;
     rt->queue_family = host->queue_family;
@@ -301,7 +307,7 @@ bool dt_vk_create_from(struct dt_vk_runtime *rt, const struct dt_vk_runtime *fro
            ((rt->device == from->device && rt->callbacks == from->callbacks) ||
             dt_error(&rt->core, "create_from: the runtimes have different devices or callbacks; "
                                 "open both with the same")) &&
-           dt_front_create(&rt->core, from->core.shaders, &from->core);
+           dt_front_create(&rt->core, &from->core.shaders, &from->core);
 }
 
 static bool create_upload(struct dt_vk_runtime *rt)
@@ -691,11 +697,13 @@ bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, 
         pipeline->resources[resource].kind != DT_BUFFER)
         return false;
     const struct dt_storage *storage = &shaders->panel->storage[resource];
+    const struct dt_panel *gpu = shaders->panel->gpu ? shaders->panel->gpu : shaders->panel;
     pipeline->extent(pipeline, resource, width, height, extent);
     VkDeviceSize size = (VkDeviceSize)extent[0] * pipeline->resources[resource].stride;
-    *info = (VkBufferCreateInfo){.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                 .size = size > storage->block ? size : storage->block,
-                                 .usage = vk_buffer_usage(storage->usage)};
+    *info = (VkBufferCreateInfo){
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = size > storage->block ? size : storage->block,
+        .usage = vk_buffer_usage(storage->usage | gpu->storage[resource].usage)};
     return true;
 }
 

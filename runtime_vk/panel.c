@@ -138,7 +138,7 @@ struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t p
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_program_info info = {
         .name = core->pipeline->passes[pass].name,
-        .stages = &core->shaders->stages[pass],
+        .stages = &core->shaders.stages[pass],
         .state = state,
         .depth_format = state->depth ? format_of(core->panel, state->depth) : VK_FORMAT_UNDEFINED,
     };
@@ -485,6 +485,13 @@ static void disconnect_program(struct dt_core *core, void *program)
     (void)core, (void)program;
 }
 
+static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
+{
+    const struct vk_builtin *builtin = &((const struct dt_vk_runtime *)core)->builtin;
+    return resource == DT_SCENE_VERTICES ? builtin->vertices.size / DT_VERTEX_TEXEL
+                                         : builtin->indices.size / DT_INDEX_TEXEL;
+}
+
 const struct dt_backend vk_backend = {
     .name = "vk",
     .api = "Vulkan",
@@ -492,6 +499,7 @@ const struct dt_backend vk_backend = {
     .program_size = sizeof(struct vk_program),
     .sampler_size = sizeof(VkSampler),
     .rest = rest,
+    .texels = scene_texels,
     .suits = panel_suits,
     .begin_panel = begin_panel,
     .end_panel = end_panel,

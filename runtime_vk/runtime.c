@@ -63,12 +63,6 @@ static void *runtime_open(const struct dt_runtime_options *options)
     return NULL;
 }
 
-static bool runtime_is_software(void *runtime)
-{
-    const struct dt_vk_runtime *rt = runtime;
-    return rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
-}
-
 static double runtime_record_ms(void *runtime)
 {
     const struct dt_vk_runtime *rt = runtime;
@@ -85,8 +79,8 @@ const struct dt_runtime runtime_vk = {
     .open = runtime_open,
     .device_name = dt_verb_device_name,
     .driver = dt_verb_driver,
-    .is_software = runtime_is_software,
-    .most_texels = dt_verb_most_texels,
+    .is_software = dt_verb_is_software,
+    .takes_gpu = dt_verb_takes_gpu,
     .set_scene = dt_verb_set_scene,
     .create = dt_verb_create,
     .resize = dt_verb_resize,

@@ -122,7 +122,7 @@ bool vk_statistics_find(const struct dt_runtime_options *options, const struct d
     if (!rt)
         return dt_error(&(struct dt_core){.log = options->log}, "Vulkan: out of memory");
     rt->core.log = options->log;
-    rt->core.shaders = shaders;
+    rt->core.shaders = *shaders;
     rt->core.panel = shaders->panel;
     rt->core.pipeline = shaders->panel->pipeline;
     rt->captures = true;

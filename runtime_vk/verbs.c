@@ -36,7 +36,7 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
      * that waits for nothing would be over before its time begins. Any barrier makes it draw; one
      * of nothing hides no hazard from validation. */
     const VkDependencyInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    if (rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU)
+    if (rt->core.software)
         rt->vk.CmdPipelineBarrier2(rt->frame_commands, &nothing);
     return true;
 }

@@ -93,8 +93,12 @@ bool compare_write_contracts(const struct compare *compare)
         report_error(&compare->console->log, "out of memory");
         return false;
     }
-    for (uint32_t i = 0; i < compare->pair_count; i++)
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
         pairs[i] = compare->pairs[i].measured;
+        for (uint32_t side = 0; compare->twins && side < compare->sides.count; side++)
+            for (uint32_t k = 0; compare->twins[side].errors && k < pairs[i].count; k++)
+                errors_join(&pairs[i].rows[k].exact, &compare->twins[side].errors[k]);
+    }
     bool good = measured_write(pairs, compare->pair_count, compare->options.write_contracts,
                                compare->console);
     free(pairs);

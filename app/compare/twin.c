@@ -45,7 +45,8 @@ static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
         resource.contract.tolerance /= 2;
         resource.contract.outliers /= 2;
     }
-    if (!difference_measure(&twin->found[index], &resource, judging->frame, copies)) {
+    if (!difference_measure(&twin->found[index], &resource, judging->frame, copies) ||
+        !errors_add(&twin->errors[index], &resource, copies)) {
         report_error(judging->log, "out of memory");
         return false;
     }
@@ -71,13 +72,15 @@ bool twin_judge(struct twin *twin, const struct worker_info *worker, const struc
     replay.workers[1].session.pipeline = exact;
     replay.workers[1].session.fault = (struct fault){0};
     twin->found = calloc(rows->outputs.count + 1, sizeof *twin->found);
-    if (!twin->found)
+    twin->errors = calloc(rows->outputs.count + 1, sizeof *twin->errors);
+    if (!twin->found || !twin->errors)
         report_error(&console->log, "out of memory");
-    return twin->found && replay_run(&replay, &viewer);
+    return twin->found && twin->errors && replay_run(&replay, &viewer);
 }
 
 void twin_free(struct twin *twin)
 {
     free(twin->found);
+    free(twin->errors);
     *twin = (struct twin){0};
 }

@@ -8,10 +8,11 @@
 /* Of one side. */
 struct twin {
     struct difference
-        *found;   /* one per row of outputs: the copies are this side's and its twin's; elements 0:
+        *found; /* one per row of outputs: the copies are this side's and its twin's; elements 0:
                                  the pass is exact; owned */
-    bool broken;  /* a row is beyond its contract, */
-    uint32_t row; /* the first */
+    struct errors *errors; /* the same in every measure; no pairs: the pass is exact; owned */
+    bool broken;           /* a row is beyond its contract, */
+    uint32_t row;          /* the first */
 };
 
 /* Whether any pass of the pipeline is judged so. */

@@ -23,6 +23,7 @@ struct setup {
     };
     struct text_list inputs; /* NAME=FILE each */
     bool exact_twin;         /* no option: every pass exact, for comparison with one that is not */
+    bool for_gpu;            /* no option: `target: auto` is planned for GPUs alone */
     bool inputs_later;       /* no option: of a player, which gets inputs after inputs_load */
     const char *scene;
     const char *motion;  /* file; NULL: nothing moves */

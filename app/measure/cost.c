@@ -102,6 +102,7 @@ static bool prepare(struct costing *costing)
 {
     struct console *console = costing->console;
     struct setup *setup = &costing->options->setup;
+    setup->for_gpu = true;
     if (!pipeline_load(&costing->pipeline, console, setup) ||
         !inputs_find_size(&costing->pipeline, setup, &console->log) ||
         (setup->scene &&

@@ -123,6 +123,8 @@ struct cost_sums cost_sums(const struct cost_gpu *gpu, const struct cost_frame *
 void cost_print(const struct cost_gpu *gpu, const struct cost_frame *frame); /* on stdout */
 cJSON *cost_json(const struct cost_gpu *gpus, uint32_t count, const struct cost_frame *frame,
                  const struct setup *setup);
+/* Of one pass: an array. */
+cJSON *cost_stages_json(const struct cost_gpu *gpu, const struct cost_frame *frame, uint32_t pass);
 /* Takes in the times that `bench --json` measured on this device, or on one with this chip. False: the
  * file has none, logged. */
 bool cost_measured(struct cost_gpu *gpu, const struct dt_pipeline *info, const char *path,

@@ -28,6 +28,15 @@ static cJSON *stage_json(const struct cost_gpu *gpu, const struct cost_work *wor
     return item;
 }
 
+cJSON *cost_stages_json(const struct cost_gpu *gpu, const struct cost_frame *frame, uint32_t pass)
+{
+    cJSON *stages = cJSON_CreateArray();
+    for (uint32_t i = 0; i < gpu->count; i++)
+        if (gpu->stages[i].pass == pass)
+            cJSON_AddItemToArray(stages, stage_json(gpu, &frame->passes[pass], &gpu->stages[i]));
+    return stages;
+}
+
 static cJSON *pass_json(const struct cost_gpu *gpu, const struct cost_frame *frame, uint32_t pass)
 {
     cJSON *item = cJSON_CreateObject();
@@ -40,10 +49,7 @@ static cJSON *pass_json(const struct cost_gpu *gpu, const struct cost_frame *fra
     add_number(item, "bound_ms", times.bound);
     if (gpu->measured)
         add_number(item, "measured_ms", gpu->measured[pass]);
-    cJSON *stages = cJSON_AddArrayToObject(item, "stages");
-    for (uint32_t i = 0; i < gpu->count; i++)
-        if (gpu->stages[i].pass == pass)
-            cJSON_AddItemToArray(stages, stage_json(gpu, &frame->passes[pass], &gpu->stages[i]));
+    cJSON_AddItemToObject(item, "stages", cost_stages_json(gpu, frame, pass));
     return item;
 }
 

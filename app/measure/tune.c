@@ -519,6 +519,7 @@ int verb_tune(struct console *console, const struct options *options)
                   .frames = options->run_frames ? options->run_frames : DEFAULT_FRAMES}};
     struct whole whole = {0};
     own.setup.frames = WARMUP + tuning.bench.frames;
+    own.setup.for_gpu = options->gpu;
     if (!choose_side(&tuning, &own)) {
         side_free(&tuning.side);
         return EXIT_USAGE;

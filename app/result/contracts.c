@@ -17,7 +17,19 @@ struct reading {
 };
 
 /* In the order of enum dt_contract_kind, which begins with exact. */
-enum { ULP, ABS, REL, IMAGE, FLIPS, RASTER, MARGIN, MEASURED, BOUNDS = MEASURED + MEASURED_KINDS };
+enum {
+    ULP,
+    ABS,
+    REL,
+    IMAGE,
+    FLIPS,
+    RASTER,
+    OF_EXACT,
+    MARGIN,
+    OUTLIERS,
+    MEASURED,
+    BOUNDS = MEASURED + MEASURED_KINDS
+};
 
 /* A number, A/B or P%, not negative. */
 static double read_amount(struct reader *reader, const struct key *key, double most)
@@ -57,16 +69,17 @@ static void read_image(struct reader *reader, const struct key *key, struct dt_c
 
 static void read_bounds(struct reader *reader, const struct key *key, struct kept_contract *kept)
 {
-    struct key keys[BOUNDS] = {{.name = "ulp"},   {.name = "abs"},
-                               {.name = "rel"},   {.name = "image", .type = KEY_MAPPING},
-                               {.name = "flips"}, {.name = "raster"},
-                               {.name = "margin"}};
+    struct key keys[BOUNDS] = {{.name = "ulp"},      {.name = "abs"},
+                               {.name = "rel"},      {.name = "image", .type = KEY_MAPPING},
+                               {.name = "flips"},    {.name = "raster"},
+                               {.name = "of_exact"}, {.name = "margin"},
+                               {.name = "outliers"}};
     struct dt_contract *contract = &kept->contract;
     int given = 0;
     for (int i = 0; i < MEASURED_KINDS; i++)
         keys[MEASURED + i].name = measured_names[i];
     reader_mapping(reader, key->node, key->name_node, key->name, keys, BOUNDS);
-    for (int i = ULP; i <= RASTER; i++) {
+    for (int i = ULP; i <= OF_EXACT; i++) {
         if (!keys[i].node)
             continue;
         given++;
@@ -83,10 +96,15 @@ static void read_bounds(struct reader *reader, const struct key *key, struct kep
         kept->margin = strdup(fy_node_get_scalar0(keys[MARGIN].node));
     if (keys[MARGIN].node && !keys[FLIPS].node)
         reader_report(reader, keys[MARGIN].node, "`margin` is only allowed beside `flips`");
+    if (keys[OUTLIERS].node && keys[OF_EXACT].node)
+        contract->outliers = read_amount(reader, &keys[OUTLIERS], 1);
+    else if (keys[OUTLIERS].node)
+        reader_report(reader, keys[OUTLIERS].node,
+                      "`outliers` is only allowed beside `of_exact`, and in `image`");
     if (given != 1 && reader->errors == 0)
         reader_report(reader, key->name_node,
                       "a contract is `exact`, or has exactly one of `ulp`, `abs`, `rel`, `image`, "
-                      "`flips`, `raster`");
+                      "`flips`, `raster`, `of_exact`");
 }
 
 static void read_contracts(struct reader *reader, struct fy_node *root, void *user)

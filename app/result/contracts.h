@@ -6,6 +6,7 @@
  *   picture: {image: {max: 2/255, outliers: 0.1%}}
  *   visible: {flips: 3, margin: margins.distance}
  *   triangle: {raster: 0.2%}
+ *   albedo: {of_exact: 1e-4}          of a spec, where `exactness` leaves the pass free
  *
  * --write-contracts adds `measured: RUNS`, and to contracts the largest errors that it measured, in the contract's
  * own measure: `noise` of a side, `drift` between versions of one backend, difference of `backends`. */

@@ -356,6 +356,8 @@ static double add_error(struct errors *errors, const struct numbers *numbers,
         largest = fmax(largest, measure_number(DT_CONTRACT_ABS, kind, bits, values));
         errors->ulp = fmax(errors->ulp, measure_number(DT_CONTRACT_ULP, kind, bits, values));
         errors->rel = fmax(errors->rel, measure_number(DT_CONTRACT_REL, kind, bits, values));
+        errors->of_exact =
+            fmax(errors->of_exact, measure_number(DT_CONTRACT_OF_EXACT, kind, bits, values));
     }
     errors->abs = fmax(errors->abs, largest);
     return largest;
@@ -410,6 +412,7 @@ void errors_join(struct errors *errors, const struct errors *more)
     errors->differing = more->differing > errors->differing ? more->differing : errors->differing;
     errors->ulp = fmax(errors->ulp, more->ulp);
     errors->rel = fmax(errors->rel, more->rel);
+    errors->of_exact = fmax(errors->of_exact, more->of_exact);
     errors->abs = fmax(errors->abs, more->abs);
     for (int i = 0; i < ERROR_STEPS; i++)
         errors->beyond[i] =
@@ -463,8 +466,9 @@ double difference_used(const struct difference *difference)
 {
     const struct dt_contract *contract = &difference->contract;
     double elements = (double)difference->elements, error = difference->worst.error;
-    double most = contract->tolerance, used = difference->worst.valid ? error : 0;
-    if (contract->kind == DT_CONTRACT_IMAGE && contract->outliers > 0) {
+    double copies = contract->kind == DT_CONTRACT_OF_EXACT ? 2 : 1;
+    double most = copies * contract->tolerance, used = difference->worst.valid ? error : 0;
+    if ((contract->kind == DT_CONTRACT_IMAGE || copies > 1) && contract->outliers > 0) {
         most = (double)allowed(contract, difference->elements);
         used = (double)difference->beyond;
     } else if (contract->kind == DT_CONTRACT_FLIPS) {

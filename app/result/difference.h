@@ -87,10 +87,10 @@ bool difference_histogram(uint64_t bins[DIFFERENCE_BINS], const struct dt_resour
 enum { ERROR_STEPS = 246 };
 struct errors {
     uint32_t pairs;
-    uint64_t elements;    /* of a pair */
-    bool odd;             /* a pair of another size, or with NaN or Inf, which no contract allows */
-    uint64_t differing;   /* elements with a differing number, in the pair that has most */
-    double ulp, rel, abs; /* the largest */
+    uint64_t elements;  /* of a pair */
+    bool odd;           /* a pair of another size, or with NaN or Inf, which no contract allows */
+    uint64_t differing; /* elements with a differing number, in the pair that has most */
+    double ulp, rel, abs, of_exact; /* the largest */
     uint64_t beyond
         [ERROR_STEPS]; /* elements with an error above errors_step(i), in the pair with most */
 };

@@ -12,6 +12,8 @@ struct measured_row {
     const struct dt_resource *resource;
     const struct kept_contract *kept; /* NULL: none */
     struct errors noise[2], between;
+    struct errors
+        exact; /* of both sides, against exact twins on equal inputs; no pairs: not judged */
 };
 
 /* Of one pair of sides. */

@@ -85,58 +85,16 @@ static const struct dt_shaders *shaders_of(const struct session *session,
     return session->runtime == &runtime_gl ? pipeline->gl : pipeline->vk;
 }
 
-/* Elements of the longest texel buffer of the scene that the pipeline binds. */
-static uint64_t longest_texels(const struct dt_panel *panel, const struct dt_scene *scene)
-{
-    const uint64_t per_vertex = sizeof *scene->vertices / DT_VERTEX_TEXEL;
-    uint64_t longest = 0;
-    for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
-        for (uint32_t b = 0; b < panel->programs[pass].binding_count; b++) {
-            const struct dt_binding *binding = &panel->programs[pass].bindings[b];
-            uint64_t count = binding->resource == DT_SCENE_VERTICES
-                                 ? scene->vertex_count * per_vertex
-                                 : scene->index_count;
-            if (binding->kind == DT_BIND_TEXELS && count > longest)
-                longest = count;
-        }
-    return longest;
-}
-
-static bool load_fallback(struct session *session, struct pipeline *fallback)
-{
-    struct setup setup = *session->info.setup;
-    const char **sets = calloc(setup.set_count + 1, sizeof *sets);
-    if (!sets) {
-        report_error(&session->log, "out of memory");
-        return false;
-    }
-    for (uint32_t i = 0; i < setup.set_count; i++)
-        sets[i] = setup.sets[i];
-    sets[setup.set_count++] = "target=gpu";
-    setup.sets = sets;
-    bool good = pipeline_load(fallback, session->info.console, &setup);
-    free(sets);
-    return good;
-}
-
 bool session_create(struct session *session, const struct pipeline *pipeline)
 {
     const struct dt_shaders *shaders = shaders_of(session, pipeline);
-    struct pipeline fallback = {0};
-    uint64_t elements = longest_texels(shaders->panel, &session->info.scene->data);
-    bool good = true;
-    if (elements > session->runtime->most_texels(session->handle)) {
-        report_message(&session->log, DT_INFO,
-                       "the scene has %llu elements, too many for the device's texel buffers: read "
-                       "from storage buffers, as with `target: gpu`",
-                       (unsigned long long)elements);
-        good = load_fallback(session, &fallback);
-        shaders = shaders_of(session, &fallback);
+    session->for_gpu = pipeline->plan && plan_is_automatic(pipeline->plan) &&
+                       session->runtime->takes_gpu(session->handle, shaders->panel);
+    if (session->for_gpu) {
+        struct plan *plan = plan_for_gpu(pipeline->plan, session->info.console);
+        shaders = plan ? plan_shaders(plan, session->runtime->name) : NULL;
     }
-    good = good && session->runtime->create(session->handle, shaders);
-    pipeline_unload(&session->fallback); /* its programs were in use until now */
-    session->fallback = fallback;
-    return good;
+    return shaders && session->runtime->create(session->handle, shaders);
 }
 
 bool session_prepare(struct session *session)
@@ -195,7 +153,6 @@ void session_close(struct session *session)
     if (session->runtime)
         session->runtime->close(session->handle);
     session->handle = NULL;
-    pipeline_unload(&session->fallback);
 }
 
 bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *console)

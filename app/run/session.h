@@ -29,16 +29,16 @@ struct session {
     void *handle;
     struct log_source source;
     struct dt_log log;
-    uint32_t frame;           /* index of the next one */
-    struct pipeline fallback; /* see session_create */
+    uint32_t frame; /* index of the next one */
+    bool for_gpu;   /* session_create has taken the plan for GPUs of `target: auto` */
 };
 
 /* session_open creates the context or device; session_prepare uploads and creates everything up to
  * the first frame. On false the error is logged; close it in any case. */
 bool session_open(struct session *session, const struct session_info *info);
 bool session_prepare(struct session *session);
-/* Creates the programs of a pipeline, which lives until the next call. Where the scene is too long for the
- * device's texel buffers, they are those of the pipeline with `target: gpu`, which have the same bits. */
+/* Creates the programs of a pipeline, which lives until the next call: with `target: auto` those for the
+ * device, and for the length of the scene against its texel buffers. */
 bool session_create(struct session *session, const struct pipeline *pipeline);
 /* Resizes the runtime and hands it the inputs of the pipeline. */
 bool session_resize(const struct session *session, const uint32_t size[2]);

@@ -185,7 +185,8 @@ static void print_names(const struct dt_pipeline *info, const char *head, const 
         printf("\n");
 }
 
-static void print_passes(const struct pipeline *pipeline, const uint32_t size[2], int width)
+static void print_passes(const struct pipeline *pipeline, const uint32_t size[2], int width,
+                         list_more *more, const void *user)
 {
     const struct dt_pipeline *info = pipeline->info;
     printf("\n%u passes, in order of execution\n", info->pass_count);
@@ -203,6 +204,8 @@ static void print_passes(const struct pipeline *pipeline, const uint32_t size[2]
                    pass->shader ? pass->shader : "", pass->doc ? pass->doc : "");
         print_names(info, "reads", pass->reads, pass->read_count, width);
         print_names(info, "writes", pass->writes, pass->write_count, width);
+        if (more)
+            more(user, i, width);
     }
 }
 
@@ -211,7 +214,8 @@ static int widest(int width, const char *name)
     return (int)strlen(name) > width ? (int)strlen(name) : width;
 }
 
-static void print_list(const struct pipeline *pipeline, const uint32_t size[2])
+void list_print(const struct pipeline *pipeline, const uint32_t size[2], list_more *more,
+                const void *user)
 {
     const struct dt_pipeline *info = pipeline->info;
     int width = 0;
@@ -225,7 +229,7 @@ static void print_list(const struct pipeline *pipeline, const uint32_t size[2])
     printf("%s%s%s\n\n", info->name, told ? ": " : "", told ? info->doc : "");
     print_params(pipeline, width);
     print_resources(info, size, width);
-    print_passes(pipeline, size, width);
+    print_passes(pipeline, size, width, more, user);
 }
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
@@ -337,16 +341,4 @@ cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2])
     if (info->display_output >= 0)
         cJSON_AddStringToObject(output, "display", info->resources[info->display_output].name);
     return root;
-}
-
-int verb_list(struct console *console, const struct options *options)
-{
-    struct pipeline pipeline = {0};
-    bool good = pipeline_load(&pipeline, console, &options->setup);
-    if (good) {
-        print_list(&pipeline, options->setup.size);
-        console->result = list_json(&pipeline, options->setup.size);
-    }
-    pipeline_unload(&pipeline);
-    return good ? EXIT_FINE : EXIT_FAILED;
 }

@@ -144,6 +144,7 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
                                              .cache = load.cache,
                                              .root = setup->root,
                                              .exact_twin = setup->exact_twin,
+                                             .for_gpu = setup->for_gpu,
                                              .text = takes_text(setup),
                                              .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);
@@ -156,19 +157,26 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
     return good;
 }
 
-static bool run_generator(const struct load *load, const struct setup *setup,
+static bool run_generator(const struct load *load, const struct setup *setup, const char *target,
                           struct console *console)
 {
     static const struct tool generator = {
         .what = "reading the spec", .hint = "build the project with ninja", .explains = true};
     char *tool = format_string("%s/diptych-gen", load->tools);
-    char **argv = calloc(setup->set_count * 2 + 12, sizeof *argv);
+    char **argv = calloc(setup->set_count * 2 + 14, sizeof *argv);
     bool good = false;
     if (tool && argv) {
-        const char *const words[] = {
-            tool,        load->spec,    "--check",       "--limit",
-            TRY_SECONDS, "--templates", load->templates, load->cache ? "--cache" : NULL,
-            load->cache};
+        const char *const words[] = {tool,
+                                     load->spec,
+                                     "--check",
+                                     "--limit",
+                                     TRY_SECONDS,
+                                     "--templates",
+                                     load->templates,
+                                     load->cache ? "--cache" : NULL,
+                                     load->cache,
+                                     target ? "--set" : NULL,
+                                     target};
         size_t n = 0;
         for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
             if (words[i])
@@ -186,10 +194,11 @@ static bool run_generator(const struct load *load, const struct setup *setup,
     return good;
 }
 
-bool pipeline_try(struct console *console, const struct setup *setup)
+bool pipeline_try(struct console *console, const struct setup *setup, const char *target)
 {
     struct load load;
-    bool good = find_files(&load, setup, &console->log) && run_generator(&load, setup, console);
+    bool good =
+        find_files(&load, setup, &console->log) && run_generator(&load, setup, target, console);
     load_forget(&load);
     return good;
 }
@@ -274,16 +283,31 @@ static bool find_margin(const struct dt_pipeline *info, const struct kept_contra
     return !kept->margin;
 }
 
-static bool set_contract(const struct dt_pipeline *info, uint32_t index,
+/* Whether a pass writes the resource that its `exactness` leaves free. */
+static bool is_free(const struct pipeline *pipeline, uint32_t resource)
+{
+    const struct dt_pipeline *info = pipeline->info;
+    for (uint32_t i = 0; i < info->pass_count; i++)
+        for (uint32_t k = 0; k < info->passes[i].write_count && plan_is_bounded(pipeline->plan, i);
+             k++)
+            if (info->passes[i].writes[k] == resource)
+                return true;
+    return false;
+}
+
+static bool set_contract(const struct pipeline *pipeline, uint32_t index,
                          const struct kept_contract *kept, const char *path,
                          const struct dt_log *log)
 {
     /* the plan, which the pipeline owns, has made them */
+    const struct dt_pipeline *info = pipeline->info;
     struct dt_resource *resource = (struct dt_resource *)&info->resources[index];
     resource->contract = kept->contract;
     const char *wrong = NULL;
     if (kept->contract.kind == DT_CONTRACT_RASTER && !is_drawn(info, index))
         wrong = "`raster` is for images that a draw of the scene writes";
+    else if (kept->contract.kind == DT_CONTRACT_OF_EXACT && !is_free(pipeline, index))
+        wrong = "`of_exact` is for what passes write that their `exactness` leaves free";
     else if (kept->contract.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
         wrong = "`image` is for images";
     else if (!find_margin(info, kept, &resource->contract))
@@ -305,7 +329,7 @@ bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct cont
         report_error(log, "out of memory");
     for (uint32_t i = 0; i < info->resource_count && good; i++) {
         const struct kept_contract *kept = contracts_find(contracts, "", info->resources[i].name);
-        good = !kept || set_contract(info, i, kept, path, log);
+        good = !kept || set_contract(pipeline, i, kept, path, log);
     }
     free(names);
     return good;

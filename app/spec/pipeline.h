@@ -32,8 +32,9 @@ char *pipeline_spec_path(const char *spec, const struct dt_log *log);
  * parameter only changes its default. On false the error is logged and nothing is left loaded. */
 bool pipeline_load(struct pipeline *pipeline, struct console *console, const struct setup *setup);
 /* Whether another process, which may crash or hang, takes the spec: it leaves the shaders in the cache, so
- * that pipeline_load has little left to do. Its messages are printed. */
-bool pipeline_try(struct console *console, const struct setup *setup);
+ * that pipeline_load has little left to do. Its messages are printed. target: what `target: auto` is for
+ * pipeline_load; NULL: the spec has another. */
+bool pipeline_try(struct console *console, const struct setup *setup, const char *target);
 /* Puts the contracts of a file in place of the spec's; the file's live as long as the pipeline. Logs its error. */
 struct contracts;
 bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct contracts *contracts,

@@ -18,28 +18,54 @@
 
 struct plan {
     struct spec spec;
+    struct spec_request request; /* with strings of its own, for plan_for_gpu */
+    struct plan *gpu;            /* owned; NULL: not asked for */
 };
 
 /* ---- Load ------------------------------------------------------------------------------------ */
 
-struct plan *plan_load(const struct plan_request *request, struct console *console)
+static char *copy_of(const char *text)
 {
-    const struct spec_request wanted = {.path = request->spec,
-                                        .sets = request->sets,
-                                        .set_count = request->set_count,
-                                        .templates = request->templates,
-                                        .root = request->root,
-                                        .cache = request->cache,
-                                        .exact_twin = request->exact_twin,
-                                        .text = request->text,
-                                        .sanitize = request->sanitize};
+    return text ? strdup(text) : NULL;
+}
+
+static void forget_request(struct spec_request *request)
+{
+    for (size_t i = 0; request->sets && i < request->set_count; i++)
+        free((char *)request->sets[i]);
+    free((void *)request->sets);
+    free((char *)request->path);
+    free((char *)request->templates);
+    free((char *)request->root);
+    free((char *)request->cache);
+}
+
+/* False when out of memory; forget_request in any case. */
+static bool keep_request(struct spec_request *kept, const struct spec_request *request)
+{
+    const char **sets = calloc(request->set_count + 1, sizeof *sets);
+    *kept = *request;
+    kept->sets = sets;
+    kept->path = copy_of(request->path);
+    kept->templates = copy_of(request->templates);
+    kept->root = copy_of(request->root);
+    kept->cache = copy_of(request->cache);
+    bool good = sets && kept->path && kept->templates && !request->root == !kept->root &&
+                !request->cache == !kept->cache;
+    for (size_t i = 0; sets && i < request->set_count; i++)
+        good = (sets[i] = copy_of(request->sets[i])) && good;
+    return good;
+}
+
+static struct plan *load(const struct spec_request *wanted, struct console *console)
+{
     struct plan *plan = calloc(1, sizeof *plan);
     struct diag *diag = diag_create();
-    bool good = plan && diag;
+    bool good = plan && diag && keep_request(&plan->request, wanted);
     if (good) {
         /* the library has no limits: they would end its host */
         bool limited = !console->attached && watchdog_start(SPEC_SECONDS);
-        good = spec_load(&plan->spec, &wanted, true, diag);
+        good = spec_load(&plan->spec, wanted, true, diag);
         if (limited)
             watchdog_stop();
         diag_report(diag, &console->log);
@@ -53,6 +79,37 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
     }
     plan_free(plan);
     return NULL;
+}
+
+struct plan *plan_load(const struct plan_request *request, struct console *console)
+{
+    const struct spec_request wanted = {.path = request->spec,
+                                        .sets = request->sets,
+                                        .set_count = request->set_count,
+                                        .templates = request->templates,
+                                        .root = request->root,
+                                        .cache = request->cache,
+                                        .exact_twin = request->exact_twin,
+                                        .gpu = request->for_gpu,
+                                        .text = request->text,
+                                        .sanitize = request->sanitize};
+    return load(&wanted, console);
+}
+
+bool plan_is_automatic(const struct plan *plan)
+{
+    return plan->spec.model.pipeline.automatic;
+}
+
+struct plan *plan_for_gpu(struct plan *plan, struct console *console)
+{
+    struct spec_request wanted = plan->request;
+    wanted.gpu = true;
+    if (plan->request.gpu)
+        return plan;
+    if (!plan->gpu)
+        plan->gpu = load(&wanted, console);
+    return plan->gpu;
 }
 
 struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
@@ -83,8 +140,11 @@ struct cJSON *plan_variations(const struct plan_request *request, uint32_t count
 
 void plan_free(struct plan *plan)
 {
-    if (plan)
-        spec_free(&plan->spec);
+    if (!plan)
+        return;
+    plan_free(plan->gpu);
+    spec_free(&plan->spec);
+    forget_request(&plan->request);
     free(plan);
 }
 

@@ -14,11 +14,13 @@ struct plan_request {
     const char *cache; /* folder of compiled shaders; NULL: none */
     const char *root;  /* real path: files outside are not read; NULL: no limit */
     bool exact_twin;   /* every pass is exact */
+    bool for_gpu;      /* `target: auto` is planned for GPUs */
     bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
     unsigned sanitize; /* mask of enum sanitize_kind; 0: off */
 };
 
-/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
+/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. Without
+ * for_gpu, `target: auto` is planned for CPU drivers. */
 struct plan *plan_load(const struct plan_request *request, struct console *console);
 void plan_free(struct plan *plan); /* takes NULL */
 /* What vary() of gen/stages.h makes: `count` variations, in which resources take `bytes` at most, and the
@@ -28,6 +30,10 @@ struct cJSON *plan_variations(const struct plan_request *request, uint32_t count
 
 const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
+bool plan_is_automatic(const struct plan *plan); /* `target: auto` */
+/* The same pipeline planned for GPUs: this plan, or made by the first call and part of it. NULL: an error of the
+ * spec, printed. */
+struct plan *plan_for_gpu(struct plan *plan, struct console *console);
 /* The paths of all files that were read. */
 const char *const *plan_sources(const struct plan *plan, uint32_t *count);
 /* The GLSL of a pass for a backend ("gl", "vk"); stage: 0 compute, 1 vertex, 2 fragment. *glsl is

@@ -36,8 +36,9 @@ struct reload {
     /* the thread's own */
     char *folders[MAX_FOLDERS];
     uint32_t folder_count;
-    char **sets; /* those of the last reload_again, owned; NULL: the caller's */
-    bool broken; /* the last build failed */
+    char **sets;    /* those of the last reload_again, owned; NULL: the caller's */
+    bool broken;    /* the last build failed */
+    bool automatic; /* the last one that did not has `target: auto` */
 };
 
 /* ---- What is watched ------------------------------------------------------------------------- */
@@ -139,7 +140,10 @@ static void build_pipeline(struct reload *reload, double start)
     struct reload_result result = {0};
     tell_news(reload, RELOAD_BEGUN, &result);
     bool capture = console_capture(reload->console);
-    bool good = pipeline_try(reload->console, &reload->setup);
+    const char *target = !reload->automatic      ? NULL
+                         : reload->setup.for_gpu ? "target=gpu"
+                                                 : "target=software";
+    bool good = pipeline_try(reload->console, &reload->setup, target);
     if (good) {
         /* The other process said the same. */
         free(capture ? console_captured(reload->console) : NULL);
@@ -149,8 +153,10 @@ static void build_pipeline(struct reload *reload, double start)
     result.text = capture ? console_captured(reload->console) : NULL;
     result.ms = milliseconds_now() - start;
     console_status(reload->console, "%s", "");
-    if (good)
+    if (good) {
         watch(reload, &result.pipeline); /* it may be made from files of more folders */
+        reload->automatic = plan_is_automatic(result.pipeline.plan);
+    }
     reload->broken = !good;
     tell_news(reload, good ? RELOAD_DONE : RELOAD_FAILED, &result);
 }
@@ -219,7 +225,8 @@ struct reload *reload_start(struct console *console, const struct setup *setup,
     struct reload *reload = calloc(1, sizeof *reload);
     int error = ENOMEM;
     if (reload) {
-        *reload = (struct reload){.console = console, .setup = *setup};
+        *reload = (struct reload){
+            .console = console, .setup = *setup, .automatic = plan_is_automatic(pipeline->plan)};
         pthread_mutex_init(&reload->lock, NULL);
         watch(reload, pipeline);
         error = pthread_create(&reload->thread, NULL, watch_files, reload);

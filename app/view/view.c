@@ -157,7 +157,10 @@ static bool open_view(struct view *view)
     choose_window(view, size);
     if (!view_open_window(view, size[0], size[1]))
         return false;
-    view->reload = reload_start(view->console, &options->setup, &view->pipeline);
+    view->own.setup.for_gpu = true; /* of later plans, where no side takes the other */
+    for (uint32_t i = 0; i < view->side_count; i++)
+        view->own.setup.for_gpu &= view->side[i].session.for_gpu;
+    view->reload = reload_start(view->console, &view->own.setup, &view->pipeline);
     console_status(view->console, "%s", "");
     return view->reload && view_times_create(view) && view_params_create(view) &&
            view_verdict_create(view);

@@ -52,6 +52,8 @@ struct lowered_pass {
 };
 struct lowered {
     const struct model *model;
+    /* `target: auto`: the same pipeline as tables for GPUs; NULL: these. Not lower() sets it. */
+    const struct lowered *gpu;
     struct dt_pipeline pipeline;  /* without extent, runs and jitter */
     struct dt_panel panel;        /* without record */
     struct dt_shaders shaders[2]; /* by enum backend */

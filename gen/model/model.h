@@ -325,8 +325,9 @@ struct pipeline {
     const char *name, *doc;
     struct loc loc;
     enum exactness exactness;
-    /* target: gpu; default software. The plan chooses storage classes and loop shapes for it. */
-    bool gpu;
+    /* Whether storage classes, loop shapes and workgroups are chosen for GPUs: by `target`, and by
+     * model.gpu where that is `auto`. */
+    bool gpu, automatic;
     bool top; /* origin: top; default bottom */
     struct param *params;
     uint32_t param_count;
@@ -380,6 +381,7 @@ struct model {
     uint32_t glsl_source_count;
     bool text;                    /* also OpenGL's GLSL, which glslang does not compile */
     bool exact_twin;              /* of every pass: none is fast */
+    bool gpu;                     /* what `target: auto` is: the choices for GPUs */
     bool prove;                   /* --prove: reports every open operation of exact passes */
     unsigned sanitize;            /* mask of enum sanitize_kind; 0: off */
     struct sanitize_sites *sites; /* sanitize.h */

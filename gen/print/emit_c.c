@@ -154,6 +154,32 @@ void c_table(const struct c_output *c, const char *name, const char *count, uint
         text_add(c->out, "    .%s = %s,\n    .%s = %" PRIu32 ",\n", name, name, count, n);
 }
 
+bool c_both(const struct c_output *c, void (*emit)(const struct c_output *c, uint32_t index),
+            uint32_t index)
+{
+    const struct lowered *tables[2] = {c->tables, c->tables->gpu};
+    struct text texts[2] = {{0}, {0}};
+    struct c_output inner[2];
+    for (int i = 0; i < 2 && tables[i]; i++) {
+        inner[i] = (struct c_output){tables[i]->model, &tables[i]->model->pipeline, tables[i],
+                                     &texts[i], NULL};
+        emit(&inner[i], index);
+        c->out->failed |= texts[i].failed;
+    }
+    bool differ = tables[1] &&
+                  (texts[0].length != texts[1].length ||
+                   (texts[0].length && memcmp(texts[0].data, texts[1].data, texts[0].length) != 0));
+    text_add_bytes(c->out, texts[0].data ? texts[0].data : "", texts[0].length);
+    if (differ) {
+        inner[1].out = c->out;
+        inner[1].suffix = C_GPU;
+        emit(&inner[1], index);
+    }
+    text_free(&texts[0]);
+    text_free(&texts[1]);
+    return differ;
+}
+
 void c_head(const struct c_output *c, const char *what)
 {
     const char *path = c->pipeline->spec ? c->pipeline->spec : "a model without a file";

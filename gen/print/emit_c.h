@@ -13,7 +13,9 @@ struct c_output {
     const struct pipeline *pipeline;
     const struct lowered *tables; /* NULL for NAME.h */
     struct text *out;
+    const char *suffix; /* of the names of what is for GPUs alone, else NULL */
 };
+#define C_GPU "_gpu"
 
 void c_upper(struct text *out, const char *name);
 /* SSVP_PASS_GBUFFER */
@@ -33,6 +35,10 @@ void c_table(const struct c_output *c, const char *name, const char *count, uint
 /* Declares those of `width`, `height` and `live` that the function body uses, with values from a
  * struct dt_recording `r`. */
 void c_frame_locals(const struct c_output *c, const char *body);
+/* Prints what both targets have, a table or a function: once where both texts are the same, else again
+ * with the suffix. Returns whether it did. */
+bool c_both(const struct c_output *c, void (*emit)(const struct c_output *c, uint32_t index),
+            uint32_t index);
 /* The first comment of a generated file; `what` follows the pipeline's doc or name. */
 void c_head(const struct c_output *c, const char *what);
 

@@ -1,10 +1,16 @@
 /* NAME.c, the panel for all backends: the reflection (emit_pipeline.c), the tables of lower.h, and
  * `record`, a function per pass. */
 #include <inttypes.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "emit_c.h"
 #include "lower/members.h"
+
+static const char *suffix_of(const struct c_output *c)
+{
+    return c->suffix ? c->suffix : "";
+}
 
 /* ---- Record ---------------------------------------------------------------------------------- */
 
@@ -81,8 +87,9 @@ static void emit_body(const struct c_output *c, const struct pass *pass)
     }
 }
 
-static void emit_pass_steps(const struct c_output *c, const struct pass *pass)
+static void emit_pass_steps(const struct c_output *c, uint32_t index)
 {
+    const struct pass *pass = c->pipeline->order[index];
     struct text body = {0};
     struct c_output inner = *c;
     inner.out = &body;
@@ -94,7 +101,7 @@ static void emit_pass_steps(const struct c_output *c, const struct pass *pass)
     }
     text_add(c->out, "static bool record_");
     text_add_word(c->out, pass->name);
-    text_add(c->out, "(const struct dt_recording *r)\n{\n");
+    text_add(c->out, "%s(const struct dt_recording *r)\n{\n", suffix_of(c));
     emit_barriers(c, pass);
     text_add(c->out, "    const struct dt_verbs *v = r->verbs;\n");
     c_frame_locals(c, body.data);
@@ -103,26 +110,99 @@ static void emit_pass_steps(const struct c_output *c, const struct pass *pass)
     text_free(&body);
 }
 
-static void emit_record(const struct c_output *c)
+/* own: the passes that have a function of their own for GPUs; NULL: none. */
+static void emit_list(const struct c_output *c, const bool *own)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        emit_pass_steps(c, c->pipeline->order[i]);
-    text_add(c->out, "static bool record(const struct dt_recording *r)\n{\n    return ");
+    text_add(c->out, "static bool record%s(const struct dt_recording *r)\n{\n    return ",
+             own ? C_GPU : "");
     for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
         text_add(c->out, "%srecord_", i ? " &&\n        " : "");
         text_add_word(c->out, c->pipeline->order[i]->name);
-        text_add(c->out, "(r)");
+        text_add(c->out, "%s(r)", own && own[i] ? C_GPU : "");
     }
     text_add(c->out, c->pipeline->pass_count ? ";\n}\n\n" : "r != NULL;\n}\n\n");
 }
 
+/* Whether there is a second one for GPUs. */
+static bool emit_record(const struct c_output *c)
+{
+    uint32_t passes = c->pipeline->pass_count;
+    bool any = false, *own = arena_alloc(c->model->arena, (passes + 1) * sizeof *own);
+    if (!own) {
+        c->out->failed = true;
+        return false;
+    }
+    for (uint32_t i = 0; i < passes; i++)
+        any |= own[i] = c_both(c, emit_pass_steps, i);
+    emit_list(c, NULL);
+    if (any)
+        emit_list(c, own);
+    return any;
+}
+
 /* ---- The file -------------------------------------------------------------------------------- */
+
+enum { TABLE_STORAGE, TABLE_SAMPLERS, TABLE_PROGRAMS, TABLE_NEEDS, TABLE_DEMANDS, TABLES };
+
+struct table {                /* a member of struct dt_panel */
+    const char *name, *count; /* count: the member with its length; NULL: that of another table */
+    const struct members *members;
+    const void *rows;
+    uint32_t row_count;
+    void (*label)(const struct c_output *c, uint32_t index);
+};
+
+static struct table table_of(const struct c_output *c, uint32_t index)
+{
+    const struct dt_panel *panel = &c->tables->panel;
+    const struct table tables[TABLES] = {
+        {"storage", NULL, &storage_members, panel->storage, c->pipeline->resource_count,
+         c_resource},
+        {"samplers", "sampler_count", &sampler_members, panel->samplers, panel->sampler_count,
+         NULL},
+        {"programs", NULL, &program_members, panel->programs, c->pipeline->pass_count, c_pass},
+        {"needs", "need_count", &need_members, panel->needs, panel->need_count, NULL},
+        {"demands", "demand_count", &demand_members, panel->demands, panel->demand_count, NULL},
+    };
+    return tables[index];
+}
+
+static void emit_table(const struct c_output *c, uint32_t index)
+{
+    const struct table table = table_of(c, index);
+    char name[32];
+    snprintf(name, sizeof name, "%s%s", table.name, suffix_of(c));
+    emit_rows(c, name, table.members, table.rows, table.row_count, table.label);
+}
+
+/* own: the tables, and at TABLES the function, that are for GPUs alone. */
+static void emit_object(const struct c_output *c, const bool own[TABLES + 1])
+{
+    const char *name = c->pipeline->name;
+    if (c->suffix)
+        text_add(c->out, "static const struct dt_panel panel%s = {\n", c->suffix);
+    else
+        text_add(c->out, "const struct dt_panel %s_panel = {\n", name);
+    text_add(c->out, "    .version = DT_MAKE_VERSION(%d, %d, %d),\n    .pipeline = &%s_pipeline,\n",
+             DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH, name);
+    for (uint32_t i = 0; i < TABLES; i++) {
+        const struct table table = table_of(c, i);
+        if (table.row_count)
+            text_add(c->out, "    .%s = %s%s,\n", table.name, table.name, own[i] ? C_GPU : "");
+        if (table.row_count && table.count)
+            text_add(c->out, "    .%s = %" PRIu32 ",\n", table.count, table.row_count);
+    }
+    text_add(c->out, "    .slot_count = %" PRIu32 ",\n    .record = record%s,\n%s};\n",
+             c->pipeline->slot_count, own[TABLES] ? C_GPU : "",
+             c->tables->gpu ? "    .gpu = &panel" C_GPU ",\n" : "");
+}
 
 void emit_c_panel(const struct lowered *tables, struct text *out)
 {
     const struct pipeline *pipeline = &tables->model->pipeline;
-    const struct dt_panel *panel = &tables->panel;
-    struct c_output c = {tables->model, pipeline, tables, out};
+    struct c_output c = {tables->model, pipeline, tables, out, NULL};
+    const bool shared[TABLES + 1] = {false};
+    bool own[TABLES + 1];
     c_head(&c, ": the panel, for all backends.");
     text_add(out,
              "#include \"%s.h\"\n\n#include \"panel.h\"\n%s\n"
@@ -130,24 +210,15 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
              pipeline->name, tables->model->sanitize ? "#include \"diptych_reports.h\"\n" : "");
     emit_reflection(&c);
     text_add(out, "/* ---- How it is stored, bound and drawn ---- */\n\n");
-    emit_rows(&c, "storage", &storage_members, panel->storage, pipeline->resource_count,
-              c_resource);
-    emit_rows(&c, "samplers", &sampler_members, panel->samplers, panel->sampler_count, NULL);
-    emit_rows(&c, "programs", &program_members, panel->programs, pipeline->pass_count, c_pass);
-    emit_rows(&c, "needs", &need_members, panel->needs, panel->need_count, NULL);
-    emit_rows(&c, "demands", &demand_members, panel->demands, panel->demand_count, NULL);
+    for (uint32_t i = 0; i < TABLES; i++)
+        own[i] = c_both(&c, emit_table, i);
     text_add(out, "/* ---- One frame ---- */\n\n");
-    emit_record(&c);
-    text_add(out,
-             "const struct dt_panel %s_panel = {\n    .version = DT_MAKE_VERSION(%d, %d, %d),\n    "
-             ".pipeline = &%s_pipeline,\n%s%s",
-             pipeline->name, DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH, pipeline->name,
-             pipeline->resource_count ? "    .storage = storage,\n" : "",
-             pipeline->pass_count ? "    .programs = programs,\n" : "");
-    c_table(&c, "samplers", "sampler_count", panel->sampler_count);
-    c_table(&c, "needs", "need_count", panel->need_count);
-    c_table(&c, "demands", "demand_count", panel->demand_count);
-    text_add(out, "    .slot_count = %" PRIu32 ",\n    .record = record,\n};\n",
-             pipeline->slot_count);
+    own[TABLES] = emit_record(&c);
+    if (tables->gpu) {
+        const struct lowered *gpu = tables->gpu;
+        emit_object(&(struct c_output){gpu->model, &gpu->model->pipeline, gpu, out, C_GPU}, own);
+        text_add(out, "\n");
+    }
+    emit_object(&c, shared);
     emit_sites(&c);
 }

@@ -12,9 +12,12 @@ struct code {
     const char *glsl; /* NULL: without */
 };
 
+/* A row is a pass; those for GPUs follow the others. */
 struct shaders_output {
     struct c_output c;
-    struct code (*codes)[3]; /* by pass and stage */
+    struct code (*codes)[3]; /* by row and stage */
+    uint32_t rows;
+    size_t gpu_bytes; /* of packed words that only rows for GPUs have */
 };
 
 /* A list of bytes, some to a line. Without printf, which is too slow for so many. */
@@ -50,17 +53,20 @@ static void add_byte(struct byte_list *list, unsigned byte)
         end_line(list);
 }
 
-/* LEB128, see struct dt_code. A list of numbers, since MSVC limits strings to 64 KiB. */
-static void emit_packed(struct text *out, const struct code *code)
+/* LEB128, see struct dt_code. A list of numbers, since MSVC limits strings to 64 KiB. Returns the
+ * bytes. */
+static size_t emit_packed(struct text *out, const struct code *code)
 {
     struct byte_list list = {.out = out};
+    size_t bytes = 0;
     for (size_t i = 0; i < code->count; i++)
-        for (uint32_t rest = code->words[i], more = 1; more; rest >>= 7) {
+        for (uint32_t rest = code->words[i], more = 1; more; rest >>= 7, bytes++) {
             more = rest > 0x7f;
             add_byte(&list, (rest & 0x7f) | (more ? 0x80 : 0));
         }
     end_line(&list);
     text_add(out, "};\n");
+    return bytes;
 }
 
 static void emit_text(struct text *out, const char *glsl)
@@ -74,12 +80,18 @@ static void emit_text(struct text *out, const char *glsl)
 
 static const char *const stage_names[] = {"compute", "vertex", "fragment"};
 
-/* The first pass whose words for the stage equal those of `pass`; `pass` if none does. */
-static uint32_t owner_of(const struct shaders_output *o, uint32_t pass, int stage)
+static uint32_t pass_of(const struct shaders_output *o, uint32_t row)
 {
-    const struct code *code = &o->codes[pass][stage];
+    uint32_t passes = o->c.pipeline->pass_count;
+    return row < passes ? row : row - passes;
+}
+
+/* The first row whose words for the stage equal those of `row`; `row` if none does. */
+static uint32_t owner_of(const struct shaders_output *o, uint32_t row, int stage)
+{
+    const struct code *code = &o->codes[row][stage];
     uint32_t owner = 0;
-    for (; owner < pass; owner++) {
+    for (; owner < row; owner++) {
         const struct code *other = &o->codes[owner][stage];
         if (other->count == code->count &&
             !memcmp(other->words, code->words, code->count * sizeof *code->words))
@@ -88,96 +100,143 @@ static uint32_t owner_of(const struct shaders_output *o, uint32_t pass, int stag
     return owner;
 }
 
-static void emit_symbol(const struct c_output *c, uint32_t pass, int stage, const char *what)
+static void emit_symbol(const struct shaders_output *o, uint32_t row, int stage, const char *what)
 {
-    text_add_word(c->out, c->pipeline->order[pass]->name);
-    text_add(c->out, "_%s%s", stage_names[stage], what);
+    uint32_t passes = o->c.pipeline->pass_count;
+    text_add_word(o->c.out, o->c.pipeline->order[pass_of(o, row)]->name);
+    text_add(o->c.out, "_%s%s%s", stage_names[stage], row < passes ? "" : C_GPU, what);
 }
 
-static void emit_code(const struct shaders_output *o, uint32_t pass, int stage)
+static void emit_code(struct shaders_output *o, uint32_t row, int stage)
 {
-    const struct c_output *c = &o->c;
-    const struct code *code = &o->codes[pass][stage];
-    if (code->count && owner_of(o, pass, stage) == pass) {
-        text_add(c->out, "static const uint8_t ");
-        emit_symbol(c, pass, stage, "_packed[] = {");
-        emit_packed(c->out, code);
+    const struct code *code = &o->codes[row][stage];
+    bool gpu = row >= o->c.pipeline->pass_count;
+    if (code->count && owner_of(o, row, stage) == row) {
+        text_add(o->c.out, "static const uint8_t ");
+        emit_symbol(o, row, stage, "_packed[] = {");
+        size_t bytes = emit_packed(o->c.out, code);
+        o->gpu_bytes += gpu ? bytes : 0;
     }
     if (code->glsl) {
-        text_add(c->out, "static const uint8_t ");
-        emit_symbol(c, pass, stage, "_glsl[] = {");
-        emit_text(c->out, code->glsl);
+        text_add(o->c.out, "static const uint8_t ");
+        emit_symbol(o, row, stage, "_glsl[] = {");
+        emit_text(o->c.out, code->glsl);
     }
 }
 
-static bool emit_entry(const struct shaders_output *o, uint32_t pass, int stage, bool any)
+static bool emit_entry(const struct shaders_output *o, uint32_t row, int stage, bool any)
 {
-    const struct c_output *c = &o->c;
-    const struct code *code = &o->codes[pass][stage];
+    struct text *out = o->c.out;
+    const struct code *code = &o->codes[row][stage];
     if (!code->count)
         return false;
-    text_add(c->out, "%s.%s = {NULL, %zu, ", any ? ",\n        " : "", stage_names[stage],
+    text_add(out, "%s.%s = {NULL, %zu, ", any ? ",\n        " : "", stage_names[stage],
              code->count * sizeof *code->words);
-    emit_symbol(c, owner_of(o, pass, stage), stage, "_packed, ");
-    text_add(c->out, code->glsl ? "(const char *)" : "NULL}");
+    emit_symbol(o, owner_of(o, row, stage), stage, "_packed, ");
+    text_add(out, code->glsl ? "(const char *)" : "NULL}");
     if (code->glsl)
-        emit_symbol(c, pass, stage, "_glsl}");
+        emit_symbol(o, row, stage, "_glsl}");
     return true;
 }
 
 /* False when out of memory. */
-static bool take_codes(struct shaders_output *o, const struct dt_shaders *shaders, bool names,
-                       bool glsl)
+static bool take_code(struct arena *arena, struct code *code, const struct dt_code *from,
+                      bool names, bool glsl)
+{
+    *code = (struct code){.words = arena_alloc(arena, from->size + 1),
+                          .count = from->size / sizeof *code->words,
+                          .glsl = glsl ? from->glsl : NULL};
+    if (!code->words)
+        return false;
+    if (code->count)
+        memcpy(code->words, from->words, from->size);
+    if (!names)
+        code->count = spirv_strip(code->words, code->count);
+    return true;
+}
+
+/* The same. */
+static bool take_codes(struct shaders_output *o, enum backend backend, bool names, bool glsl)
 {
     struct arena *arena = o->c.model->arena;
     uint32_t passes = o->c.pipeline->pass_count;
-    o->codes = arena_alloc(arena, (passes + 1) * sizeof *o->codes);
-    for (uint32_t pass = 0; o->codes && pass < passes; pass++) {
-        const struct dt_stages *stages = &shaders->stages[pass];
+    o->codes = arena_alloc(arena, (o->rows + 1) * sizeof *o->codes);
+    bool good = o->codes;
+    for (uint32_t row = 0; good && row < o->rows; row++) {
+        const struct lowered *tables = row < passes ? o->c.tables : o->c.tables->gpu;
+        const struct dt_stages *stages = &tables->shaders[backend].stages[pass_of(o, row)];
         const struct dt_code *from[] = {&stages->compute, &stages->vertex, &stages->fragment};
-        for (int stage = 0; stage < 3; stage++) {
-            struct code *code = &o->codes[pass][stage];
-            *code = (struct code){.words = arena_alloc(arena, from[stage]->size + 1),
-                                  .count = from[stage]->size / sizeof *code->words,
-                                  .glsl = glsl ? from[stage]->glsl : NULL};
-            if (!code->words)
-                return false;
-            if (code->count)
-                memcpy(code->words, from[stage]->words, from[stage]->size);
-            if (!names)
-                code->count = spirv_strip(code->words, code->count);
-        }
+        for (int stage = 0; good && stage < 3; stage++)
+            good = take_code(arena, &o->codes[row][stage], from[stage], names, glsl);
     }
-    return o->codes;
+    return good;
 }
 
-void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
-                    struct text *out)
+static void emit_stages(const struct shaders_output *o)
 {
-    const struct pipeline *pipeline = &tables->model->pipeline;
-    const struct dt_shaders *shaders = &tables->shaders[backend];
-    struct shaders_output o = {{tables->model, pipeline, tables, out}, NULL};
-    if (!take_codes(&o, shaders, names, glsl)) {
-        out->failed = true;
-        return;
-    }
-    c_head(&o.c, backend == BACKEND_GL ? ": the shaders for OpenGL." : ": the shaders for Vulkan.");
-    text_add(out, "#include \"%s.h\"\n\n", pipeline->name);
-    for (uint32_t pass = 0; pass < pipeline->pass_count; pass++)
-        for (int stage = 0; stage < 3; stage++)
-            emit_code(&o, pass, stage);
-    text_add(out, pipeline->pass_count ? "static const struct dt_stages stages[] = {\n" : "");
-    for (uint32_t pass = 0; pass < pipeline->pass_count; pass++) {
-        text_add(out, "    [");
-        c_pass(&o.c, pass);
-        text_add(out, "] = {");
+    uint32_t passes = o->c.pipeline->pass_count;
+    text_add(o->c.out, passes ? "static const struct dt_stages stages[] = {\n" : "");
+    for (uint32_t row = 0; row < o->rows; row++) {
+        text_add(o->c.out, "    [");
+        if (row >= passes) {
+            c_upper(o->c.out, o->c.pipeline->name);
+            text_add(o->c.out, "_PASSES + ");
+        }
+        c_pass(&o->c, pass_of(o, row));
+        text_add(o->c.out, "] = {");
         bool any = false;
         for (int stage = 0; stage < 3; stage++)
-            any |= emit_entry(&o, pass, stage, any);
-        text_add(out, "},\n");
+            any |= emit_entry(o, row, stage, any);
+        text_add(o->c.out, "},\n");
     }
-    text_add(out, pipeline->pass_count ? "};\n\n" : "");
-    text_add(out, "const struct dt_shaders %s_%s = {\"%s\", &%s_panel, %s};\n", pipeline->name,
-             shaders->backend, shaders->backend, pipeline->name,
-             pipeline->pass_count ? "stages" : "NULL");
+    text_add(o->c.out, passes ? "};\n\n" : "");
+}
+
+size_t emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
+                      struct text *out)
+{
+    const struct pipeline *pipeline = &tables->model->pipeline;
+    const char *name = pipeline->name, *api = tables->shaders[backend].backend;
+    struct shaders_output o = {.c = {tables->model, pipeline, tables, out, NULL},
+                               .rows = pipeline->pass_count * (tables->gpu ? 2 : 1)};
+    if (!take_codes(&o, backend, names, glsl)) {
+        out->failed = true;
+        return 0;
+    }
+    c_head(&o.c, backend == BACKEND_GL ? ": the shaders for OpenGL." : ": the shaders for Vulkan.");
+    text_add(out, "#include \"%s.h\"\n\n", name);
+    for (uint32_t row = 0; row < o.rows; row++)
+        for (int stage = 0; stage < 3; stage++)
+            emit_code(&o, row, stage);
+    emit_stages(&o);
+    text_add(out, "const struct dt_shaders %s_%s = {\"%s\", &%s_panel, %s};\n", name, api, api,
+             name, pipeline->pass_count ? "stages" : "NULL");
+    return o.gpu_bytes;
+}
+
+static bool same_code(const struct dt_code *a, const struct dt_code *b)
+{
+    return a->size == b->size && (!a->size || memcmp(a->words, b->words, a->size) == 0);
+}
+
+bool emit_is_same(const struct lowered *tables, const struct lowered *gpu)
+{
+    struct text texts[2] = {{0}, {0}};
+    bool same = true;
+    for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
+        for (uint32_t i = 0; i < tables->model->pipeline.pass_count; i++) {
+            const struct dt_stages *a = &tables->shaders[backend].stages[i];
+            const struct dt_stages *b = &gpu->shaders[backend].stages[i];
+            same = same && same_code(&a->compute, &b->compute) &&
+                   same_code(&a->vertex, &b->vertex) && same_code(&a->fragment, &b->fragment);
+        }
+    if (same) {
+        emit_c_panel(tables, &texts[0]);
+        emit_c_panel(gpu, &texts[1]);
+        same = !texts[0].failed && !texts[1].failed && texts[0].length == texts[1].length &&
+               memcmp(texts[0].data, texts[1].data, texts[0].length) == 0;
+    }
+    text_free(&texts[0]);
+    text_free(&texts[1]);
+    return same;
 }

@@ -6,9 +6,12 @@
 
 void emit_header(const struct model *model, struct text *out);     /* NAME.h */
 void emit_c_panel(const struct lowered *tables, struct text *out); /* NAME.c, for all backends */
-/* NAME_gl_shaders.c and NAME_vk_shaders.c. names: keep them in SPIR-V. glsl: also OpenGL's GLSL. */
-void emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
-                    struct text *out);
+/* NAME_gl_shaders.c and NAME_vk_shaders.c. names: keep them in SPIR-V. glsl: also OpenGL's GLSL.
+ * Returns the bytes of packed words that are for GPUs alone. */
+size_t emit_c_shaders(const struct lowered *tables, enum backend backend, bool names, bool glsl,
+                      struct text *out);
+/* Whether both print the same C: then the second is not needed. */
+bool emit_is_same(const struct lowered *tables, const struct lowered *gpu);
 void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
 void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
 /* needs.c: --needs, Markdown. */

@@ -97,7 +97,7 @@ static const struct body_name frame_names[] = {
 
 static const struct body_name scene_names[] = {
     {"SceneVertex scene_vertices[]", "`reads: [scene_vertices]`",
-     "Vertices of the scene. With `target: software` a texel buffer: read an element by its index, "
+     "Vertices of the scene. On CPU drivers a texel buffer: read an element by its index, "
      "or `scene_vertices.length()`."},
     {"uint scene_indices[]", "`reads: [scene_indices]`",
      "Three indices for each triangle, stored in the same way."},

@@ -81,7 +81,9 @@ static void read_sections(struct reader *reader)
     pipeline->loc = field_loc(reader, top, "pipeline");
     pipeline->doc = field_text(reader, top, "doc");
     pipeline->exactness = (enum exactness)field_choice(reader, top, "exactness", EXACTNESS_EXACT);
-    pipeline->gpu = field_choice(reader, top, "target", 0) == 1;
+    int target = field_choice(reader, top, "target", 0);
+    pipeline->automatic = target == 0 && !reader->model->sanitize; /* places are of one plan */
+    pipeline->gpu = target ? target == 2 : reader->model->gpu;
     pipeline->top = field_choice(reader, top, "origin", 0) == 1;
     read_params(reader, top);
     read_constants(reader, top);

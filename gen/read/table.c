@@ -269,10 +269,13 @@ const struct key table_keys[] = {
      "dispatches may use subgroup operations, if the device has them (OpenGL: "
      "GL_KHR_shader_subgroup). In which order these reduce is the device's.",
      "exact"},
-    {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "software|gpu", OPTIONAL, "software",
-     "The kind of device that storage classes and loop shapes are chosen for. `software` reads the "
-     "scene's vertices and indices from texel buffers, whose size some devices limit to 65,536 "
-     "elements: there the application takes `gpu`, which has the same bits.",
+    {SECTION_TOP, "target", KEY_CHOICE, SECTION_NONE, "auto|software|gpu", OPTIONAL, "auto",
+     "The kind of device that storage classes, loop shapes and workgroups are chosen for. "
+     "`software` "
+     "is for drivers that run on the CPU, and reads the scene's vertices and indices from texel "
+     "buffers. `auto` plans both, and the runtime takes one when it knows the device: `gpu` also "
+     "where "
+     "the scene is too long for the device's texel buffers. Both have the same bits.",
      "gpu"},
     {SECTION_TOP, "origin", KEY_CHOICE, SECTION_NONE, "bottom|top", OPTIONAL, "bottom",
      "Which row of a picture is row 0 of an image: of files and inputs, and of pictures that are "
@@ -569,7 +572,7 @@ const struct key table_keys[] = {
      "a draw of vertices of such, one per element.",
      "draw_arguments"},
     {SECTION_PASS, "local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL,
-     "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges and `target: software` 256 "
+     "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges on CPU drivers 256 "
      "invocations",
      "Size of a workgroup; at most 1024 invocations.", "[8, 8, 1]"},
     {SECTION_PASS, "view", KEY_CHOICE, SECTION_NONE, "camera|light", OPTIONAL, "camera",
@@ -723,15 +726,15 @@ const struct key table_keys[] = {
     {SECTION_RANGE, "storage", KEY_CHOICE, SECTION_NONE, "auto|shared|buffer|uniform", OPTIONAL,
      "auto",
      "Where the elements are read from. `auto`: from a copy in shared memory if `loop: auto` "
-     "unrolls the loop, and with `target: gpu`; else in place, from a uniform block if one can "
+     "unrolls the loop, and on a GPU; else in place, from a uniform block if one can "
      "hold "
      "the buffer (64 KiB, elements a multiple of 16 bytes; up to nine blocks per pass), or a "
      "storage "
      "buffer.",
      "shared"},
     {SECTION_RANGE, "loop", KEY_CHOICE, SECTION_NONE, "auto|unroll|roll", OPTIONAL, "auto",
-     "How the loop is written. `auto` unrolls up to 32 elements (`target: gpu`: 64) and rolls "
-     "longer loops. Without `target: gpu` longer loops that read no image are unrolled, too, the "
+     "How the loop is written. `auto` unrolls up to 32 elements (on a GPU: 64) and rolls "
+     "longer loops. On CPU drivers longer loops that read no image are unrolled, too, the "
      "shortest first, as long as they have at most 256 elements together.",
      "unroll"},
 

@@ -324,8 +324,11 @@ struct dt_panel; /* panel.h */
 struct dt_shaders {
     const char *backend; /* "gl" or "vk" */
     const struct dt_panel *panel;
-    const struct dt_stages *stages; /* one per pass */
+    const struct dt_stages *stages; /* one per pass; then, if panel->gpu, those for GPUs */
 };
+
+/* Which plan of `target: auto` a host's runtime takes: AUTO by the device and the scene. */
+enum dt_target_device { DT_TARGET_AUTO, DT_TARGET_SOFTWARE, DT_TARGET_GPU };
 
 struct dt_runtime_options {
     struct dt_log log;
@@ -413,7 +416,8 @@ struct dt_runtime {
     const char *(*device_name)(void *runtime);
     const char *(*driver)(void *runtime); /* its name and version, as it tells them */
     bool (*is_software)(void *runtime);
-    uint64_t (*most_texels)(void *runtime); /* elements of a texel buffer */
+    /* Whether create would take panel->gpu, if there were one. The scene comes first. */
+    bool (*takes_gpu)(void *runtime, const struct dt_panel *panel);
     bool (*set_scene)(void *runtime,
                       const struct dt_scene *scene); /* before resize; replaces the old scene */
     bool (*create)(void *runtime,

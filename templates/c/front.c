@@ -218,7 +218,7 @@ static bool check_buffer(const struct dt_core *core, const struct dt_resource *b
 
 /* The previous panel's programs, kept while the next panel is created. */
 struct made {
-    const struct dt_shaders *shaders;
+    struct dt_shaders shaders;
     void *programs;
 };
 
@@ -328,10 +328,10 @@ static bool is_zero(const void *bytes, size_t size)
 static bool take_program(struct dt_core *core, const struct made *before, uint32_t pass)
 {
     size_t size = core->backend->program_size;
-    uint32_t count = before->programs ? before->shaders->panel->pipeline->pass_count : 0;
+    uint32_t count = before->programs ? before->shaders.panel->pipeline->pass_count : 0;
     for (uint32_t i = 0; i < count; i++) {
         char *old = (char *)before->programs + i * size;
-        if (is_zero(old, size) || !same_program(before->shaders, i, core->shaders, pass))
+        if (is_zero(old, size) || !same_program(&before->shaders, i, &core->shaders, pass))
             continue;
         memcpy(dt_program(core, pass), old, size);
         memset(old, 0, size);
@@ -358,7 +358,7 @@ static void release_resources(struct dt_core *core)
 
 static void destroy_programs(struct dt_core *core, const struct made *made)
 {
-    uint32_t count = made->programs ? made->shaders->panel->pipeline->pass_count : 0;
+    uint32_t count = made->programs ? made->shaders.panel->pipeline->pass_count : 0;
     for (uint32_t i = 0; i < count; i++)
         core->backend->destroy_program(core,
                                        (char *)made->programs + i * core->backend->program_size);
@@ -388,7 +388,7 @@ static struct made take_apart(struct dt_core *core)
     core->resources = core->programs = core->samplers = NULL;
     core->ran = core->imported = core->resumed = NULL;
     core->written = NULL;
-    core->shaders = NULL;
+    core->shaders = (struct dt_shaders){0};
     core->panel = NULL;
     core->pipeline = NULL;
     return made;
@@ -455,7 +455,7 @@ bool dt_front_given(const struct dt_core *core, const void *pointer, const char 
 
 bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from)
 {
-    return (from && from != core && from->shaders) ||
+    return (from && from != core && from->panel) ||
            dt_error(core, "create_from: the other runtime has no pipeline; create it there first");
 }
 
@@ -470,6 +470,34 @@ bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel)
                     DT_VERSION_MINOR, DT_VERSION_PATCH);
 }
 
+/* Elements of the longest texel buffer of the scene that the pipeline binds. */
+static uint64_t longest_texels(const struct dt_core *core, const struct dt_panel *panel)
+{
+    uint64_t longest = 0;
+    for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
+        for (uint32_t i = 0; i < panel->programs[pass].binding_count; i++) {
+            const struct dt_binding *binding = &panel->programs[pass].bindings[i];
+            uint64_t count = binding->kind == DT_BIND_TEXELS
+                                 ? core->backend->texels(core, binding->resource)
+                                 : 0;
+            longest = count > longest ? count : longest;
+        }
+    return longest;
+}
+
+bool dt_front_takes_gpu(const struct dt_core *core, const struct dt_panel *panel)
+{
+    if (core->target != DT_TARGET_AUTO || !core->software)
+        return core->target != DT_TARGET_SOFTWARE;
+    uint64_t elements = longest_texels(core, panel), most = core->limits.most[DT_LIMIT_TEXELS];
+    if (elements > most)
+        dt_log(core, DT_INFO,
+               "the scene has %llu elements, but texel buffers of %s at most %llu: the shaders for "
+               "GPUs read it from storage buffers",
+               (unsigned long long)elements, core->device_name, (unsigned long long)most);
+    return elements > most;
+}
+
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
                      const struct dt_core *from)
 {
@@ -477,14 +505,19 @@ bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
         !dt_front_takes(core, shaders->panel))
         return false;
     const struct dt_pipeline *pipeline = shaders->panel->pipeline;
+    struct dt_shaders chosen = *shaders;
+    if (chosen.panel->gpu && !from && dt_front_takes_gpu(core, chosen.panel)) {
+        chosen.panel = chosen.panel->gpu;
+        chosen.stages += pipeline->pass_count;
+    }
     if (strcmp(shaders->backend, core->backend->name) != 0)
         return dt_error(core, "pipeline %s: the shaders are for %s; give %s_%s", pipeline->name,
                         shaders->backend, pipeline->name, core->backend->name);
-    bool good = enter(core) && check_panel(core, shaders->panel);
+    bool good = enter(core) && check_panel(core, chosen.panel);
     if (good) {
         struct made before = take_apart(core);
-        core->shaders = shaders;
-        core->panel = shaders->panel;
+        core->shaders = chosen;
+        core->panel = chosen.panel;
         core->pipeline = pipeline;
         good = make(core, &before, from);
         destroy_programs(core, &before);
@@ -642,8 +675,8 @@ bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elem
 {
     return elements <= core->limits.most[DT_LIMIT_TEXELS] ||
            dt_error(core,
-                    "%s: %llu elements, but %s has at most %llu in a texel buffer; generate the "
-                    "pipeline with `target: gpu`",
+                    "%s: %llu elements, but %s has at most %llu in a texel buffer; take `target: "
+                    "gpu`, or `auto` and give the scene before create",
                     name, (unsigned long long)elements, core->device_name,
                     (unsigned long long)core->limits.most[DT_LIMIT_TEXELS]);
 }
@@ -1180,9 +1213,14 @@ const char *dt_verb_device_name(void *runtime)
     return ((struct dt_core *)runtime)->device_name;
 }
 
-uint64_t dt_verb_most_texels(void *runtime)
+bool dt_verb_is_software(void *runtime)
 {
-    return ((struct dt_core *)runtime)->limits.most[DT_LIMIT_TEXELS];
+    return ((struct dt_core *)runtime)->software;
+}
+
+bool dt_verb_takes_gpu(void *runtime, const struct dt_panel *panel)
+{
+    return dt_front_takes_gpu(runtime, panel);
 }
 
 const char *dt_verb_driver(void *runtime)

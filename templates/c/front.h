@@ -18,6 +18,8 @@ struct dt_core {
     struct dt_log log;
     struct dt_limits limits;
     char device_name[256], driver[520];
+    bool software; /* the driver runs on the CPU */
+    enum dt_target_device target;
     bool hosted; /* the host owns device or context */
     bool timing, window;
     bool keep_history; /* over resize and create, where a resource has the same name and layout */
@@ -29,7 +31,7 @@ struct dt_core {
     uint8_t attributes;                        /* mask by enum dt_attribute */
 
     /* The pipeline; NULL before create. */
-    const struct dt_shaders *shaders;
+    struct dt_shaders shaders; /* panel and stages: those for the device */
     const struct dt_panel *panel;
     const struct dt_pipeline *pipeline;
     /* Arrays of the backend's structs, one per resource, pass, sampler; zero: not created. */
@@ -77,6 +79,8 @@ struct dt_backend {
     bool (*rest)(struct dt_core *core, const char *verb); /* afterwards no frame is in flight */
 
     bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene);
+    /* Elements that DT_SCENE_VERTICES or DT_SCENE_INDICES would have as a texel buffer; 0: none yet. */
+    uint64_t (*texels)(const struct dt_core *core, uint16_t resource);
 
     /* Whether the device has what the passes need. Called before create changes anything. */
     bool (*suits)(struct dt_core *core, const struct dt_panel *panel);
@@ -149,6 +153,8 @@ bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel);
 /* Whether a host has given a pointer; else logs an error that calls it `what`. core NULL: false, since the host
  * has gone on after an open that failed. */
 bool dt_front_given(const struct dt_core *core, const void *pointer, const char *what);
+/* Whether the device, or the length of its texel buffers against the scene, asks for panel->gpu. */
+bool dt_front_takes_gpu(const struct dt_core *core, const struct dt_panel *panel);
 /* `from`: a core with the same shaders, whose programs are shared; NULL: none. */
 bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
                      const struct dt_core *from);
@@ -237,7 +243,8 @@ static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 
 const char *dt_verb_device_name(void *runtime);
 const char *dt_verb_driver(void *runtime);
-uint64_t dt_verb_most_texels(void *runtime);
+bool dt_verb_is_software(void *runtime);
+bool dt_verb_takes_gpu(void *runtime, const struct dt_panel *panel);
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders);
 bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height);

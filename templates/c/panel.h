@@ -277,6 +277,10 @@ struct dt_panel {
     uint32_t demand_count;
     bool (*record)(const struct dt_recording *recording); /* one frame: all passes */
     const void *plan; /* private data of a plan player; NULL in generated code */
+    /* `target: auto`: this panel is for drivers that run on the CPU; the runtime takes the other one, of
+     * the same pipeline, where the device is a GPU, or its texel buffers are too short for the scene.
+     * NULL: there is none, or no pass differs. */
+    const struct dt_panel *gpu;
 };
 
 /* ---- For generated C ------------------------------------------------------------------------- */

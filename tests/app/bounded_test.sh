@@ -72,6 +72,15 @@ check "... by its own error alone" holds "$work/far.json" 'not c["agree"]' 'far[
     '0.003 < far["vk", "one.colour", "first"]["worst"]["error"] < 0.005' 'far["vk", "later", "second"]["verdict"] != "DIFFERS"'
 check "a contract allows it" "${compare[@]}" --set exactness=bounded --set error=0.004 --set 'contracts.first={of_exact: 0.005}'
 check "... or outliers" "${compare[@]}" --set exactness=bounded --set error=0.004 --set 'contracts.first={of_exact: 0.001, outliers: 1}'
+far=("${compare[@]}" --set exactness=bounded --set error=0.004)
+check "runs are measured" "${far[@]}" --set 'contracts.first={of_exact: 0.005}' --measure 2 --write-contracts "$work/measured.yaml"
+check "... as far as they are from exact" grep -Eq '^first: \{of_exact: 0\.00(39|4)' "$work/measured.yaml"
+check "... which is a contract that holds" "${far[@]}" --contracts "$work/measured.yaml"
+cp "$work/output" "$work/told"
+check "... just" grep -Eq '^one.colour +first .* within +(9[0-9]|100) %' "$work/told"
+check_status 1 "... and allows no more" "${compare[@]}" --set exactness=bounded --set error=0.005 --contracts "$work/measured.yaml"
+echo 'field: {of_exact: 1}' >"$work/wrong.yaml"
+check_status 2 "of_exact is for passes that are left free" "${far[@]}" --contracts "$work/wrong.yaml"
 check_status 1 "a fault on one side is found" "${compare[@]}" --set exactness=bounded --fault vk:later:texel
 cp "$work/output" "$work/told"
 check "... in its pass" grep -qF 'guilty: pass later' "$work/told"

@@ -138,10 +138,11 @@ static const char *device_name(void *runtime)
     return "a made device";
 }
 
-static uint64_t most_texels(void *runtime)
+static bool takes_gpu(void *runtime, const struct dt_panel *panel)
 {
     (void)runtime;
-    return 65536;
+    (void)panel;
+    return false;
 }
 
 static bool is_software(void *runtime)
@@ -276,7 +277,7 @@ static void close_runtime(void *runtime)
 #define MADE_RUNTIME(label, opening)                                                               \
     {                                                                                              \
         .name = (label), .open = (opening), .device_name = device_name, .driver = device_name,     \
-        .is_software = is_software, .most_texels = most_texels, .set_scene = set_scene,            \
+        .is_software = is_software, .takes_gpu = takes_gpu, .set_scene = set_scene,                \
         .create = create, .resize = resize, .render = render, .read = read_resource,               \
         .write = write_resource, .timings = timings, .messages = messages, .close = close_runtime  \
     }

@@ -31,8 +31,9 @@ compiles() { # folder [name]
 
 # shellcheck disable=SC2317
 valid_spirv() { # name
-    local file count=0
-    for file in "$work/$1"/*/*.spv; do
+    local file files count=0
+    mapfile -t files < <(find "$work/$1" -name '*.spv')
+    for file in "${files[@]}"; do
         case $file in
         */gl/*) spirv-val --target-env opengl4.5 "$file" ;;
         *) spirv-val --target-env vulkan1.3 "$file" ;;
@@ -116,9 +117,41 @@ has_more() {
     grep -q '_glsl\[\]' "$work/more/small_gl_shaders.c" && ! grep -q _glsl "$work/small/small_gl_shaders.c" "$work/more/small_vk_shaders.c" &&
         [ "$(words more gl)" = "$(cat "$work"/more/gl/small.*.spv | wc -c)" ] && [ "$(words more gl)" -gt "$(words small gl)" ]
 }
-check "--names and --glsl are options" "$gen" tests/gen/golden/small.yaml -o "$work/more" --names --glsl
+check "a pipeline is generated for CPU drivers alone" "$gen" tests/gen/golden/small.yaml -o "$work/small" --set target=software
+check "--names and --glsl are options" "$gen" tests/gen/golden/small.yaml -o "$work/more" --names --glsl --set target=software
 check "... that add names and GLSL to generated C" has_more
 check "... which compiles" compiles more small
+
+# `target: auto` has the shaders of `software`, and under gpu/ those of `gpu` that are others; one header for all.
+# shellcheck disable=SC2317
+is_both() { # name
+    local file auto own=0
+    for file in "$work/$1.gpu"/[gv]?/*.*; do
+        auto=$work/$1.auto/${file#"$work/$1.gpu/"}
+        cmp "$auto" "$work/$1.software/${file#"$work/$1.gpu/"}" || return
+        case $file in *.spv) ;; *) continue ;; esac
+        if [ -e "$(dirname "$auto")/gpu/$(basename "$file")" ]; then
+            cmp "$file" "$(dirname "$auto")/gpu/$(basename "$file")" && ! cmp -s "$file" "$auto" || return
+            own=$((own + 1))
+        else
+            cmp "$file" "$auto" || return
+        fi
+    done
+    cmp "$work/$1.auto/$1.h" "$work/$1.gpu/$1.h" && cmp "$work/$1.auto/$1.h" "$work/$1.software/$1.h" && [ "$own" -gt 9 ]
+}
+# shellcheck disable=SC2317
+for_target() { # name target
+    "$gen" "templates/$1.yaml" -o "$work/$1.$2" --set "target=$2" >"$work/$1.$2.told"
+}
+for target in auto software gpu; do
+    check "rsm for $target is generated" for_target rsm $target
+    check "... and machine" for_target machine $target
+done
+check "rsm for both shares what is equal" is_both rsm
+check "... and says what the others add" grep -q '; shaders for GPUs add 2[0-9][0-9] KB$' "$work/rsm.auto.told"
+check "... its tables have both" grep -q '^    \.gpu = &panel_gpu,$' "$work/rsm.auto/rsm.c"
+check "machine, which has no loops and no ranges, has nothing for GPUs alone" diff -r "$work/machine.auto" "$work/machine.gpu"
+check "... and says nothing of them" diff "$work/machine.auto.told" "$work/machine.software.told"
 
 # Every type as baked, live and uniform parameter: --set changes a constant in the GLSL, or a value in the C.
 # shellcheck disable=SC2317

@@ -80,7 +80,7 @@ for driver in "${strangers[@]}"; do
     check "$driver: a scene too long for its texel buffers is read from storage buffers" agrees '^on equal inputs' "${atrium[@]}" \
         --spec templates/ssvp.yaml --set map_size=128 --set second_clusters=1 --set first_vpls=64 --set second_vpls=64
     # shellcheck disable=SC2016
-    check "... which is told" sh -c '"$@" 2>&1 | grep "as with .target: gpu"' - "$diptych" render --scene scenes/atrium.yaml --backend "$driver" \
+    check "... which is told" sh -c '"$@" 2>&1 | grep "shaders for GPUs read it from storage buffers"' - "$diptych" render --scene scenes/atrium.yaml --backend "$driver" \
         --spec templates/rsm.yaml --size 16x9 --set rsm_size=16 --set samples=2 -o "$work/atrium.png"
     check "$driver: post" "$diptych" compare --spec templates/post.yaml --input photo=templates/pictures/post.png --backend "$home,$driver"
     check "$driver: machine" "$diptych" compare --spec templates/machine.yaml --size 64x64 --backend "$home,$driver"
