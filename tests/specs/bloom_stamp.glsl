@@ -1,5 +1,5 @@
 void main()
 {
     ivec2 p = ivec2(gl_FragCoord.xy);
-    stamped = (frame.first == 1u ? vec4(0.0) : before(p)) + after_sample(gl_FragCoord.xy / vec2(after_size()));
+    stamped = before(p) + after_sample(gl_FragCoord.xy / vec2(after_size()));
 }

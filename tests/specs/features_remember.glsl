@@ -2,5 +2,5 @@
 void main()
 {
     int i = invocation().x;
-    memory[i] = (frame.first == 1u ? 0u : memory[i]) + frame.index + uint(i);
+    memory[i] = memory[i] + frame.index + uint(i);
 }
