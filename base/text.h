@@ -26,6 +26,11 @@ void text_add_double(struct text *text, double value);
 void text_wrap(struct text *text, size_t columns);
 void text_free(struct text *text);
 
+/* Reads a finite number that begins with a sign, a digit or a dot; nothing stands behind it. */
+bool text_number(const char *text, double *value);
+/* The same, or a fraction A/B, or a percentage P%. */
+bool text_amount(const char *text, double *value);
+
 /* printf into a new string; NULL when out of memory. */
 char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
 

@@ -24,7 +24,7 @@
 #include "base/files.h"
 #include "spec/pipeline.h"
 #include "report/report.h"
-#include "scenes/reader.h"
+#include "base/yaml_file.h"
 
 const char *report_item(const cJSON *list, int index, char buffer[32])
 {

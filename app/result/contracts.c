@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/log.h"
-#include "scenes/reader.h"
+#include "base/yaml_file.h"
 
 const char *const measured_names[MEASURED_KINDS] = {"noise", "drift", "backends"};
 
@@ -23,22 +23,8 @@ enum { ULP, ABS, REL, IMAGE, FLIPS, RASTER, MARGIN, MEASURED, BOUNDS = MEASURED 
 static double read_amount(struct reader *reader, const struct key *key, double most)
 {
     const char *text = fy_node_is_scalar(key->node) ? fy_node_get_scalar0(key->node) : NULL;
-    if (!text) /* reported */
-        return 0;
-    char *end;
-    double value = strtod(text, &end), divisor = 1;
-    bool good = end != text;
-    end += strspn(end, " ");
-    if (*end == '%') {
-        divisor = 100;
-        end++;
-    } else if (*end == '/') {
-        text = end + 1;
-        divisor = strtod(text, &end);
-        good &= end != text && divisor > 0;
-    }
-    value /= divisor;
-    if (!good || *end || !(value >= 0 && value <= most))
+    double value = 0;
+    if (text && (!text_amount(text, &value) || value < 0 || value > most)) /* else reported */
         reader_report(reader, key->node, "`%s` is a number from 0 to %g, like 0.01, 2/255 or 1%%",
                       key->name, most);
     return value;
