@@ -101,16 +101,6 @@ const struct step *steps_find(const struct steps *steps, const char *file);
 
 /* ---- steps_run.c ----------------------------------------------------------------------------- */
 
-/* Writes a file of a folder, whole or not at all; logs the error. */
-typedef void content_writer(FILE *out, const void *user);
-bool content_write(const char *folder, const char *name, content_writer *writer, const void *user,
-                   const struct dt_log *log);
-/* Runs ninja in a folder, with that many edges at once, to the end also behind an edge that fails. `take` gets
- * its lines; NULL: they are shown. plans: it only lists what it would do. False: an error was logged; that an edge
- * failed is none. */
-bool ninja_run(struct console *console, const char *folder, uint32_t jobs, bool plans,
-               void (*take)(void *user, const char *line), void *user);
-
 /* Writes build.ninja and `commands`, and runs ninja. Failed steps are found by their results. */
 bool steps_run(struct steps *steps);
 /* Number of steps without a result. Logs an error for each that failed itself; with --collect, only

@@ -72,7 +72,7 @@ static void read_place(struct result *result, const char *folder, int number,
 /* The first line that tells an error, else the last. */
 static char *read_error(const char *folder, int number, const struct dt_log *log)
 {
-    char *text = read_run_file(folder, number, "txt", log);
+    char *text = read_run_file(folder, number, "result.txt", log);
     char *at = text ? strstr(text, "error:") : NULL;
     size_t length = text ? strlen(text) : 0;
     while (text && !at && length > 0 && text[length - 1] == '\n')
@@ -110,6 +110,7 @@ static void read_result(struct result *result, const cJSON *run, const char *fol
     int status = -1;
     long milliseconds = 0;
     char *text = read_run_file(folder, number, "result", log);
+    text = text ? text : read_run_file(folder, number, "result.failed", log);
     bool over = text && sscanf(text, "%d %ld", &status, &milliseconds) == 2;
     free(text);
     *result = (struct result){.run = run,
