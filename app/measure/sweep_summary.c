@@ -9,13 +9,13 @@
 enum { SETTINGS_WIDTH = 60 };
 
 /* MAY_DIFFER: it does, and its spec promises no equal bits. */
-enum verdict { AGREE, DIFFER, MAY_DIFFER, FAILED, NOT_RUN, VERDICTS };
+enum run_verdict { AGREE, DIFFER, MAY_DIFFER, FAILED, NOT_RUN, VERDICTS };
 static const char *const verdict_names[VERDICTS] = {"agree", "differ", "may differ", "failed",
                                                     "not run"};
 
 struct result {
     const cJSON *run;
-    enum verdict verdict;
+    enum run_verdict verdict;
     double seconds;
     char *pass, *resource; /* where they differ, or NULL */
     char *error;           /* why it failed, or NULL */
@@ -238,8 +238,8 @@ static void print_runs(const struct result *results, int count, const int totals
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static bool write_files(struct console *console, const struct result *results, int count,
-                        const int totals[VERDICTS], const cJSON *sweep, const char *folder)
+static bool write_summary(struct console *console, const struct result *results, int count,
+                          const int totals[VERDICTS], const cJSON *sweep, const char *folder)
 {
     char *json = format_string("%s/summary.json", folder);
     char *csv = format_string("%s/summary.csv", folder);
@@ -267,7 +267,7 @@ int sweep_summarise(struct console *console, const cJSON *sweep, const char *fol
         read_result(&results[number], run, folder, number + 1, &console->log);
         totals[results[number++].verdict]++;
     }
-    bool good = write_files(console, results, count, totals, sweep, folder);
+    bool good = write_summary(console, results, count, totals, sweep, folder);
     print_runs(results, count, totals);
     for (int i = 0; i < count; i++) {
         free(results[i].pass);

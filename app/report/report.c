@@ -29,7 +29,7 @@ static void report_free(struct report *report)
 }
 
 /* The rows of all that was measured, the plots and the page. */
-static bool write_all(struct report *report)
+static bool write_report(struct report *report)
 {
     char *csv = format_string("%s/rows.csv", report->steps.folder);
     bool good = csv && grid_read(&report->grid);
@@ -70,7 +70,7 @@ int verb_report(struct console *console, const struct options *options)
         status = EXIT_FAILED;
         if (options->collect || steps_run(&report.steps)) {
             uint32_t failures = steps_count_failures(&report.steps);
-            bool good = write_all(&report);
+            bool good = write_report(&report);
             if (good) {
                 printf("%s/index.html\n", report.steps.folder);
                 console->result = report_json(&report, failures);

@@ -75,7 +75,7 @@ static void read_bounds(struct reader *reader, const struct key *key, struct kep
                       "`flips`, `raster`");
 }
 
-static void read_contracts(struct reader *reader, struct fy_node *root, void *user)
+static void read_kept(struct reader *reader, struct fy_node *root, void *user)
 {
     struct reading *reading = user;
     struct contracts *contracts = reading->contracts;
@@ -108,7 +108,7 @@ static void add_key(struct reading *reading, const char *name)
 bool contracts_read(struct contracts *contracts, const char *path, const char *const *names,
                     uint32_t count, const struct dt_log *log)
 {
-    static const struct file_kind kind = {"contracts", "names of resources", read_contracts};
+    static const struct file_kind kind = {"contracts", "names of resources", read_kept};
     struct reading reading = {.contracts = contracts};
     reading.keys = calloc((size_t)count + 1, sizeof *reading.keys);
     contracts->list = calloc((size_t)count + 1, sizeof *contracts->list);

@@ -177,7 +177,7 @@ static bool is_numbers(const struct match *match, const struct dt_resource *what
     return what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind) && match;
 }
 
-static bool is_depth(const struct match *match, const struct dt_resource *what)
+static bool is_depths(const struct match *match, const struct dt_resource *what)
 {
     return what->kind == DT_IMAGE && what->format == DT_FORMAT_D32F && match;
 }
@@ -191,10 +191,10 @@ static bool measure_draw(const struct dumps *dumps, const struct theirs *const s
     struct dt_bytes found[2], depths[2];
     bool *edges = NULL, good = true;
     if (load_beside(dumps, sides, match, is_numbers, &what, found) ||
-        load_beside(dumps, sides, match, is_depth, &what, found)) {
+        load_beside(dumps, sides, match, is_depths, &what, found)) {
         good = edges_find(&edges, &what, found);
         if (edges && what.format != DT_FORMAT_D32F &&
-            load_beside(dumps, sides, match, is_depth, &what, depths)) {
+            load_beside(dumps, sides, match, is_depths, &what, depths)) {
             if (!memcmp(depths[0].extent, found[0].extent, sizeof depths[0].extent) &&
                 !memcmp(depths[1].extent, found[0].extent, sizeof depths[1].extent))
                 edges_add_coincident(edges, depths);

@@ -179,7 +179,7 @@ static cJSON *match_json(const struct dumps *dumps, const struct match *match)
     return root;
 }
 
-static void add_pair(cJSON *root, const struct dumps *dumps)
+static void add_results(cJSON *root, const struct dumps *dumps)
 {
     const struct theirs *second = dumps->sides[1];
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
@@ -206,7 +206,7 @@ cJSON *dumps_json(const struct dumps *pairs, uint32_t count)
     cJSON *root = cJSON_CreateObject(), *list = NULL;
     bool agree = true;
     if (count == 1) {
-        add_pair(root, pairs);
+        add_results(root, pairs);
         return root;
     }
     for (uint32_t i = 0; i < count; i++)
@@ -215,7 +215,7 @@ cJSON *dumps_json(const struct dumps *pairs, uint32_t count)
     list = cJSON_AddArrayToObject(root, "pairs");
     for (uint32_t i = 0; i < count; i++) {
         cJSON *pair = cJSON_CreateObject();
-        add_pair(pair, &pairs[i]);
+        add_results(pair, &pairs[i]);
         cJSON_AddItemToArray(list, pair);
     }
     return root;
@@ -243,7 +243,7 @@ static cJSON *pair_page(const struct dumps *dumps, uint32_t index)
 {
     cJSON *page = cJSON_CreateObject();
     struct sheet sheet;
-    add_pair(page, dumps);
+    add_results(page, dumps);
     cJSON_AddNumberToObject(page, "pair", index);
     cJSON_AddStringToObject(page, "first", dumps->sides[0]->label);
     cJSON_AddStringToObject(page, "second", dumps->sides[1]->label);
