@@ -14,8 +14,8 @@
  *
  * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason; for a wrong
  * spec, the text of diptych-gen with all errors. After a failed render, call only close. There is no
- * other output and no exit. With `debug`, each message of the validation layers or of KHR_debug is a
- * DT_ERROR, too, and fails the render.
+ * other output, no exit, and no change of the environment, where "zink" needs GALLIUM_DRIVER=zink. With
+ * `debug`, each message of the validation layers or of KHR_debug is a DT_ERROR, too, and fails the render.
  *
  * Threads. The thread that opened a player uses it; dt_play_open and dt_play_close are for one thread at
  * a time. A child of fork() cannot use the players of its parent: their functions fail there, and close

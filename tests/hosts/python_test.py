@@ -493,6 +493,28 @@ def test_little_memory_ends_no_host(tmp_path, megabytes):
     assert "out of memory" in done.stdout
 
 
+ENVIRONMENT = """import ctypes, sys, diptych
+getenv = ctypes.CDLL(None).getenv
+getenv.restype = ctypes.c_char_p
+names = b"GALLIUM_DRIVER", b"LIBGL_ALWAYS_SOFTWARE", b"NODEVICE_SELECT", b"VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC"
+before = [getenv(name) for name in names]
+for backend in "vk", "gl", "zink":
+    try:
+        diptych.open(sys.argv[1], backend, size=(16, 8), debug=True).close()
+    except diptych.Error as error:
+        print(backend, error)
+print([getenv(name) for name in names] == before)
+"""
+
+
+def test_the_environment_is_the_hosts(negative):
+    settings = ("GALLIUM_DRIVER", "VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC")
+    done = subprocess.run([sys.executable, "-c", ENVIRONMENT, negative], capture_output=True, text=True, check=True,
+                          env={**{name: value for name, value in os.environ.items() if name not in settings},
+                               "PYTHONPATH": os.path.dirname(diptych.__file__)})
+    assert re.fullmatch("zink .*set GALLIUM_DRIVER=zink.*\nTrue\n", done.stdout, re.DOTALL), done.stdout
+
+
 def test_python_keeps_its_signals(negative):
     with open_negative(negative), pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
