@@ -32,8 +32,8 @@ static void write_ninja(FILE *out, const void *user)
     ninja_group(out, "spec");
     ninja_path(out, "program");
     cJSON_ArrayForEach(item, steps->spec_files) ninja_path(out, item->valuestring);
-    for (uint32_t i = 0; i < steps->options->setup.inputs.count; i++) {
-        char *path = step_input(steps->options->setup.inputs.items[i]);
+    for (uint32_t i = 0; i < steps->request.setup->inputs.count; i++) {
+        char *path = step_input(steps->request.setup->inputs.items[i]);
         ninja_path(out, path);
         free(path);
     }
@@ -192,13 +192,13 @@ uint32_t steps_count_failures(const struct steps *steps)
         failures++;
         for (size_t j = 0; j < DT_ARRAY_COUNT(step->needs) && step->needs[j]; j++)
             waits |= !steps_is_done(steps, steps_find(steps, step->needs[j]));
-        char *reason = waits || steps->options->collect ? NULL : steps_reason(steps, step->file);
+        char *reason = waits || steps->request.collect ? NULL : steps_reason(steps, step->file);
         if (reason)
             report_error(&steps->console->log, "%s; there is no result of: %s", reason,
                          step->command);
         free(reason);
     }
-    if (failures && steps->options->collect)
+    if (failures && steps->request.collect)
         report_message(&steps->console->log, DT_INFO, "%u of %u steps have no result yet", failures,
                        steps->count);
     return failures;

@@ -14,7 +14,15 @@ static bool report_prepare(struct report *report, struct console *console,
                            const struct options *options)
 {
     struct steps *steps = &report->steps;
-    return steps_begin(steps, "report", console, options) && report_read_outline(report) &&
+    const struct steps_request request = {.setup = &options->setup,
+                                          .output = options->output,
+                                          .spp = options->spp,
+                                          .noise = options->noise,
+                                          .frames = options->run_frames,
+                                          .warmup = options->warmup,
+                                          .collect = options->collect};
+    report->options = options;
+    return steps_begin(steps, "report", console, &request) && report_read_outline(report) &&
            report_find_scenes(report) && plot_has_gnuplot(console) && steps_check_spec(steps) &&
            steps_make_folder(steps) && report_plan(report);
 }

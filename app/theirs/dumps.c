@@ -274,7 +274,7 @@ static char *stem_of(const struct dumps *dumps, const struct match *match)
 
 static bool draw(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
 {
-    struct sheet_files files = {.pictures = dumps->options->pictures, .html = dumps->options->html};
+    struct sheet_files files = {.pictures = dumps->request->pictures, .html = dumps->request->html};
     if (!sheet_shows(&files, &match->what, &match->difference))
         return true;
     char *stem = stem_of(dumps, match);
@@ -372,9 +372,9 @@ bool dumps_compare(struct dumps *dumps)
     for (uint32_t i = 0; i < dumps->count; i++)
         if (dumps->matches[i].sides[1] && !compare_match(dumps, &dumps->matches[i]))
             return false;
-    if (dumps->first && dumps->options->run_second)
+    if (dumps->first && dumps->request->run_second)
         return dumps_run(dumps);
-    return explain(dumps) && (!dumps->options->repeats || dumps_measure(dumps));
+    return explain(dumps) && (!dumps->request->measures || dumps_measure(dumps));
 }
 
 void dumps_free(struct dumps *dumps)
