@@ -4,26 +4,25 @@
 #include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static atomic_bool lost;
+static _Thread_local bool lost;
 
 bool memory_was_lost(void)
 {
-    return atomic_load(&lost);
+    return lost;
 }
 
 void memory_lost(void)
 {
-    atomic_store(&lost, true);
+    lost = true;
 }
 
 void memory_forget(void)
 {
-    atomic_store(&lost, false);
+    lost = false;
 }
 
 /* Makes room for `more` bytes and the terminating NUL. */

@@ -34,10 +34,10 @@ bool text_amount(const char *text, double *value);
 /* printf into a new string; NULL when out of memory. */
 char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Whether any text or arena of this process ran out of memory since memory_forget. What was made
+/* Whether any text or arena of this thread ran out of memory since memory_forget. What was made
  * since then may be incomplete. */
 bool memory_was_lost(void);
-void memory_lost(void); /* for the allocators alone */
+void memory_lost(void); /* for the allocators, and for what another thread lost */
 void memory_forget(void);
 
 #endif

@@ -51,6 +51,7 @@ static struct job *next_job(struct jobs *jobs)
     return job;
 }
 
+/* NULL: nothing was lost. */
 static void *compile_some(void *user)
 {
     struct jobs *jobs = user;
@@ -64,7 +65,7 @@ static void *compile_some(void *user)
         job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, NULL, NULL);
         watchdog_end(label);
     }
-    return NULL;
+    return memory_was_lost() ? jobs : NULL;
 }
 
 /* One thread for each processor but this one's. Without them, this one compiles all. */
@@ -98,8 +99,11 @@ static void compile_rest(struct jobs *jobs)
     pthread_cond_broadcast(&jobs->more);
     pthread_mutex_unlock(&jobs->lock);
     compile_some(jobs);
-    for (uint32_t i = 0; i < jobs->thread_count; i++)
-        pthread_join(jobs->threads[i], NULL);
+    for (uint32_t i = 0; i < jobs->thread_count; i++) {
+        void *lost;
+        if (!pthread_join(jobs->threads[i], &lost) && lost)
+            memory_lost();
+    }
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */
