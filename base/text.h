@@ -1,6 +1,6 @@
-/* A growing text buffer. The emitters fill it; output.c writes it to a file. */
-#ifndef DIPTYCH_GEN_TEXT_H
-#define DIPTYCH_GEN_TEXT_H
+/* A growing text buffer, and numbers as text. */
+#ifndef DIPTYCH_TEXT_H
+#define DIPTYCH_TEXT_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -8,7 +8,7 @@
 struct text {
     char *data; /* NUL-terminated; NULL while empty */
     size_t length, capacity;
-    bool failed; /* out of memory: later writes do nothing, output.c reports it */
+    bool failed; /* out of memory: later writes do nothing; see memory_was_lost */
 };
 void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(struct text *text, const char *bytes, size_t length);
