@@ -80,7 +80,7 @@ static void start_threads(struct jobs *jobs)
 static bool add_job(struct jobs *jobs, struct job job, struct diag *diag)
 {
     if (!spirv_init()) {
-        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
+        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started: out of memory");
         return false;
     }
     pthread_mutex_lock(&jobs->lock);
