@@ -20,8 +20,8 @@ done
 # shellcheck disable=SC2317 # called through check
 knows_all_formats() {
     printf '%s\n' '#include "diptych_tap.h"' '#include "formats.h"' 'int main(void) { int bad = 0;' \
-        '#define DT_FORMAT(e, name, channels, bytes, ...) \' \
-        '    if (tap_texel_size(name) != (bytes)) { bad = 1; puts(name); }' '#include "formats.def"' 'return bad; }' |
+        '#define DT_FORMAT(e, name, channels, bytes, ...) if (tap_texel_size(name) != (bytes)) { bad = 1; puts(name); }' \
+        '#include "formats.def"' 'return bad; }' |
         cc -std=c11 -D_GNU_SOURCE -Itemplates/c -x c - -o "$work/formats" && "$work/formats"
 }
 check "the tap knows all formats of specs" knows_all_formats
