@@ -192,7 +192,7 @@ static bool pair_up(struct comparison *comparison)
 static bool write_files(const struct comparison *comparison)
 {
     const struct options *options = comparison->options;
-    struct measured *measured = calloc(comparison->pair_count, sizeof *measured);
+    struct measured *measured = calloc(comparison->pair_count + 1, sizeof *measured);
     bool good = measured;
     for (uint32_t i = 0; good && i < comparison->pair_count; i++)
         measured[i] = comparison->pairs[i].measured;
