@@ -1,6 +1,6 @@
 /* An allocator for what lives and ends together: blocks, freed at once. */
-#ifndef DIPTYCH_BASE_ARENA_H
-#define DIPTYCH_BASE_ARENA_H
+#ifndef DIPTYCH_ARENA_H
+#define DIPTYCH_ARENA_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* Command lines from tables: the parser, --help, and the input for manual pages and completion. The
  * tables are in gen/main.c (diptych-gen) and app/console/options.c (diptych). */
-#ifndef DIPTYCH_GEN_COMMAND_H
-#define DIPTYCH_GEN_COMMAND_H
+#ifndef DIPTYCH_COMMAND_H
+#define DIPTYCH_COMMAND_H
 
 #include "diptych.h"
 

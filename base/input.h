@@ -1,7 +1,7 @@
 /* Reads files that a user names: regular files alone, so that no device and no pipe makes a
  * program wait. */
-#ifndef DIPTYCH_SCENES_INPUT_H
-#define DIPTYCH_SCENES_INPUT_H
+#ifndef DIPTYCH_INPUT_H
+#define DIPTYCH_INPUT_H
 
 #include <stdbool.h>
 #include <stddef.h>

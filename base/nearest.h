@@ -1,6 +1,6 @@
 /* "Did you mean": the name that a misspelled word most likely stands for. */
-#ifndef DIPTYCH_SCENES_NEAREST_H
-#define DIPTYCH_SCENES_NEAREST_H
+#ifndef DIPTYCH_NEAREST_H
+#define DIPTYCH_NEAREST_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* Arrays in NumPy's .npy files, versions 1.0 to 3.0: 32-bit numbers, little-endian, in C order,
  * plain or in a structured dtype; all else is refused. */
-#ifndef DIPTYCH_SCENES_NPY_H
-#define DIPTYCH_SCENES_NPY_H
+#ifndef DIPTYCH_NPY_H
+#define DIPTYCH_NPY_H
 
 #include "diptych.h"
 

@@ -1,6 +1,6 @@
 /* Names of files and folders that are written beside their final place and renamed there. */
-#ifndef DIPTYCH_BASE_TEMPORARY_H
-#define DIPTYCH_BASE_TEMPORARY_H
+#ifndef DIPTYCH_TEMPORARY_H
+#define DIPTYCH_TEMPORARY_H
 
 #include <stdbool.h>
 #include <stddef.h>

@@ -2,27 +2,27 @@
 #include "base/text.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdarg.h>
-#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static atomic_bool lost;
+static _Thread_local bool lost;
 
 bool memory_was_lost(void)
 {
-    return atomic_load(&lost);
+    return lost;
 }
 
 void memory_lost(void)
 {
-    atomic_store(&lost, true);
+    lost = true;
 }
 
 void memory_forget(void)
 {
-    atomic_store(&lost, false);
+    lost = false;
 }
 
 /* Makes room for `more` bytes and the terminating NUL. */
@@ -212,4 +212,34 @@ void text_free(struct text *text)
 {
     free(text->data);
     *text = (struct text){0};
+}
+
+bool text_number(const char *text, double *value)
+{
+    const char *at = *text == '-' || *text == '+' ? text + 1 : text;
+    if (!isdigit((unsigned char)*at) && *at != '.')
+        return false;
+    char *end;
+    *value = strtod(text, &end);
+    return end != text && !*end && isfinite(*value);
+}
+
+bool text_amount(const char *text, double *value)
+{
+    char parts[2][64];
+    double divisor = 100;
+    size_t length = strcspn(text, "/%");
+    const char *rest = text + length + (text[length] == '/');
+    if (!text[length])
+        return text_number(text, value);
+    snprintf(parts[0], sizeof parts[0], "%.*s", (int)length, text);
+    snprintf(parts[1], sizeof parts[1], "%s", rest + strspn(rest, " "));
+    for (size_t end = strlen(parts[0]); end && parts[0][end - 1] == ' ';)
+        parts[0][--end] = '\0';
+    bool good = text[length] == '/' ? text_number(parts[1], &divisor) && divisor > 0
+                                    : !strcmp(parts[1], "%");
+    if (!good || !text_number(parts[0], value))
+        return false;
+    *value /= divisor;
+    return true;
 }

@@ -1,6 +1,6 @@
-/* A growing text buffer. The emitters fill it; output.c writes it to a file. */
-#ifndef DIPTYCH_GEN_TEXT_H
-#define DIPTYCH_GEN_TEXT_H
+/* A growing text buffer, and numbers as text. */
+#ifndef DIPTYCH_TEXT_H
+#define DIPTYCH_TEXT_H
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -8,7 +8,7 @@
 struct text {
     char *data; /* NUL-terminated; NULL while empty */
     size_t length, capacity;
-    bool failed; /* out of memory: later writes do nothing, output.c reports it */
+    bool failed; /* out of memory: later writes do nothing; see memory_was_lost */
 };
 void text_add(struct text *text, const char *format, ...) __attribute__((format(printf, 2, 3)));
 void text_add_bytes(struct text *text, const char *bytes, size_t length);
@@ -26,13 +26,18 @@ void text_add_double(struct text *text, double value);
 void text_wrap(struct text *text, size_t columns);
 void text_free(struct text *text);
 
+/* Reads a finite number that begins with a sign, a digit or a dot; nothing stands behind it. */
+bool text_number(const char *text, double *value);
+/* The same, or a fraction A/B, or a percentage P%. */
+bool text_amount(const char *text, double *value);
+
 /* printf into a new string; NULL when out of memory. */
 char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Whether any text or arena of this process ran out of memory since memory_forget. What was made
+/* Whether any text or arena of this thread ran out of memory since memory_forget. What was made
  * since then may be incomplete. */
 bool memory_was_lost(void);
-void memory_lost(void); /* for the allocators alone */
+void memory_lost(void); /* for the allocators, and for what another thread lost */
 void memory_forget(void);
 
 #endif

@@ -127,14 +127,16 @@ static void egl_destroy(struct gl_context *ctx)
 /* ---- zink: EGL without a surface, OpenGL by way of Vulkan ------------------------------------ */
 
 /* Mesa reads its environment once per process, when the first display is initialised: a process
- * that opens zink can use no other OpenGL driver. zink runs on the CPU's Vulkan driver, unless the
- * environment sets LIBGL_ALWAYS_SOFTWARE=0. Without NODEVICE_SELECT a Vulkan layer of Mesa looks
- * for a Wayland display, and complains if there is none. */
+ * that opens zink can use no other OpenGL driver. The environment belongs to the process, so the
+ * caller sets it. */
 static bool zink_make(struct gl_context *ctx, int major, int minor, bool debug, struct reason *why)
 {
-    setenv("GALLIUM_DRIVER", "zink", 1);
-    setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
-    setenv("NODEVICE_SELECT", "1", 0);
+    const char *driver = getenv("GALLIUM_DRIVER");
+    if (!driver || strcmp(driver, "zink") != 0) {
+        snprintf(why->text, sizeof why->text,
+                 "Mesa takes its driver from the environment: set GALLIUM_DRIVER=zink");
+        return false;
+    }
     return egl_make(ctx, major, minor, debug, why);
 }
 

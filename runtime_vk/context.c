@@ -75,9 +75,6 @@ static bool open_instance(struct dt_vk_runtime *rt)
         .ppEnabledExtensionNames = extensions,
     };
     if (rt->debug) {
-        /* Newer layers leave out the accesses of shaders without this setting. */
-        if (setenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC", "1", 0) != 0)
-            return dt_error(&rt->core, "setenv: out of memory");
         info.pNext = &features;
         info.enabledLayerCount = DT_ARRAY_COUNT(layers);
         info.ppEnabledLayerNames = layers;

@@ -613,7 +613,7 @@ static struct write write_of(const struct dt_pass *pass, const struct dt_resourc
     return (struct write){DT_WRITE_COLOR, DT_STAGE_COLOR};
 }
 
-static bool writes(const struct dt_pass *pass, uint32_t resource)
+static bool writes_resource(const struct dt_pass *pass, uint32_t resource)
 {
     for (uint32_t i = 0; i < pass->write_count; i++)
         if (pass->writes[i] == resource)
@@ -628,7 +628,7 @@ static struct write last_write(const struct dt_vk_runtime *rt, uint32_t resource
     const struct dt_core *core = &rt->core;
     const struct dt_resource *what = &core->pipeline->resources[resource];
     for (uint32_t i = core->next_pass ? core->next_pass : core->pipeline->pass_count; i-- > 0;)
-        if (writes(&core->pipeline->passes[i], resource))
+        if (writes_resource(&core->pipeline->passes[i], resource))
             return core->recorded && !core->ran[dt_run(core, core->slot, i)]
                        ? clear
                        : write_of(&core->pipeline->passes[i], what);

@@ -122,7 +122,7 @@ void vk_program_bind(const struct dt_vk_runtime *rt, const struct vk_program *pr
 const VkPushConstantRange vk_layer_range = {VK_SHADER_STAGE_VERTEX_BIT, 0, sizeof(int32_t)};
 
 /* The type that a pointer type points to. */
-static uint32_t pointee(const uint32_t *words, size_t count, uint32_t pointer)
+static uint32_t pointed_type(const uint32_t *words, size_t count, uint32_t pointer)
 {
     size_t at = 5;
     while (at < count && !((words[at] & 0xffff) == SPIRV_TYPE_POINTER && words[at + 1] == pointer))
@@ -155,7 +155,7 @@ static uint32_t *without_layer(const uint32_t *words, size_t *size)
             const uint32_t private[] = {4u << 16 | SPIRV_TYPE_POINTER,
                                         type,
                                         SPIRV_PRIVATE,
-                                        pointee(words, count, words[at + 1]),
+                                        pointed_type(words, count, words[at + 1]),
                                         4u << 16 | SPIRV_VARIABLE,
                                         type,
                                         layer,

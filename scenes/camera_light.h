@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_SCENES_CAMERA_LIGHT_H
 #define DIPTYCH_SCENES_CAMERA_LIGHT_H
 
-#include "reader.h"
+#include "base/yaml_file.h"
 #include "scene.h"
 
 enum { CAMERA_EYE, CAMERA_TARGET, CAMERA_UP, CAMERA_FOV_Y, CAMERA_KEYS };

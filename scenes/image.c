@@ -1,13 +1,13 @@
 /* Implements image.h: PNG of up to 8 bits by libpng; everything else by the OpenImageIO shim,
- * which it finds and loads. Writes files by temporary name and rename. */
+ * which it finds and loads. */
 #include "image.h"
 
 #include "child.h"
 #include "image_oiio.h"
+#include "base/files.h"
 #include "base/log.h"
 #include "base/input.h"
 #include "mesh.h"
-#include "base/temporary.h"
 #include "picture_size.h"
 
 #include <dlfcn.h>
@@ -291,67 +291,29 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
     return *texels;
 }
 
-/* fsync: a full disk or a network folder may report a failed write only then. */
-static bool sync_and_rename(const char *from, const char *to, struct image_error *error)
-{
-    FILE *file = fopen(from, "rb");
-    bool ok = file && fsync(fileno(file)) == 0;
-    struct stat status;
-    ok = ok && fstat(fileno(file), &status) == 0 && status.st_size > 0;
-    ok = ok && rename(from, to) == 0;
-    if (!ok)
-        snprintf(error->text, sizeof error->text, "%s",
-                 errno ? strerror(errno) : "the file came out empty");
-    if (file)
-        fclose(file);
-    return ok;
-}
-
 /* By libpng's simplified interface. */
-static bool write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                      const void *texels, struct image_error *error)
+bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
+                     const uint8_t *texels, const struct dt_log *log)
 {
     static const png_uint_32 formats[] = {0, PNG_FORMAT_GRAY, PNG_FORMAT_GA, PNG_FORMAT_RGB,
                                           PNG_FORMAT_RGBA};
-    png_image image = {.version = PNG_IMAGE_VERSION,
-                       .width = width,
-                       .height = height,
-                       .format = formats[channels]};
-    bool good = png_image_write_to_file(&image, path, 0, texels, 0, NULL);
-    if (!good)
-        snprintf(error->text, sizeof error->text, "%s", image.message);
-    return good;
-}
-
-bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32_t height,
-                 uint32_t channels, const void *texels, const struct dt_log *log)
-{
     if (width == 0 || height == 0 || channels == 0 || channels > 4) {
         report_error(log, "cannot write %s: no picture of %ux%u texels with %u channels", path,
                      width, height, channels);
         return false;
     }
-    char *temporary = temporary_path(path);
-    struct image_error error = {"out of memory"};
-    bool ok = temporary;
-    if (ok) {
-        temporary_sweep(path, unlink);
-        errno = 0;
-        ok = write(temporary, width, height, channels, texels, &error) &&
-             sync_and_rename(temporary, path, &error);
-        if (!ok)
-            unlink(temporary);
-    }
-    if (!ok)
-        report_error(log, "cannot write %s: %s", path, error.text);
-    free(temporary);
-    return ok;
-}
-
-bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                     const uint8_t *texels, const struct dt_log *log)
-{
-    return image_write(path, write_png, width, height, channels, texels, log);
+    png_image image = {.version = PNG_IMAGE_VERSION,
+                       .width = width,
+                       .height = height,
+                       .format = formats[channels]};
+    png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+    void *file = malloc(size);
+    bool made = file && png_image_write_to_memory(&image, file, &size, 0, texels, 0, NULL);
+    if (!made)
+        report_error(log, "cannot write %s: %s", path, file ? image.message : "out of memory");
+    bool good = made && file_write(path, file, size, log);
+    free(file);
+    return good;
 }
 
 bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,

@@ -31,13 +31,7 @@ bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8
 /* Width and height of an image file, from its header alone. */
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log);
 
-/* Write the whole file or nothing (temporary file, then rename). Row 0 of the array is the top of
- * the picture. `write` makes a file of the name that it is given, or gives a reason. */
-struct image_error;
-typedef bool image_write_fn(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-                            const void *texels, struct image_error *error);
-bool image_write(const char *path, image_write_fn *write, uint32_t width, uint32_t height,
-                 uint32_t channels, const void *texels, const struct dt_log *log);
+/* As file_write. Row 0 of the array is the top of the picture. */
 bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t channels,
                      const uint8_t *texels, const struct dt_log *log);
 

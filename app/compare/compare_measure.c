@@ -10,8 +10,8 @@ static const struct dt_bytes *run_of(const struct compare *compare, const struct
     return &copies[run ? compare->sides.count + side * more + run - 1 : side];
 }
 
-static bool add_pair(struct errors *errors, const struct dt_resource *resource,
-                     const struct dt_bytes *a, const struct dt_bytes *b)
+static bool add_copies(struct errors *errors, const struct dt_resource *resource,
+                       const struct dt_bytes *a, const struct dt_bytes *b)
 {
     const struct dt_bytes copies[2] = {*a, *b};
     return errors_add(errors, resource, copies);
@@ -28,11 +28,11 @@ static bool add_all(const struct compare *compare, const struct pair *pair,
         for (uint32_t k = 0; k < i && good; k++)
             for (int side = 0; side < 2 && good; side++)
                 good =
-                    add_pair(&row->noise[side], resource, run_of(compare, copies, sides[side], k),
-                             run_of(compare, copies, sides[side], i));
+                    add_copies(&row->noise[side], resource, run_of(compare, copies, sides[side], k),
+                               run_of(compare, copies, sides[side], i));
         for (uint32_t k = 0; k < runs && good; k++)
-            good = add_pair(&row->between, resource, run_of(compare, copies, 0, i),
-                            run_of(compare, copies, sides[1], k));
+            good = add_copies(&row->between, resource, run_of(compare, copies, 0, i),
+                              run_of(compare, copies, sides[1], k));
     }
     return good;
 }

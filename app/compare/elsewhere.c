@@ -11,7 +11,8 @@
 #include "compare/blame.h"
 #include "device_needs.h"
 
-static cJSON *add(struct elsewhere *elsewhere, const char *kind, const char *pass, char *message)
+static cJSON *add_elsewhere(struct elsewhere *elsewhere, const char *kind, const char *pass,
+                            char *message)
 {
     cJSON *item = cJSON_CreateObject();
     if (!elsewhere->list)
@@ -50,7 +51,8 @@ static bool add_limit(struct elsewhere *elsewhere, const struct dt_panel *panel,
     }
     bool good = !passes.failed &&
                 (!passes.length ||
-                 add(elsewhere, "limit", passes.data,
+                 add_elsewhere(
+                     elsewhere, "limit", passes.data,
                      format_string("%" PRIu64 " %s, where Vulkan's Roadmap 2022 promises %" PRIu64,
                                    most, promises[limit].what, promises[limit].promised)));
     text_free(&passes);
@@ -131,9 +133,9 @@ static bool add_repeats(struct elsewhere *elsewhere, const struct worker_info *w
         uint32_t distinct = count_distinct(hashes + pass, runs, passes);
         if (distinct < 2)
             continue;
-        cJSON *item =
-            add(elsewhere, "repeat", rows->pipeline->passes[pass].name,
-                format_string("%u distinct results in %u runs, on %s", distinct, runs, side));
+        cJSON *item = add_elsewhere(
+            elsewhere, "repeat", rows->pipeline->passes[pass].name,
+            format_string("%u distinct results in %u runs, on %s", distinct, runs, side));
         if (!item)
             return false;
         cJSON_AddStringToObject(item, "side", side);

@@ -253,7 +253,7 @@ static bool all_recorded(const struct lone_pass *alone, uint32_t count)
     return all;
 }
 
-static void print_outcome(const struct lone_pass *alone)
+static void print_end(const struct lone_pass *alone)
 {
     const struct evidence_case *evidence = &alone->evidence;
     const struct row_list *outputs = &evidence->rows.outputs;
@@ -289,7 +289,7 @@ static void print_outputs(const struct lone_pass *alone)
            "largest error");
     for (uint32_t i = 0; i < count; i++)
         print_output(alone, i, width);
-    print_outcome(alone);
+    print_end(alone);
 }
 
 static cJSON *replay_json(const struct lone_pass *alone)

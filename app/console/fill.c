@@ -114,7 +114,8 @@ static void put_escaped(FILE *out, const char *text)
     }
 }
 
-static bool put_value(const struct filler *filler, const struct scope *scope, const struct tag *tag)
+static bool fill_value(const struct filler *filler, const struct scope *scope,
+                       const struct tag *tag)
 {
     const cJSON *value = look_up(scope, tag->name);
     if (cJSON_IsString(value))
@@ -152,7 +153,7 @@ static const char *fill_part(const struct filler *filler, const char *at, const 
             return NULL;
         if (tag.kind && tag.kind != '>')
             at = fill_section(filler, &tag, scope, shown);
-        else if (!tag.kind && shown && !put_value(filler, scope, &tag))
+        else if (!tag.kind && shown && !fill_value(filler, scope, &tag))
             return NULL;
     }
     if (!at || tag.begin)

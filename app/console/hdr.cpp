@@ -9,13 +9,17 @@
 #include <OpenEXR/ImfStdIO.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <memory>
+#include <string>
 
+extern "C" {
+#include "base/files.h"
+#include "base/log.h"
+}
+#include "scenes/image.h"
 #include "scenes/image_oiio.h"
 
 namespace
@@ -24,34 +28,23 @@ namespace
 enum { CHANNELS = 4 };
 const char *const names[CHANNELS] = {"R", "G", "B", "A"};
 
-bool write_exr(const char *path, uint32_t width, uint32_t height, uint32_t channels,
-               const void *texels, image_error *error)
-try {
+/* Into memory: OpenEXR does not see every write that fails. */
+std::string exr_bytes(uint32_t width, uint32_t height, const float *rgb)
+{
     Imf::Header header((int)width, (int)height);
     Imf::FrameBuffer frame;
-    for (uint32_t channel = 0; channel < channels; channel++) {
+    for (uint32_t channel = 0; channel < 3; channel++) {
         header.channels().insert(names[channel], Imf::Channel(Imf::FLOAT));
-        frame.insert(names[channel],
-                     Imf::Slice::Make(Imf::FLOAT, (const float *)texels + channel,
-                                      header.dataWindow(), channels * sizeof(float)));
+        frame.insert(names[channel], Imf::Slice::Make(Imf::FLOAT, rgb + channel,
+                                                      header.dataWindow(), 3 * sizeof(float)));
     }
-    /* Into memory: OpenEXR does not see every write that fails. */
     Imf::StdOSStream memory;
     {
         Imf::OutputFile file(memory, header);
         file.setFrameBuffer(frame);
         file.writePixels((int)height);
     }
-    std::string bytes = memory.str();
-    std::FILE *file = std::fopen(path, "wb");
-    bool good = file && std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-    good = file && !std::fclose(file) && good;
-    if (!good)
-        std::snprintf(error->text, sizeof error->text, "%s", std::strerror(errno));
-    return good;
-} catch (const std::exception &exception) {
-    std::snprintf(error->text, sizeof error->text, "%s", exception.what());
-    return false;
+    return memory.str();
 }
 
 typedef std::unique_ptr<float, decltype(&std::free)> unique_floats;
@@ -112,8 +105,12 @@ try {
 
 bool hdr_write(const char *path, uint32_t width, uint32_t height, const float *rgb,
                const struct dt_log *log)
-{
-    return image_write(path, write_exr, width, height, 3, rgb, log);
+try {
+    std::string bytes = exr_bytes(width, height, rgb);
+    return file_write(path, bytes.data(), bytes.size(), log);
+} catch (const std::exception &exception) {
+    report_error(log, "cannot write %s: %s", path, exception.what());
+    return false;
 }
 
 /* OpenImageIO reads what read_exr does not, or tells why it cannot. */

@@ -27,18 +27,19 @@ static const char *wrap_of(const struct preset_entry *entry)
     return "border";
 }
 
-static const struct dt_log *log_of(const struct chain *chain)
+static const struct dt_log *chain_log(const struct chain *chain)
 {
     return &chain->import->console->log;
 }
 
-static bool refuse(const struct chain *chain, const struct preset_entry *entry, const char *why)
+static bool refuse_line(const struct chain *chain, const struct preset_entry *entry,
+                        const char *why)
 {
     if (entry)
-        report_error(log_of(chain), "%s:%u: %s = %s: %s", entry->file, entry->line, entry->key,
+        report_error(chain_log(chain), "%s:%u: %s = %s: %s", entry->file, entry->line, entry->key,
                      entry->value, why);
     else
-        report_error(log_of(chain), "%s", why);
+        report_error(chain_log(chain), "%s", why);
     return false;
 }
 
@@ -93,18 +94,19 @@ static bool read_size(struct chain *chain, uint32_t pass, int axis, char out[160
     char base[160];
     if (type && !strcmp(type->value, "absolute")) {
         snprintf(out, 160, "%d", scale ? atoi(scale->value) : 0);
-        return atoi(out) > 0 || refuse(chain, type, "an absolute size needs a number of texels");
+        return atoi(out) > 0 ||
+               refuse_line(chain, type, "an absolute size needs a number of texels");
     }
     if (type && !strcmp(type->value, "viewport"))
         snprintf(base, sizeof base, "frame.%s", axis ? "height" : "width");
     else if (type && strcmp(type->value, "source") != 0)
-        return refuse(chain, type, "a scale is of source, viewport or absolute");
+        return refuse_line(chain, type, "a scale is of source, viewport or absolute");
     else if (pass)
         name_size(chain, pass - 1, axis, base);
     else
         snprintf(base, sizeof base, "Original.%s", axis ? "height" : "width");
     return scale_by(base, factor, out) ||
-           refuse(chain, scale ? scale : type, "a scale is a number above 0");
+           refuse_line(chain, scale ? scale : type, "a scale is a number above 0");
 }
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
@@ -152,7 +154,7 @@ static bool reflect_stages(struct chain *chain, const char *path, struct chain_p
         bool good = reflect(pass->slang.text.data, stage, NULL, NULL,
                             &pass->stages[stage - REFLECT_VERTEX], &why);
         if (!good)
-            report_error(log_of(chain), "%s: it does not compile: %s", path,
+            report_error(chain_log(chain), "%s: it does not compile: %s", path,
                          why ? why : "out of memory");
         free(why);
         if (!good)
@@ -185,14 +187,14 @@ static bool read_pass(struct chain *chain, uint32_t index)
     const struct preset_entry *alias = preset_find(preset, "alias%u", index);
     const struct preset_entry *period = preset_find(preset, "frame_count_mod%u", index);
     if (!shader) {
-        report_error(log_of(chain), "%s:%u: there is no shader%u", preset->entries[0].file,
+        report_error(chain_log(chain), "%s:%u: there is no shader%u", preset->entries[0].file,
                      preset_find(preset, "shaders")->line, index);
         return false;
     }
     char *path = slang_path(shader->file, shader->value);
-    bool good = path && slang_read(path, &pass->slang, log_of(chain));
+    bool good = path && slang_read(path, &pass->slang, chain_log(chain));
     if (!good)
-        refuse(chain, shader, "this shader cannot be used");
+        refuse_line(chain, shader, "this shader cannot be used");
     snprintf(pass->alias, sizeof pass->alias, "%s",
              alias && *alias->value ? alias->value : pass->slang.name);
     pass->linear = is_true(preset_find(preset, "filter_linear%u", index));
@@ -225,11 +227,11 @@ static bool read_passes(struct chain *chain)
     const struct preset_entry *shaders = preset_find(&chain->preset, "shaders");
     long count = shaders ? strtol(shaders->value, NULL, 10) : 0;
     if (!shaders) {
-        report_error(log_of(chain), "%s: this preset has no `shaders`", chain->import->name);
+        report_error(chain_log(chain), "%s: this preset has no `shaders`", chain->import->name);
         return false;
     }
     if (count < 1 || count > MOST_PASSES)
-        return refuse(chain, shaders, "a preset has 1 to 128 passes");
+        return refuse_line(chain, shaders, "a preset has 1 to 128 passes");
     chain->pass_count = (uint32_t)count;
     for (uint32_t i = 0; i < chain->pass_count; i++)
         if (!read_pass(chain, i))
@@ -262,10 +264,10 @@ static bool read_picture(struct chain *chain, const char *name, const struct pre
     char *path = entry ? slang_path(entry->file, entry->value) : NULL;
     bool good = path && picture_size(path, &size[0], &size[1], &why);
     if (!entry)
-        return refuse(chain, list, why);
+        return refuse_line(chain, list, why);
     if (!good) {
         free(path);
-        return refuse(chain, entry, why);
+        return refuse_line(chain, entry, why);
     }
     snprintf(picture->name, sizeof picture->name, "%s", name);
     const char *dot = strrchr(path, '.');
@@ -289,7 +291,7 @@ static bool read_pictures(struct chain *chain)
         name += strspn(name, " \t");
         name[strcspn(name, " \t")] = 0;
         if (*name && chain->picture_count == MOST_PICTURES)
-            good = refuse(chain, list, "there are more than 64 pictures");
+            good = refuse_line(chain, list, "there are more than 64 pictures");
         else if (*name)
             good = read_picture(chain, name, list);
     }

@@ -307,7 +307,7 @@ static void write_images(const struct writing *writing, const char *picture)
         text_add(writing->out, "  picture: {format: rgba8, size: frame}\n");
 }
 
-static bool is_integer(const struct chain *chain, const char *image)
+static bool has_integers(const struct chain *chain, const char *image)
 {
     for (uint32_t i = 0; i < chain->pass_count; i++) {
         char name[32];
@@ -321,9 +321,9 @@ static bool is_integer(const struct chain *chain, const char *image)
 
 static void sampler_name(const struct chain *chain, const struct chain_read *read, char out[64])
 {
-    bool linear = read->linear && !is_integer(chain, read->image);
+    bool linear = read->linear && !has_integers(chain, read->image);
     snprintf(out, 64, "%s_%s%s", linear ? "linear" : "nearest",
-             is_integer(chain, read->image) ? "clamp" : read->wrap,
+             has_integers(chain, read->image) ? "clamp" : read->wrap,
              read->mips && linear ? "_mips" : "");
 }
 

@@ -12,14 +12,15 @@
 #include "gen/glsl/glslang.h"
 #include "gen/spirv/compile.h"
 
-struct reader {
+struct reflecting {
     spvc_compiler compiler;
     spvc_resources resources;
     struct reflection *out;
     bool failed;
 };
 
-static struct reflected *add(struct reader *reader, enum reflected_kind kind, const char *name)
+static struct reflected *append_reflected(struct reflecting *reader, enum reflected_kind kind,
+                                          const char *name)
 {
     struct reflection *out = reader->out;
     struct reflected *list = realloc(out->list, (out->count + 1) * sizeof *list);
@@ -83,7 +84,7 @@ static const char *shape_of(spvc_type type)
     }
 }
 
-static char scalar_of(spvc_compiler compiler, spvc_type type)
+static char scalar_name(spvc_compiler compiler, spvc_type type)
 {
     spvc_type sampled =
         spvc_compiler_get_type_handle(compiler, spvc_type_get_image_sampled_type(type));
@@ -92,7 +93,7 @@ static char scalar_of(spvc_compiler compiler, spvc_type type)
 }
 
 /* The row of formats.def with this format of SPIR-V; NULL: none. */
-static const char *format_of(spvc_type type)
+static const char *storage_format(spvc_type type)
 {
     static const struct {
         SpvImageFormat format;
@@ -144,22 +145,23 @@ static const char *format_of(spvc_type type)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
-static const char *name_of(const struct reader *reader, const spvc_reflected_resource *resource)
+static const char *reflected_name(const struct reflecting *reader,
+                                  const spvc_reflected_resource *resource)
 {
     const char *name = spvc_compiler_get_name(reader->compiler, resource->id);
     return name && *name ? name : spvc_compiler_get_name(reader->compiler, resource->base_type_id);
 }
 
-static void add_image(struct reader *reader, const spvc_reflected_resource *resource,
+static void add_image(struct reflecting *reader, const spvc_reflected_resource *resource,
                       enum reflected_kind kind)
 {
     spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->type_id);
-    struct reflected *item = add(reader, kind, name_of(reader, resource));
+    struct reflected *item = append_reflected(reader, kind, reflected_name(reader, resource));
     if (!item)
         return;
     item->shape = shape_of(type);
-    item->scalar = scalar_of(reader->compiler, type);
-    item->format = kind == REFLECTED_IMAGE ? format_of(type) : NULL;
+    item->scalar = scalar_name(reader->compiler, type);
+    item->format = kind == REFLECTED_IMAGE ? storage_format(type) : NULL;
     item->reads =
         !spvc_compiler_has_decoration(reader->compiler, resource->id, SpvDecorationNonReadable);
     item->writes =
@@ -168,7 +170,7 @@ static void add_image(struct reader *reader, const spvc_reflected_resource *reso
 }
 
 /* Whether all members have the decoration, or the block itself. */
-static bool is_decorated(const struct reader *reader, const spvc_reflected_resource *resource,
+static bool is_decorated(const struct reflecting *reader, const spvc_reflected_resource *resource,
                          SpvDecoration decoration)
 {
     spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
@@ -179,10 +181,11 @@ static bool is_decorated(const struct reader *reader, const spvc_reflected_resou
     return all || spvc_compiler_has_decoration(reader->compiler, resource->id, decoration);
 }
 
-static void add_buffer(struct reader *reader, const spvc_reflected_resource *resource)
+static void reflect_buffer(struct reflecting *reader, const spvc_reflected_resource *resource)
 {
     spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
-    struct reflected *item = add(reader, REFLECTED_BUFFER, name_of(reader, resource));
+    struct reflected *item =
+        append_reflected(reader, REFLECTED_BUFFER, reflected_name(reader, resource));
     size_t bytes = 0;
     if (!item)
         return;
@@ -202,7 +205,7 @@ static void add_buffer(struct reader *reader, const spvc_reflected_resource *res
         *item->type = 0;
 }
 
-static void add_block(struct reader *reader, const spvc_reflected_resource *resource)
+static void reflect_block(struct reflecting *reader, const spvc_reflected_resource *resource)
 {
     spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
     const spvc_buffer_range *ranges = NULL;
@@ -216,7 +219,7 @@ static void add_block(struct reader *reader, const spvc_reflected_resource *reso
             used |= ranges[i].index == m;
         const char *name =
             spvc_compiler_get_member_name(reader->compiler, resource->base_type_id, m);
-        struct reflected *item = used ? add(reader, REFLECTED_VALUE, name) : NULL;
+        struct reflected *item = used ? append_reflected(reader, REFLECTED_VALUE, name) : NULL;
         if (item)
             write_type(
                 spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, m)),
@@ -224,10 +227,10 @@ static void add_block(struct reader *reader, const spvc_reflected_resource *reso
     }
 }
 
-static void add_interface(struct reader *reader, const spvc_reflected_resource *resource,
+static void add_interface(struct reflecting *reader, const spvc_reflected_resource *resource,
                           enum reflected_kind kind)
 {
-    struct reflected *item = add(reader, kind, name_of(reader, resource));
+    struct reflected *item = append_reflected(reader, kind, reflected_name(reader, resource));
     if (!item)
         return;
     write_type(spvc_compiler_get_type_handle(reader->compiler, resource->type_id), item->type,
@@ -236,16 +239,16 @@ static void add_interface(struct reader *reader, const spvc_reflected_resource *
         spvc_compiler_get_decoration(reader->compiler, resource->id, SpvDecorationLocation);
 }
 
-static void add_resource(struct reader *reader, const spvc_reflected_resource *resource,
+static void add_resource(struct reflecting *reader, const spvc_reflected_resource *resource,
                          spvc_resource_type type)
 {
     switch (type) {
     case SPVC_RESOURCE_TYPE_UNIFORM_BUFFER:
     case SPVC_RESOURCE_TYPE_PUSH_CONSTANT:
-        add_block(reader, resource);
+        reflect_block(reader, resource);
         break;
     case SPVC_RESOURCE_TYPE_STORAGE_BUFFER:
-        add_buffer(reader, resource);
+        reflect_buffer(reader, resource);
         break;
     case SPVC_RESOURCE_TYPE_STORAGE_IMAGE:
     case SPVC_RESOURCE_TYPE_SAMPLED_IMAGE:
@@ -258,7 +261,7 @@ static void add_resource(struct reader *reader, const spvc_reflected_resource *r
     }
 }
 
-static void add_constants(struct reader *reader)
+static void add_constants(struct reflecting *reader)
 {
     const spvc_specialization_constant *list = NULL;
     size_t count = 0;
@@ -267,7 +270,7 @@ static void add_constants(struct reader *reader)
     for (size_t i = 0; i < count; i++) {
         spvc_constant constant = spvc_compiler_get_constant_handle(reader->compiler, list[i].id);
         const char *name = spvc_compiler_get_name(reader->compiler, list[i].id);
-        struct reflected *item = *name ? add(reader, REFLECTED_CONSTANT, name) : NULL;
+        struct reflected *item = *name ? append_reflected(reader, REFLECTED_CONSTANT, name) : NULL;
         if (!item)
             continue;
         write_type(
@@ -280,7 +283,7 @@ static void add_constants(struct reader *reader)
     }
 }
 
-static bool read_all(struct reader *reader)
+static bool reflect_all(struct reflecting *reader)
 {
     static const spvc_resource_type types[] = {
         SPVC_RESOURCE_TYPE_SAMPLED_IMAGE,  SPVC_RESOURCE_TYPE_STORAGE_IMAGE,
@@ -308,7 +311,7 @@ static bool read_module(spvc_context context, const uint32_t *words, size_t coun
 {
     spvc_parsed_ir ir = NULL;
     spvc_set active = NULL;
-    struct reader reader = {.out = reflection};
+    struct reflecting reader = {.out = reflection};
     return spvc_context_parse_spirv(context, words, count, &ir) == SPVC_SUCCESS &&
            spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir,
                                         SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
@@ -316,7 +319,7 @@ static bool read_module(spvc_context context, const uint32_t *words, size_t coun
            spvc_compiler_get_active_interface_variables(reader.compiler, &active) == SPVC_SUCCESS &&
            spvc_compiler_create_shader_resources_for_active_variables(
                reader.compiler, &reader.resources, active) == SPVC_SUCCESS &&
-           read_all(&reader);
+           reflect_all(&reader);
 }
 
 /* ---- Text ------------------------------------------------------------------------------------ */

@@ -33,7 +33,7 @@ struct making {
     const char *picture; /* file for textures; NULL: not needed yet */
 };
 
-static const struct dt_log *log_of(const struct making *making)
+static const struct dt_log *making_log(const struct making *making)
 {
     return &making->import->console->log;
 }
@@ -99,7 +99,7 @@ static bool read_shader(struct making *making, const char *path)
     const char *slash = strrchr(path, '/');
     size_t size = 0;
     *file = (struct shader_file){.path = path, .name = slash ? slash + 1 : path};
-    char *bytes = file_read(path, &size, log_of(making)), *why = NULL;
+    char *bytes = file_read(path, &size, making_log(making)), *why = NULL;
     bool good = bytes && folder_write(&making->import->folder, file->name, bytes, size);
     struct text text = {0};
     if (good && spirv_is_module(bytes, size)) {
@@ -114,12 +114,12 @@ static bool read_shader(struct making *making, const char *path)
     file->text = bytes;
     struct including including = {making, path};
     if (good && file->stage < 0)
-        report_error(log_of(making), "%s: name it .comp, .vert or .frag, by its stage", path);
+        report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage", path);
     else
         good =
             good && reflect(file->text, file->stage, include, &including, &file->reflection, &why);
     if (why)
-        report_error(log_of(making), "%s: %s", path, why);
+        report_error(making_log(making), "%s: %s", path, why);
     free(why);
     return good && file->stage >= 0;
 }
@@ -147,7 +147,7 @@ static bool write_value(struct making *making, const struct reflected *item)
     bool plain = !strcmp(type, "float") || !strcmp(type, "int") || !strcmp(type, "uint") ||
                  (vector && *type != 'b' && !strchr(type, '['));
     if (!*type) {
-        report_error(log_of(making),
+        report_error(making_log(making),
                      "%s: the uniform `%s` is a struct or an array of arrays, which "
                      "has no value in a spec",
                      making->files[0].path, item->name);
@@ -218,7 +218,7 @@ static bool shape_fits(struct making *making, const struct reflected *item)
 {
     if (item->shape && name_is_free(item->name))
         return true;
-    report_error(log_of(making),
+    report_error(making_log(making),
                  item->shape ? "%s: `%s` cannot be the name of an image"
                              : "%s: `%s` has a shape that images do not have",
                  making->files[0].path, item->name);
@@ -288,7 +288,7 @@ static bool write_buffer(struct making *making, const struct reflected *item)
 {
     unsigned words = item->bytes / 4;
     if (!name_is_free(item->name)) {
-        report_error(log_of(making), "%s: `%s` cannot be the name of a buffer",
+        report_error(making_log(making), "%s: `%s` cannot be the name of a buffer",
                      making->files[0].path, item->name);
         return false;
     }
@@ -366,13 +366,13 @@ static bool write_items(struct making *making)
 
 /* ---- The spec -------------------------------------------------------------------------------- */
 
-static void add_section(struct making *making, const char *key, const struct text *section)
+static void add_spec_section(struct making *making, const char *key, const struct text *section)
 {
     if (section->length)
         text_add(&making->all, "%s:\n%s", key, section->data);
 }
 
-static void add_list(struct making *making, const char *key, const struct text *section)
+static void add_spec_list(struct making *making, const char *key, const struct text *section)
 {
     if (section->length)
         text_add(&making->all, "    %s: [%s]\n", key, section->data);
@@ -394,9 +394,9 @@ static void write_pass(struct making *making)
         text_add(out, "    dispatch: 65536  # invocations; a guess\n");
     if (file->stage == REFLECT_COMPUTE)
         text_add(out, "    local: [%u, %u, %u]\n", local[0], local[1], local[2]);
-    add_list(making, "reads", &making->reads);
-    add_list(making, "writes", &making->writes);
-    add_list(making, "updates", &making->updates);
+    add_spec_list(making, "reads", &making->reads);
+    add_spec_list(making, "writes", &making->writes);
+    add_spec_list(making, "updates", &making->updates);
     if (making->count > 1)
         text_add(out, "    shader: [%s, %s]\n", file->name, making->files[1].name);
     else
@@ -412,11 +412,11 @@ static bool write_spec(struct making *making)
              "# By `diptych import`. Lines that say \"guess\" are to fill in: a shader "
              "does not tell them.\npipeline: %s\norigin: top\n",
              making->import->name);
-    add_section(making, "params", &making->params);
-    add_section(making, "buffers", &making->buffers);
-    add_section(making, "images", &making->images);
-    add_section(making, "samplers", &making->samplers);
-    add_section(making, "values", &making->values);
+    add_spec_section(making, "params", &making->params);
+    add_spec_section(making, "buffers", &making->buffers);
+    add_spec_section(making, "images", &making->images);
+    add_spec_section(making, "samplers", &making->samplers);
+    add_spec_section(making, "values", &making->values);
     write_pass(making);
     snprintf(name, sizeof name, "%s.yaml", making->import->name);
     return !making->all.failed &&
@@ -429,7 +429,7 @@ static bool check_stages(const struct making *making)
                 making->files[1].stage == REFLECT_FRAGMENT;
     if (pair || (making->count == 1 && making->files[0].stage != REFLECT_VERTEX))
         return true;
-    report_error(log_of(making),
+    report_error(making_log(making),
                  "%s: give a compute shader, a fragment shader, or a vertex shader "
                  "and a fragment shader",
                  making->files[0].path);

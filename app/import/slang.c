@@ -12,7 +12,7 @@
 
 enum { MOST_DEPTH = 32 };
 
-struct reading {
+struct slang_reading {
     struct slang *slang;
     const struct dt_log *log;
     const char *stage; /* macro of the stage whose lines these are; NULL: of both */
@@ -90,7 +90,7 @@ static bool add_param(struct slang *slang, const char *line)
     return true;
 }
 
-static void begin_stage(struct reading *reading, const char *stage)
+static void begin_stage(struct slang_reading *reading, const char *stage)
 {
     struct text *out = &reading->slang->text;
     if (reading->stage)
@@ -100,7 +100,7 @@ static void begin_stage(struct reading *reading, const char *stage)
 }
 
 /* `line`: behind #pragma. False: *why. */
-static bool read_pragma(struct reading *reading, const char *line, const char **why)
+static bool read_pragma(struct slang_reading *reading, const char *line, const char **why)
 {
     struct slang *slang = reading->slang;
     char word[32] = "", argument[128] = "";
@@ -123,7 +123,7 @@ static bool read_pragma(struct reading *reading, const char *line, const char **
 
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
-static bool read_file(struct reading *reading, const char *path);
+static bool read_file(struct slang_reading *reading, const char *path);
 
 /* The word behind `#` and blanks; NULL: another line. */
 static const char *directive(const char *line, const char *word)
@@ -135,8 +135,8 @@ static const char *directive(const char *line, const char *word)
     return !strncmp(line, word, strlen(word)) ? line + strlen(word) : NULL;
 }
 
-static bool read_include(struct reading *reading, const char *from, const char *rest, bool optional,
-                         const char **why)
+static bool read_include(struct slang_reading *reading, const char *from, const char *rest,
+                         bool optional, const char **why)
 {
     const char *quote = strchr(rest, '"');
     char name[1024];
@@ -157,7 +157,8 @@ static bool read_include(struct reading *reading, const char *from, const char *
     return good && !*why;
 }
 
-static bool read_line(struct reading *reading, const char *path, const char *line, const char **why)
+static bool read_line(struct slang_reading *reading, const char *path, const char *line,
+                      const char **why)
 {
     const char *include = directive(line, "include"), *pragma = directive(line, "pragma");
     const char *optional = pragma ? strstr(pragma, "include_optional") : NULL;
@@ -171,7 +172,7 @@ static bool read_line(struct reading *reading, const char *path, const char *lin
     return true;
 }
 
-static bool read_file(struct reading *reading, const char *path)
+static bool read_file(struct slang_reading *reading, const char *path)
 {
     size_t size = 0;
     char *all = file_read(path, &size, reading->log), *rest = all, *line;
@@ -189,7 +190,7 @@ static bool read_file(struct reading *reading, const char *path)
 
 bool slang_read(const char *path, struct slang *slang, const struct dt_log *log)
 {
-    struct reading reading = {.slang = slang, .log = log};
+    struct slang_reading reading = {.slang = slang, .log = log};
     *slang = (struct slang){0};
     bool good = read_file(&reading, path);
     if (good && !reading.stage)

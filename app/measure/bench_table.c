@@ -7,7 +7,7 @@
 
 enum { COLUMN = 9 };
 
-static void print_number(double value, const char *format)
+static void print_ms(double value, const char *format)
 {
     char text[32] = "-";
     if (!isnan(value))
@@ -19,9 +19,9 @@ static void print_number(double value, const char *format)
 static void print_spread(struct spread spread)
 {
     const char *format = spread.median >= 100 ? "%.0f" : spread.median >= 1 ? "%.2f" : "%.4f";
-    print_number(spread.median, format);
-    print_number(spread.p5, format);
-    print_number(spread.p95, format);
+    print_ms(spread.median, format);
+    print_ms(spread.p5, format);
+    print_ms(spread.p95, format);
 }
 
 static int name_width(const struct dt_pipeline *info)
@@ -65,7 +65,7 @@ static void print_times(const struct bench *bench)
     }
     printf("%-*s", width, "sum of passes");
     for (uint32_t i = 0; i < bench->sides.count; i++) {
-        print_number(sum_of_medians(&bench->list[i].passes), "%.2f");
+        print_ms(sum_of_medians(&bench->list[i].passes), "%.2f");
         printf("  %*s  %*s", COLUMN, "", COLUMN, "");
     }
     printf("\n%-*s", width, "frame");
@@ -83,8 +83,8 @@ static void print_rates(const struct bench *bench, const struct bench_side *side
 {
     double ms = bench_pass_ms(&side->passes, pass).median;
     const struct ceiling ceiling = bench_ceiling(bench, side);
-    print_number((work->read + work->written) / ms * 1e-6, "%.2f");
-    print_number(ms / bench_floor_ms(work, &ceiling), "%.1f");
+    print_ms((work->read + work->written) / ms * 1e-6, "%.2f");
+    print_ms(ms / bench_floor_ms(work, &ceiling), "%.1f");
 }
 
 static void print_ceilings(const struct bench *bench, int width)
@@ -92,11 +92,11 @@ static void print_ceilings(const struct bench *bench, int width)
     printf("%-*s  %*s", width, "copy", COLUMN, "");
     for (uint32_t i = 0; i < bench->sides.count; i++) {
         const struct ceiling ceiling = bench_ceiling(bench, &bench->list[i]);
-        print_number(ceiling.bytes_per_ms * 1e-6, "%.2f");
+        print_ms(ceiling.bytes_per_ms * 1e-6, "%.2f");
         printf("  %*s", COLUMN, "");
     }
     printf("\n%-*s  %*s", width, "memcpy", COLUMN, "");
-    print_number(bench_copy_bytes_per_ms(bench) * 1e-6, "%.2f");
+    print_ms(bench_copy_bytes_per_ms(bench) * 1e-6, "%.2f");
     printf("\n");
 }
 
@@ -111,7 +111,7 @@ static void print_work(const struct bench *bench)
     for (uint32_t pass = 0; pass < info->pass_count; pass++) {
         struct work work = bench_work(bench, &bench->subject, pass);
         printf("%-*s", width, info->passes[pass].name);
-        print_number((work.read + work.written) * 1e-6, "%.3f");
+        print_ms((work.read + work.written) * 1e-6, "%.3f");
         for (uint32_t i = 0; i < bench->sides.count; i++)
             print_rates(bench, &bench->list[i], &work, pass);
         printf("\n");

@@ -112,7 +112,7 @@ static bool prepare(struct costing *costing)
                       setup->size, &console->log);
 }
 
-static int report(struct costing *costing, double limit)
+static int report_cost(struct costing *costing, double limit)
 {
     struct console *console = costing->console;
     uint32_t worse = 0;
@@ -135,7 +135,7 @@ int verb_cost(struct console *console, const struct options *options)
     bool good = read_limit(options->limit, &limit, &console->log) &&
                 check_gpus(options, &console->log) && prepare(&costing) && ask_gpus(&costing) &&
                 add_times(&costing);
-    int status = good ? report(&costing, limit) : EXIT_USAGE;
+    int status = good ? report_cost(&costing, limit) : EXIT_USAGE;
     for (uint32_t i = 0; i < costing.count; i++)
         cost_gpu_free(&costing.gpus[i]);
     free(costing.frame.passes);

@@ -48,12 +48,12 @@ char *grid_name(const struct grid *grid, const struct grid_point *point, const c
 
 bool measure_add_reference(struct steps *steps, const struct reference *reference)
 {
-    const struct options *options = steps->options;
+    const struct steps_request *request = &steps->request;
     const struct step_scene *scene = reference->scene;
     struct command command;
     /* one per setting: it cannot continue with fewer samples or other light */
     char *film = format_string("%s/%s_%u_%s_%s_%s_%s.film", scene->name, reference->name,
-                               options->spp, options->noise ? options->noise : "",
+                               request->spp, request->noise ? request->noise : "",
                                reference->from_bounce ? reference->from_bounce : "",
                                reference->bounces ? reference->bounces : "",
                                reference->quantity ? reference->quantity : "");

@@ -28,7 +28,7 @@ bool step_is_name(const char *text)
 static bool find_scenes_folder(struct steps *steps)
 {
     const char *given =
-        steps->options->setup.scenes ? steps->options->setup.scenes : getenv("DIPTYCH_SCENES");
+        steps->request.setup->scenes ? steps->request.setup->scenes : getenv("DIPTYCH_SCENES");
     if (!given || !*given)
         return true;
     steps->scenes_folder = realpath(given, NULL);
@@ -38,13 +38,13 @@ static bool find_scenes_folder(struct steps *steps)
 }
 
 bool steps_begin(struct steps *steps, const char *verb, struct console *console,
-                 const struct options *options)
+                 const struct steps_request *request)
 {
     const struct dt_log *log = &console->log;
-    *steps = (struct steps){.verb = verb, .console = console, .options = options};
+    *steps = (struct steps){.verb = verb, .console = console, .request = *request};
     steps->results = cJSON_CreateObject();
-    steps->spec = pipeline_spec_path(options->setup.spec, log);
-    if (!steps->spec || !sides_read_each(&steps->sides, &options->setup, log) ||
+    steps->spec = pipeline_spec_path(request->setup->spec, log);
+    if (!steps->spec || !sides_read_each(&steps->sides, request->setup, log) ||
         !find_scenes_folder(steps))
         return false;
     char *tools = tools_folder(log);
@@ -129,7 +129,7 @@ bool steps_without_scene(struct steps *steps)
 bool steps_check_spec(struct steps *steps)
 {
     struct pipeline pipeline;
-    if (!pipeline_load(&pipeline, steps->console, &steps->options->setup))
+    if (!pipeline_load(&pipeline, steps->console, steps->request.setup))
         return false;
     uint32_t count;
     const char *const *sources = plan_sources(pipeline.plan, &count);
@@ -159,7 +159,7 @@ static bool is_own(const struct steps *steps, const char *path)
 bool steps_make_folder(struct steps *steps)
 {
     const struct dt_log *log = &steps->console->log;
-    const char *path = steps->options->output;
+    const char *path = steps->request.output;
     if (!folder_is_empty(path) && !is_own(steps, path)) {
         report_error(log, "%s: holds files, but no %s; give another folder", path,
                      strcmp(steps->verb, "report") == 0 ? "report" : "sweep that measures");
@@ -261,10 +261,10 @@ void command_spec(struct command *command, const cJSON *sets)
     const cJSON *set;
     quote_option(command->out, "--spec", steps->spec);
     cJSON_ArrayForEach(set, sets) quote_option(command->out, "--set", set->valuestring);
-    for (uint32_t i = 0; i < steps->options->setup.set_count; i++)
-        quote_option(command->out, "--set", steps->options->setup.sets[i]);
-    for (uint32_t i = 0; i < steps->options->setup.inputs.count; i++) {
-        const char *input = steps->options->setup.inputs.items[i];
+    for (uint32_t i = 0; i < steps->request.setup->set_count; i++)
+        quote_option(command->out, "--set", steps->request.setup->sets[i]);
+    for (uint32_t i = 0; i < steps->request.setup->inputs.count; i++) {
+        const char *input = steps->request.setup->inputs.items[i];
         char *path = step_input(input);
         char *text = format_string("%.*s=%s", (int)strcspn(input, "="), input, path ? path : "");
         quote_option(command->out, "--input", text ? text : input);
@@ -275,26 +275,26 @@ void command_spec(struct command *command, const cJSON *sets)
 
 void command_backends(struct command *command)
 {
-    if (command->steps->options->setup.backend)
-        quote_option(command->out, "--backend", command->steps->options->setup.backend);
+    if (command->steps->request.setup->backend)
+        quote_option(command->out, "--backend", command->steps->request.setup->backend);
 }
 
 void command_quality(struct command *command)
 {
-    const struct options *options = command->steps->options;
-    if (options->spp)
-        fprintf(command->out, " --spp %u", options->spp);
-    if (options->noise)
-        quote_option(command->out, "--noise", options->noise);
+    const struct steps_request *request = &command->steps->request;
+    if (request->spp)
+        fprintf(command->out, " --spp %u", request->spp);
+    if (request->noise)
+        quote_option(command->out, "--noise", request->noise);
 }
 
 void command_frames(struct command *command)
 {
-    const struct options *options = command->steps->options;
-    if (options->run_frames)
-        fprintf(command->out, " --frames %u", options->run_frames);
-    if (options->warmup)
-        fprintf(command->out, " --warmup %u", options->warmup);
+    const struct steps_request *request = &command->steps->request;
+    if (request->frames)
+        fprintf(command->out, " --frames %u", request->frames);
+    if (request->warmup)
+        fprintf(command->out, " --warmup %u", request->warmup);
 }
 
 /* ---- The list -------------------------------------------------------------------------------- */

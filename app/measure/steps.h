@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 #include "console/console.h"
-#include "console/options.h"
+#include "console/setup.h"
 #include "run/side.h"
 
 struct step_scene {
@@ -29,9 +29,19 @@ struct step {
     char *command;        /* a line for /bin/sh that can be pasted anywhere */
 };
 
+/* What a verb wants of its steps. */
+struct steps_request {
+    const struct setup *setup;
+    const char *output; /* folder */
+    uint32_t spp;       /* of references; 0, NULL: by default */
+    const char *noise;
+    uint32_t frames, warmup; /* of bench; 0: by default */
+    bool collect;            /* of the results that are there */
+};
+
 struct steps {
     struct console *console;
-    const struct options *options;
+    struct steps_request request;
     const char *verb; /* verb that made the folder */
     struct sides sides;
     char *folder;        /* absolute */
@@ -50,7 +60,7 @@ struct steps {
 
 /* The spec, the sides, this program, the folder of meshes. */
 bool steps_begin(struct steps *steps, const char *verb, struct console *console,
-                 const struct options *options);
+                 const struct steps_request *request);
 /* The scenes, of which one at least must have its mesh. */
 bool steps_find_scenes(struct steps *steps, const char *const *paths, uint32_t count);
 /* Instead: one scene named "none", for pipelines that do not use a scene. */
@@ -100,16 +110,6 @@ const char *steps_last(const struct steps *steps); /* the file of the step that 
 const struct step *steps_find(const struct steps *steps, const char *file);
 
 /* ---- steps_run.c ----------------------------------------------------------------------------- */
-
-/* Writes a file of a folder, whole or not at all; logs the error. */
-typedef void content_writer(FILE *out, const void *user);
-bool content_write(const char *folder, const char *name, content_writer *writer, const void *user,
-                   const struct dt_log *log);
-/* Runs ninja in a folder, with that many edges at once, to the end also behind an edge that fails. `take` gets
- * its lines; NULL: they are shown. plans: it only lists what it would do. False: an error was logged; that an edge
- * failed is none. */
-bool ninja_run(struct console *console, const char *folder, uint32_t jobs, bool plans,
-               void (*take)(void *user, const char *line), void *user);
 
 /* Writes build.ninja and `commands`, and runs ninja. Failed steps are found by their results. */
 bool steps_run(struct steps *steps);

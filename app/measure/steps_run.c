@@ -3,72 +3,41 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "base/files.h"
-#include "console/quote.h"
-#include "console/tool.h"
+#include "measure/ninja.h"
 #include "measure/steps.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* A failed step leaves no file, also none from an earlier run; its errors are kept beside it. */
-static void write_rules(FILE *out, const struct steps *steps)
-{
-    const cJSON *item;
-    fprintf(out,
-            "# One edge per step of the %s; the command that made this file goes on where it was "
-            "left.\n"
-            "rule step\n"
-            "  command = rm -f $out $out.failed && { { $line; } >$out.txt || { status=$$?; "
-            "[ ! -e $out ] || mv $out $out.failed; exit $$status; }; }\n"
-            "  description = step $what\n"
-            "  pool = console\n\n"
-            "build program: phony ",
-            steps->verb);
-    quote_path(out, steps->program);
-    fputs("\nbuild spec: phony program", out);
-    cJSON_ArrayForEach(item, steps->spec_files)
-    {
-        fputc(' ', out);
-        quote_path(out, item->valuestring);
-    }
-    for (uint32_t i = 0; i < steps->options->setup.inputs.count; i++) {
-        char *path = step_input(steps->options->setup.inputs.items[i]);
-        fputc(' ', out);
-        quote_path(out, path ? path : "");
-        free(path);
-    }
-    fputc('\n', out);
-}
-
 static void write_edge(FILE *out, const struct step *step)
 {
-    fputs("\nbuild ", out);
-    quote_path(out, step->file);
-    fprintf(out, ": step | %s ", step->traced ? "program" : "spec");
-    quote_path(out, step->scene->path);
-    fputc(' ', out);
-    quote_path(out, step->scene->mesh);
-    if (step->motion) {
-        fputc(' ', out);
-        quote_path(out, step->motion);
-    }
-    for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs) && step->needs[i]; i++) {
-        fputc(' ', out);
-        quote_path(out, step->needs[i]);
-    }
-    fputs("\n  what = ", out);
-    quote_value(out, step->file);
-    fputs("\n  line = ", out);
-    quote_value(out, step->command);
-    fputc('\n', out);
+    ninja_edge(out, step->file, step->traced ? "program" : "spec");
+    ninja_path(out, step->scene->path);
+    ninja_path(out, step->scene->mesh);
+    ninja_path(out, step->motion);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(step->needs); i++)
+        ninja_path(out, step->needs[i]);
+    ninja_end(out, step->file, step->command);
 }
 
 static void write_ninja(FILE *out, const void *user)
 {
     const struct steps *steps = user;
-    write_rules(out, steps);
+    const cJSON *item;
+    ninja_begin(out, steps->verb, true);
+    ninja_group(out, "program");
+    ninja_path(out, steps->program);
+    ninja_end(out, NULL, NULL);
+    ninja_group(out, "spec");
+    ninja_path(out, "program");
+    cJSON_ArrayForEach(item, steps->spec_files) ninja_path(out, item->valuestring);
+    for (uint32_t i = 0; i < steps->request.setup->inputs.count; i++) {
+        char *path = step_input(steps->request.setup->inputs.items[i]);
+        ninja_path(out, path);
+        free(path);
+    }
+    ninja_end(out, NULL, NULL);
     for (uint32_t i = 0; i < steps->count; i++)
         write_edge(out, &steps->list[i]);
 }
@@ -79,18 +48,6 @@ static void write_commands(FILE *out, const void *user)
     fprintf(out, "# diptych %s: the commands of its steps\n", steps->verb);
     for (uint32_t i = 0; i < steps->count; i++)
         fprintf(out, "%s\n", steps->list[i].command);
-}
-
-bool content_write(const char *folder, const char *name, content_writer *writer, const void *user,
-                   const struct dt_log *log)
-{
-    char *path = format_string("%s/%s", folder, name);
-    struct file_draft draft;
-    if (file_draft_begin(&draft, log))
-        writer(draft.out, user);
-    bool good = file_draft_end(&draft, path, log);
-    free(path);
-    return good;
 }
 
 /* The commands do not make the folders of what they write. */
@@ -184,30 +141,6 @@ static void take_ninja_line(void *user, const char *line)
     }
 }
 
-bool ninja_run(struct console *console, const char *folder, uint32_t jobs, bool plans,
-               void (*take)(void *user, const char *line), void *user)
-{
-    static const struct tool ninja = {
-        .what = "ninja", .hint = "install the package ninja-build", .explains = true};
-    char number[16];
-    snprintf(number, sizeof number, "%u", jobs);
-    char *argv[] = {(char *)"ninja",
-                    (char *)"-C",
-                    (char *)folder,
-                    (char *)"-k",
-                    (char *)"0",
-                    (char *)"-j",
-                    number,
-                    plans ? (char *)"-n" : NULL,
-                    NULL};
-    unsigned errors = atomic_load(&console->errors);
-    if (take)
-        tool_lines(&ninja, argv, take, user, console);
-    else
-        tool_run(&ninja, argv, STDERR_FILENO, console);
-    return atomic_load(&console->errors) == errors;
-}
-
 bool steps_run(struct steps *steps)
 {
     struct console *console = steps->console;
@@ -259,13 +192,13 @@ uint32_t steps_count_failures(const struct steps *steps)
         failures++;
         for (size_t j = 0; j < DT_ARRAY_COUNT(step->needs) && step->needs[j]; j++)
             waits |= !steps_is_done(steps, steps_find(steps, step->needs[j]));
-        char *reason = waits || steps->options->collect ? NULL : steps_reason(steps, step->file);
+        char *reason = waits || steps->request.collect ? NULL : steps_reason(steps, step->file);
         if (reason)
             report_error(&steps->console->log, "%s; there is no result of: %s", reason,
                          step->command);
         free(reason);
     }
-    if (failures && steps->options->collect)
+    if (failures && steps->request.collect)
         report_message(&steps->console->log, DT_INFO, "%u of %u steps have no result yet", failures,
                        steps->count);
     return failures;

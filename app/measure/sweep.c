@@ -11,7 +11,7 @@
 
 #include "base/files.h"
 #include "console/folder.h"
-#include "measure/steps.h"
+#include "measure/ninja.h"
 
 const char *sweep_text(const cJSON *object, const char *name)
 {

@@ -8,8 +8,8 @@
  *   "runs"     objects: "scene", "width", "height", "frames", "sets", "exact", "command"; run N is number
  *              N - 1 of the list; "exact" false: the run's spec promises no equal bits
  *   "redrawn"  draws of the generator that were no valid spec, with the reason
- * and in DIR/runs, once run N is over: N.txt, what it said; N.json, what `compare` wrote; N.result, its exit
- * status and milliseconds. */
+ * and in DIR/runs, once run N is over: N.json, what `compare` wrote; N.result, its exit status and
+ * milliseconds, or N.result.failed where it could not run; N.result.txt, what it printed. */
 #ifndef DIPTYCH_SWEEP_H
 #define DIPTYCH_SWEEP_H
 
@@ -43,7 +43,7 @@ int sweep_measure(struct console *console, const struct options *options);
 
 /* sweep_files.c: gives every run its command, a line for /bin/sh that can be pasted anywhere. */
 bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *log);
-/* Writes sweep.json, commands, run.sh and build.ninja into the folder, an absolute path. */
+/* Writes sweep.json, commands and build.ninja into the folder, an absolute path. */
 bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *log);
 
 /* sweep_summary.c: reads the results, writes summary.json, summary.csv and the page, prints the table. Returns the exit

@@ -1,12 +1,11 @@
-/* The files of a sweep: list of commands, ninja file with an edge per run, and the script that
- * starts one run. */
+/* The files of a sweep: the list of commands, and a ninja file with an edge per run. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
 #include "console/quote.h"
-#include "measure/steps.h"
+#include "measure/ninja.h"
 #include "measure/sweep.h"
 
 /* ---- Commands -------------------------------------------------------------------------------- */
@@ -70,26 +69,6 @@ bool sweep_add_commands(cJSON *sweep, const char *folder, const struct dt_log *l
 
 /* ---- The files' contents --------------------------------------------------------------------- */
 
-/* A run that differs is finished. A run that could not run fails its edge and is tried again. An
- * interrupt also ends the script, which then leaves no result. */
-static void write_runner(FILE *out, const void *sweep)
-{
-    (void)sweep;
-    fputs("#!/bin/sh\n"
-          "# sh run.sh NUMBER COMMAND...: one run of the sweep. Leaves what it says in\n"
-          "# runs/NUMBER.txt, its exit status and milliseconds in runs/NUMBER.result.\n"
-          "cd \"$(dirname \"$0\")\" || exit 2\n"
-          "number=$1\n"
-          "shift\n"
-          "begin=$(date +%s%N)\n"
-          "\"$@\" >\"runs/$number.txt\" 2>&1 </dev/null\n"
-          "status=$?\n"
-          "echo \"$status $((($(date +%s%N) - begin) / 1000000))\" >\"runs/$number.part\"\n"
-          "mv \"runs/$number.part\" \"runs/$number.result\"\n"
-          "[ $status -le 1 ] || exit $status\n",
-          out);
-}
-
 static void write_commands(FILE *out, const void *sweep)
 {
     const cJSON *run;
@@ -97,53 +76,45 @@ static void write_commands(FILE *out, const void *sweep)
         fprintf(out, "%s\n", sweep_text(run, "command"));
 }
 
+/* A run that differs is finished. A run that could not run fails its edge and is tried again. */
+static void write_run(FILE *out, const cJSON *run, int number)
+{
+    const char *scene = strrchr(sweep_text(run, "scene"), '/');
+    char file[32], what[200];
+    snprintf(file, sizeof file, "runs/%d.result", number);
+    snprintf(what, sizeof what, "%d: %s %ux%u", number, scene ? scene + 1 : "",
+             sweep_number(run, "width"), sweep_number(run, "height"));
+    char *line = format_string("begin=$(date +%%s%%N); %s 2>&1 </dev/null; status=$?; "
+                               "echo \"$status $((($(date +%%s%%N) - begin) / 1000000))\" >%s; "
+                               "[ $status -le 1 ]",
+                               sweep_text(run, "command"), file);
+    ninja_edge(out, file, "inputs");
+    ninja_end(out, what, line ? line : "false"); /* out of memory: the run fails */
+    free(line);
+}
+
 static void write_ninja(FILE *out, const void *sweep)
 {
     const cJSON *item;
     int number = 0;
-    fputs("# One edge per run; `ninja -k 0` here goes on where it was left.\n"
-          "rule run\n"
-          "  command = sh run.sh $number $command_line\n"
-          "  description = run $number: $what\n\n"
-          "build inputs: phony",
-          out);
+    ninja_begin(out, "sweep", false);
+    ninja_group(out, "inputs");
     cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "inputs"))
-    {
-        fputc(' ', out);
-        quote_path(out, item->valuestring);
-    }
-    cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "runs"))
-    {
-        const char *scene = strrchr(sweep_text(item, "scene"), '/');
-        fprintf(out, "\nbuild runs/%d.result: run | inputs\n  number = %d\n  what = ", number + 1,
-                number + 1);
-        quote_value(out, scene ? scene + 1 : "");
-        fprintf(out, " %ux%u\n  command_line = ", sweep_number(item, "width"),
-                sweep_number(item, "height"));
-        quote_value(out, sweep_text(item, "command"));
-        fputc('\n', out);
-        number++;
-    }
+        ninja_path(out, item->valuestring);
+    ninja_end(out, NULL, NULL);
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(sweep, "runs")) write_run(out, item, ++number);
 }
 
 /* ---- Writing --------------------------------------------------------------------------------- */
 
 bool sweep_write(const cJSON *sweep, const char *folder, const struct dt_log *log)
 {
-    static const struct {
-        const char *name;
-        content_writer *writer;
-    } files[] = {
-        {"commands", write_commands},
-        {"run.sh", write_runner},
-        {"build.ninja", write_ninja},
-    };
     char *runs = format_string("%s/runs", folder);
     char *manifest = format_string("%s/sweep.json", folder);
-    bool good = runs && manifest && file_make_folders(runs, log);
-    for (size_t i = 0; i < DT_ARRAY_COUNT(files) && good; i++)
-        good = content_write(folder, files[i].name, files[i].writer, sweep, log);
-    good = good && file_write_json(manifest, sweep, log); /* last: marks the folder as a sweep's */
+    bool good = runs && manifest && file_make_folders(runs, log) &&
+                content_write(folder, "commands", write_commands, sweep, log) &&
+                content_write(folder, "build.ninja", write_ninja, sweep, log) &&
+                file_write_json(manifest, sweep, log); /* last: marks the folder as a sweep's */
     free(manifest);
     free(runs);
     return good;

@@ -20,6 +20,7 @@ struct axis {
 };
 
 struct measured_sweep {
+    const struct options *options;
     struct steps steps;
     struct grid grid;
     struct axis *axes;
@@ -202,7 +203,7 @@ static bool fill_point(struct measured_sweep *sweep, struct grid_point *point, u
 static bool plan_scene(struct measured_sweep *sweep, const struct step_scene *scene,
                        const uint32_t size[2], uint32_t first)
 {
-    const struct options *options = sweep->steps.options;
+    const struct options *options = sweep->options;
     const struct dt_log *log = &sweep->steps.console->log;
     char *name = format_string("reference_%ux%u", size[0], size[1]);
     bool good = name;
@@ -231,7 +232,7 @@ static bool plan_scene(struct measured_sweep *sweep, const struct step_scene *sc
 static bool plan(struct measured_sweep *sweep)
 {
     struct steps *steps = &sweep->steps;
-    const struct options *options = steps->options;
+    const struct options *options = sweep->options;
     const struct dt_log *log = &steps->console->log;
     char text[32];
     const char *default_size = text;
@@ -279,7 +280,7 @@ static char *line_title(const struct measured_sweep *sweep, const struct grid_po
     if (!out)
         return NULL;
     fprintf(out, "%s, ", point->scene->name);
-    if (steps->options->size_list.count > 1)
+    if (sweep->options->size_list.count > 1)
         fprintf(out, "%ux%u, ", point->size[0], point->size[1]);
     for (uint32_t i = 0; i < sweep->axis_count; i++)
         if (i != sweep->x && sweep->axes[i].count > 1)
@@ -499,12 +500,19 @@ static void sweep_free(struct measured_sweep *sweep)
 int sweep_measure(struct console *console, const struct options *options)
 {
     const struct dt_log *log = &console->log;
-    struct measured_sweep sweep = {.plots = cJSON_CreateArray()};
+    struct measured_sweep sweep = {.options = options, .plots = cJSON_CreateArray()};
+    const struct steps_request request = {.setup = &options->setup,
+                                          .output = options->output,
+                                          .spp = options->spp,
+                                          .noise = options->noise,
+                                          .frames = options->run_frames,
+                                          .warmup = options->warmup,
+                                          .collect = options->collect};
     struct steps *steps = &sweep.steps;
     int status = EXIT_USAGE;
     bool good = read_measures(&sweep.measures, options->measure, log) &&
                 check_grid_options(&sweep, options, log) && read_axes(&sweep, options, log) &&
-                steps_begin(steps, "sweep", console, options) &&
+                steps_begin(steps, "sweep", console, &request) &&
                 (options->scene_list.count ? steps_find_scenes(steps, options->scene_list.items,
                                                                options->scene_list.count)
                                            : steps_without_scene(steps)) &&

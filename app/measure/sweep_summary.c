@@ -9,13 +9,13 @@
 enum { SETTINGS_WIDTH = 60 };
 
 /* MAY_DIFFER: it does, and its spec promises no equal bits. */
-enum verdict { AGREE, DIFFER, MAY_DIFFER, FAILED, NOT_RUN, VERDICTS };
+enum run_verdict { AGREE, DIFFER, MAY_DIFFER, FAILED, NOT_RUN, VERDICTS };
 static const char *const verdict_names[VERDICTS] = {"agree", "differ", "may differ", "failed",
                                                     "not run"};
 
 struct result {
     const cJSON *run;
-    enum verdict verdict;
+    enum run_verdict verdict;
     double seconds;
     char *pass, *resource; /* where they differ, or NULL */
     char *error;           /* why it failed, or NULL */
@@ -72,7 +72,7 @@ static void read_place(struct result *result, const char *folder, int number,
 /* The first line that tells an error, else the last. */
 static char *read_error(const char *folder, int number, const struct dt_log *log)
 {
-    char *text = read_run_file(folder, number, "txt", log);
+    char *text = read_run_file(folder, number, "result.txt", log);
     char *at = text ? strstr(text, "error:") : NULL;
     size_t length = text ? strlen(text) : 0;
     while (text && !at && length > 0 && text[length - 1] == '\n')
@@ -110,6 +110,7 @@ static void read_result(struct result *result, const cJSON *run, const char *fol
     int status = -1;
     long milliseconds = 0;
     char *text = read_run_file(folder, number, "result", log);
+    text = text ? text : read_run_file(folder, number, "result.failed", log);
     bool over = text && sscanf(text, "%d %ld", &status, &milliseconds) == 2;
     free(text);
     *result = (struct result){.run = run,
@@ -237,8 +238,8 @@ static void print_runs(const struct result *results, int count, const int totals
 
 /* ---- All of it ------------------------------------------------------------------------------- */
 
-static bool write_files(struct console *console, const struct result *results, int count,
-                        const int totals[VERDICTS], const cJSON *sweep, const char *folder)
+static bool write_summary(struct console *console, const struct result *results, int count,
+                          const int totals[VERDICTS], const cJSON *sweep, const char *folder)
 {
     char *json = format_string("%s/summary.json", folder);
     char *csv = format_string("%s/summary.csv", folder);
@@ -267,7 +268,7 @@ int sweep_summarise(struct console *console, const cJSON *sweep, const char *fol
         read_result(&results[number], run, folder, number + 1, &console->log);
         totals[results[number++].verdict]++;
     }
-    bool good = write_files(console, results, count, totals, sweep, folder);
+    bool good = write_summary(console, results, count, totals, sweep, folder);
     print_runs(results, count, totals);
     for (int i = 0; i < count; i++) {
         free(results[i].pass);

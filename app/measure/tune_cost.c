@@ -28,8 +28,8 @@ bool tune_estimate(struct tuning *tuning, struct estimate *estimate,
 }
 
 /* Sum, or with `least` the smallest, of a number of all stages of a pass. */
-static double stages_of(const struct estimate *estimate, uint32_t pass, enum cost_number number,
-                        bool least)
+static double sum_of_stages(const struct estimate *estimate, uint32_t pass, enum cost_number number,
+                            bool least)
 {
     double sum = least ? INFINITY : 0;
     for (uint32_t i = 0; i < estimate->gpu.count; i++) {
@@ -44,7 +44,7 @@ double tune_pass_ms(const struct estimate *estimate, uint32_t pass)
 {
     struct cost_times times = cost_times(&estimate->gpu, &estimate->frame, pass);
     if (isnan(times.arithmetic))
-        return stages_of(estimate, pass, COST_CYCLES, false) / (estimate->gpu.chip->ghz * 1e6);
+        return sum_of_stages(estimate, pass, COST_CYCLES, false) / (estimate->gpu.chip->ghz * 1e6);
     return fmax(times.arithmetic, times.latency);
 }
 
@@ -59,11 +59,13 @@ double tune_frame_ms(const struct estimate *estimate)
 /* Whether a change costs what cycles do not show: spills, waves, an instruction cache. */
 static bool has_price(const struct estimate *was, const struct estimate *is, uint32_t pass)
 {
-    double waves = stages_of(is, pass, COST_WAVES, true);
-    double code = stages_of(is, pass, COST_CODE, false);
-    return stages_of(is, pass, COST_SPILLS, false) > stages_of(was, pass, COST_SPILLS, false) ||
-           (waves < ENOUGH_WAVES && waves < stages_of(was, pass, COST_WAVES, true)) ||
-           (code > is->gpu.chip->code_kib * 1024 && code > stages_of(was, pass, COST_CODE, false));
+    double waves = sum_of_stages(is, pass, COST_WAVES, true);
+    double code = sum_of_stages(is, pass, COST_CODE, false);
+    return sum_of_stages(is, pass, COST_SPILLS, false) >
+               sum_of_stages(was, pass, COST_SPILLS, false) ||
+           (waves < ENOUGH_WAVES && waves < sum_of_stages(was, pass, COST_WAVES, true)) ||
+           (code > is->gpu.chip->code_kib * 1024 &&
+            code > sum_of_stages(was, pass, COST_CODE, false));
 }
 
 bool tune_judge_estimates(struct tuning *tuning, const struct programme *trial,

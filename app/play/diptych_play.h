@@ -13,10 +13,10 @@
  *     dt_play_close(player);
  *
  * Errors. A function that returns false or NULL has logged one DT_ERROR with the reason; for a wrong
- * spec, the text of diptych-gen with all errors. With NULL in place of the player it does nothing. After a
- * failed render, call only close. There is no
- * other output and no exit. With `debug`, each message of the validation layers or of KHR_debug is a
- * DT_ERROR, too, and fails the render.
+ * spec, the text of diptych-gen with all errors. With NULL in place of the player it does nothing.
+ * After a failed render, call only close. There is no
+ * other output, no exit, and no change of the environment, where "zink" needs GALLIUM_DRIVER=zink. With
+ * `debug`, each message of the validation layers or of KHR_debug is a DT_ERROR, too, and fails the render.
  *
  * Threads. The thread that opened a player uses it; dt_play_open and dt_play_close are for one thread at
  * a time. A child of fork() cannot use the players of its parent: their functions fail there, and close

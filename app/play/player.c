@@ -50,7 +50,7 @@ static bool is_own(const struct dt_player *player, const char *verb)
 }
 
 /* The same for what after_pass cannot call. */
-static bool is_idle(const struct dt_player *player, const char *verb)
+static bool may_call(const struct dt_player *player, const char *verb)
 {
     if (player && player->rendering)
         report_error(&player->console.log, "%s: a frame is being rendered", verb);
@@ -134,7 +134,7 @@ struct dt_player *dt_play_open(const struct dt_play_options *options)
 
 void dt_play_close(struct dt_player *player)
 {
-    if (!player || player->process != getpid() || !is_idle(player, "close"))
+    if (!player || player->process != getpid() || !may_call(player, "close"))
         return;
     session_close(&player->session);
     scene_free(&player->scene);
@@ -206,7 +206,7 @@ static bool recover(struct dt_player *player)
 bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
 {
     const uint32_t size[2] = {width, height};
-    if (!is_idle(player, "resize") || !check_size(player, size))
+    if (!may_call(player, "resize") || !check_size(player, size))
         return false;
     const uint32_t *fixed = player->pipeline.frame_size;
     if (fixed[0] && memcmp(fixed, size, sizeof size) != 0) {
@@ -276,7 +276,7 @@ bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, con
 {
     struct dt_bytes bytes = {.data = (uint8_t *)data, .size = size};
     uint32_t index;
-    if (!is_idle(player, "write") || !is_given(player, "write", name) ||
+    if (!may_call(player, "write") || !is_given(player, "write", name) ||
         !is_given(player, "write", data))
         return false;
     const struct dt_pipeline *info = player->pipeline.info;
@@ -400,13 +400,13 @@ static bool render(struct dt_player *player, const struct dt_observer *observer)
 
 bool dt_play_render(struct dt_player *player, bool (*after)(void *user, uint32_t pass), void *user)
 {
-    return is_idle(player, "render") &&
+    return may_call(player, "render") &&
            render(player, &(struct dt_observer){.after_pass = after, .user = user});
 }
 
 bool dt_play_timings(struct dt_player *player, double *pass_ms)
 {
-    return is_idle(player, "timings") && is_given(player, "timings", pass_ms) &&
+    return may_call(player, "timings") && is_given(player, "timings", pass_ms) &&
            player->session.runtime->timings(player->session.handle, pass_ms);
 }
 
@@ -414,7 +414,7 @@ char *dt_play_undefined(struct dt_player *player)
 {
     struct undefined undefined = {0};
     struct dt_bytes bytes = {0};
-    if (!is_idle(player, "undefined"))
+    if (!may_call(player, "undefined"))
         return NULL;
     const struct pipeline *pipeline = &player->pipeline;
     if (!player->sanitized) {
@@ -534,7 +534,7 @@ static char *compare_frames(struct comparison *comparison)
 char *dt_play_compare(struct dt_player *a, struct dt_player *b)
 {
     struct comparison comparison = {.players = {a, b}};
-    char *text = is_idle(a, "compare") && is_idle(b, "compare") && can_compare(a, b) &&
+    char *text = may_call(a, "compare") && may_call(b, "compare") && can_compare(a, b) &&
                          rows_make(&comparison.rows, a->pipeline.info, &a->console.log)
                      ? compare_frames(&comparison)
                      : NULL;

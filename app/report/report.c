@@ -14,7 +14,15 @@ static bool report_prepare(struct report *report, struct console *console,
                            const struct options *options)
 {
     struct steps *steps = &report->steps;
-    return steps_begin(steps, "report", console, options) && report_read_outline(report) &&
+    const struct steps_request request = {.setup = &options->setup,
+                                          .output = options->output,
+                                          .spp = options->spp,
+                                          .noise = options->noise,
+                                          .frames = options->run_frames,
+                                          .warmup = options->warmup,
+                                          .collect = options->collect};
+    report->options = options;
+    return steps_begin(steps, "report", console, &request) && report_read_outline(report) &&
            report_find_scenes(report) && plot_has_gnuplot(console) && steps_check_spec(steps) &&
            steps_make_folder(steps) && report_plan(report);
 }
@@ -29,7 +37,7 @@ static void report_free(struct report *report)
 }
 
 /* The rows of all that was measured, the plots and the page. */
-static bool write_all(struct report *report)
+static bool write_report(struct report *report)
 {
     char *csv = format_string("%s/rows.csv", report->steps.folder);
     bool good = csv && grid_read(&report->grid);
@@ -70,7 +78,7 @@ int verb_report(struct console *console, const struct options *options)
         status = EXIT_FAILED;
         if (options->collect || steps_run(&report.steps)) {
             uint32_t failures = steps_count_failures(&report.steps);
-            bool good = write_all(&report);
+            bool good = write_report(&report);
             if (good) {
                 printf("%s/index.html\n", report.steps.folder);
                 console->result = report_json(&report, failures);

@@ -4,6 +4,7 @@
 #ifndef DIPTYCH_REPORT_H
 #define DIPTYCH_REPORT_H
 
+#include "console/options.h"
 #include "measure/measure.h"
 #include "measure/steps.h"
 
@@ -17,6 +18,7 @@ enum report_part {
 };
 
 struct report {
+    const struct options *options;
     struct steps steps;
     /* columns: picture and the sweep's parameter; points by scene, picture, value */
     struct grid grid;

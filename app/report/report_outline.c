@@ -24,7 +24,7 @@
 #include "base/files.h"
 #include "spec/pipeline.h"
 #include "report/report.h"
-#include "scenes/reader.h"
+#include "base/yaml_file.h"
 
 const char *report_item(const cJSON *list, int index, char buffer[32])
 {
@@ -42,7 +42,7 @@ const char *report_item(const cJSON *list, int index, char buffer[32])
 /* ssvp/report.yaml for ssvp.yaml. */
 static char *find_outline(const struct report *report)
 {
-    const char *given = report->steps.options->outline;
+    const char *given = report->options->outline;
     const char *dot = strrchr(report->steps.spec, '.');
     int length = (int)(dot ? dot - report->steps.spec : (long)strlen(report->steps.spec));
     char *path =
@@ -360,7 +360,7 @@ static bool find_outline_scenes(struct report *report, const cJSON *list)
 
 bool report_find_scenes(struct report *report)
 {
-    const struct text_list *given = &report->steps.options->scene_list;
+    const struct text_list *given = &report->options->scene_list;
     return given->count
                ? steps_find_scenes(&report->steps, given->items, given->count)
                : find_outline_scenes(report, cJSON_GetObjectItem(report->outline, "scenes"));

@@ -150,15 +150,15 @@ static void add_figures(cJSON *page, const cJSON *published)
 
 static void add_head(cJSON *page, struct report *report)
 {
-    const struct options *options = report->steps.options;
+    const struct setup *setup = report->steps.request.setup;
     cJSON_AddStringToObject(page, "title", page_title(report));
     cJSON_AddStringToObject(page, "source", step_text(report->outline, "source"));
     cJSON_AddStringToObject(page, "spec", report->steps.spec);
     cJSON *overrides = cJSON_AddArrayToObject(page, "overrides");
-    for (uint32_t i = 0; i < options->setup.set_count; i++)
-        cJSON_AddItemToArray(overrides, cJSON_CreateString(options->setup.sets[i]));
-    cJSON_AddNumberToObject(page, "width", options->setup.size[0]);
-    cJSON_AddNumberToObject(page, "height", options->setup.size[1]);
+    for (uint32_t i = 0; i < setup->set_count; i++)
+        cJSON_AddItemToArray(overrides, cJSON_CreateString(setup->sets[i]));
+    cJSON_AddNumberToObject(page, "width", setup->size[0]);
+    cJSON_AddNumberToObject(page, "height", setup->size[1]);
     cJSON_AddStringToObject(page, "parameter", report_parameter(report));
     add_version(page, report->steps.console);
     add_devices(page, report);

@@ -51,7 +51,7 @@ static bool add_reference_step(struct report *report, const struct step_scene *s
     snprintf(number, sizeof number, "%.0f", bounces->valuedouble);
     return measure_add_reference(&report->steps,
                                  &(struct reference){.scene = scene,
-                                                     .size = report->steps.options->setup.size,
+                                                     .size = report->steps.request.setup->size,
                                                      .name = name,
                                                      .bounces = number,
                                                      .seed = seed,
@@ -64,7 +64,7 @@ static bool add_picture_step(struct report *report, const struct step_scene *sce
 {
     const char *name = step_text(picture, "name");
     const struct rendering rendering = {.scene = scene,
-                                        .size = report->steps.options->setup.size,
+                                        .size = report->steps.request.setup->size,
                                         .sets = cJSON_GetObjectItem(picture, "set"),
                                         .side = report->steps.sides.list[0].label,
                                         .part = PART_PICTURES};
@@ -113,7 +113,7 @@ static bool fill_point(struct report *report, struct grid_point *point, const cJ
     bool last = picture == report_last_picture(report);
     const char *text = report_item(report_values(report), value, buffer);
     char *set = format_string("%s=%s", report_parameter(report), text);
-    memcpy(point->size, report->steps.options->setup.size, sizeof point->size);
+    memcpy(point->size, report->steps.request.setup->size, sizeof point->size);
     point->values = calloc(2, sizeof *point->values);
     point->sets = cJSON_Duplicate(cJSON_GetObjectItem(picture, "set"), true);
     cJSON_AddItemToArray(point->sets, cJSON_CreateString(set ? set : ""));
@@ -319,7 +319,7 @@ static bool add_motions(struct report *report, const struct step_scene *scene)
 static bool add_comparison(struct report *report, const struct step_scene *scene)
 {
     const struct rendering rendering = {
-        .scene = scene, .size = report->steps.options->setup.size, .part = PART_COMPARISON};
+        .scene = scene, .size = report->steps.request.setup->size, .part = PART_COMPARISON};
     return measure_add_comparison(&report->steps, &rendering,
                                   report_file(scene, "compare", ".json"));
 }
@@ -327,7 +327,7 @@ static bool add_comparison(struct report *report, const struct step_scene *scene
 /* The command of the whole report. */
 static char *own_command(const struct report *report)
 {
-    const struct options *options = report->steps.options;
+    const struct setup *setup = report->steps.request.setup;
     struct command command;
     if (!command_begin(&command, &report->steps, "report"))
         return NULL;
@@ -335,7 +335,7 @@ static char *own_command(const struct report *report)
         quote_option(command.out, "--scene", report->steps.scenes[i].path);
     if (report->steps.scenes_folder)
         quote_option(command.out, "--scenes", report->steps.scenes_folder);
-    fprintf(command.out, " --size %ux%u", options->setup.size[0], options->setup.size[1]);
+    fprintf(command.out, " --size %ux%u", setup->size[0], setup->size[1]);
     command_spec(&command, NULL);
     command_backends(&command);
     quote_option(command.out, "--outline", report->outline_path);

@@ -55,8 +55,8 @@ static const char *number_code(enum number_kind kind)
     }
 }
 
-static void add_head(struct text *out, const struct dt_resource *resource,
-                     const struct component *first, uint32_t count, const uint32_t extent[3])
+static void add_array_head(struct text *out, const struct dt_resource *resource,
+                           const struct component *first, uint32_t count, const uint32_t extent[3])
 {
     struct text type = {0}, head = {0};
     if (resource->kind == DT_BUFFER)
@@ -87,7 +87,7 @@ bool array_write(const char *path, const struct dt_resource *resource, const str
     uint32_t count = resource_components(resource, &list), stride = resource_stride(resource);
     struct text out = {0};
     if (count)
-        add_head(&out, resource, list, count, bytes->extent);
+        add_array_head(&out, resource, list, count, bytes->extent);
     for (size_t at = 0; count && at + stride <= bytes->size && !out.failed; at += stride)
         for (uint32_t i = 0; i < count; i++) {
             const uint8_t *place = bytes->data + at + list[i].offset;

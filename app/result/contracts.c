@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/log.h"
-#include "scenes/reader.h"
+#include "base/yaml_file.h"
 
 const char *const measured_names[MEASURED_KINDS] = {"noise", "drift", "backends"};
 
@@ -35,22 +35,8 @@ enum {
 static double read_amount(struct reader *reader, const struct key *key, double most)
 {
     const char *text = fy_node_is_scalar(key->node) ? fy_node_get_scalar0(key->node) : NULL;
-    if (!text) /* reported */
-        return 0;
-    char *end;
-    double value = strtod(text, &end), divisor = 1;
-    bool good = end != text;
-    end += strspn(end, " ");
-    if (*end == '%') {
-        divisor = 100;
-        end++;
-    } else if (*end == '/') {
-        text = end + 1;
-        divisor = strtod(text, &end);
-        good &= end != text && divisor > 0;
-    }
-    value /= divisor;
-    if (!good || *end || !(value >= 0 && value <= most))
+    double value = 0;
+    if (text && (!text_amount(text, &value) || value < 0 || value > most)) /* else reported */
         reader_report(reader, key->node, "`%s` is a number from 0 to %g, like 0.01, 2/255 or 1%%",
                       key->name, most);
     return value;
@@ -107,7 +93,7 @@ static void read_bounds(struct reader *reader, const struct key *key, struct kep
                       "`flips`, `raster`, `of_exact`");
 }
 
-static void read_contracts(struct reader *reader, struct fy_node *root, void *user)
+static void read_kept(struct reader *reader, struct fy_node *root, void *user)
 {
     struct reading *reading = user;
     struct contracts *contracts = reading->contracts;
@@ -140,7 +126,7 @@ static void add_key(struct reading *reading, const char *name)
 bool contracts_read(struct contracts *contracts, const char *path, const char *const *names,
                     uint32_t count, const struct dt_log *log)
 {
-    static const struct file_kind kind = {"contracts", "names of resources", read_contracts};
+    static const struct file_kind kind = {"contracts", "names of resources", read_kept};
     struct reading reading = {.contracts = contracts};
     reading.keys = calloc((size_t)count + 1, sizeof *reading.keys);
     contracts->list = calloc((size_t)count + 1, sizeof *contracts->list);

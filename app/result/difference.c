@@ -363,8 +363,8 @@ static double add_error(struct errors *errors, const struct numbers *numbers,
     return largest;
 }
 
-static void add_pair(struct errors *errors, const struct numbers *numbers,
-                     const struct dt_bytes copies[2])
+static void add_apart(struct errors *errors, const struct numbers *numbers,
+                      const struct dt_bytes copies[2])
 {
     double steps[ERROR_STEPS];
     uint64_t counts[ERROR_STEPS + 1] = {0}, differing = 0;
@@ -399,7 +399,7 @@ bool errors_add(struct errors *errors, const struct dt_resource *resource,
         memcmp(copies[0].extent, copies[1].extent, (buffer ? 1 : 3) * sizeof(uint32_t)) != 0)
         errors->odd = true;
     else if (good)
-        add_pair(errors, &numbers, copies);
+        add_apart(errors, &numbers, copies);
     free(numbers.components);
     return good;
 }

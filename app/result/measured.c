@@ -183,7 +183,7 @@ struct bound {
     struct errors kinds[MEASURED_KINDS], all, exact;
 };
 
-static bool is_integer(const struct dt_resource *resource)
+static bool has_integers(const struct dt_resource *resource)
 {
     bool whole = true;
     if (resource->kind == DT_IMAGE)
@@ -251,7 +251,7 @@ static struct dt_contract choose(const struct bound *bound, FILE *out)
         fputs("exact", out);
         return (struct dt_contract){.kind = DT_CONTRACT_EXACT};
     }
-    if (is_integer(bound->resource)) {
+    if (has_integers(bound->resource)) {
         fprintf(out, "{flips: %" PRIu64, all->differing);
         return (struct dt_contract){.kind = DT_CONTRACT_FLIPS};
     }

@@ -24,8 +24,8 @@ static struct sheet plan_sheet(const uint32_t extent[3])
         .width = columns * extent[0], .height = rows * extent[1], .columns = columns};
 }
 
-static bool check_image(const struct dt_resource *resource, const struct dt_bytes *bytes,
-                        const struct dt_log *log)
+static bool check_texels(const struct dt_resource *resource, const struct dt_bytes *bytes,
+                         const struct dt_log *log)
 {
     if (resource->kind != DT_IMAGE) {
         report_error(log, "%s is a buffer; a picture can only be made of an image", resource->name);
@@ -87,7 +87,7 @@ static bool make_numbers(struct picture *picture, const struct dt_resource *reso
                          const struct dt_bytes *bytes, uint32_t channel, const struct dt_log *log)
 {
     *picture = (struct picture){0};
-    if (!check_image(resource, bytes, log))
+    if (!check_texels(resource, bytes, log))
         return false;
     const uint32_t *extent = bytes->extent;
     struct sheet sheet = plan_sheet(extent);

@@ -141,7 +141,7 @@ static void add_pictures(cJSON *item, const struct sheet_row *row)
         cJSON_AddNumberToObject(root, "amplification", shown->what.amplification);
 }
 
-static void add_text(cJSON *item, const char *key, const char *text)
+static void add_escaped(cJSON *item, const char *key, const char *text)
 {
     cJSON_AddStringToObject(item, key, text ? text : "");
 }
@@ -154,7 +154,7 @@ static void add_missing(cJSON *item, const struct sheet_row *row)
         if (!cJSON_HasObjectItem(item, keys[i]))
             cJSON_AddStringToObject(item, keys[i], "-");
     if (!cJSON_HasObjectItem(item, "verdict"))
-        add_text(item, "verdict", row->verdict);
+        add_escaped(item, "verdict", row->verdict);
 }
 
 static void add_row(cJSON *item, const struct sheet *sheet, uint32_t index)
@@ -168,14 +168,14 @@ static void add_row(cJSON *item, const struct sheet *sheet, uint32_t index)
         difference_write_used(difference, used);
     add_missing(item, row);
     cJSON_AddNumberToObject(item, "row", index);
-    add_text(item, "name", row->name);
+    add_escaped(item, "name", row->name);
     cJSON_AddBoolToObject(item, "opens_pass", opens);
-    add_text(item, "body", row->body);
-    add_text(item, "about", row->resource ? row->resource->doc : NULL);
+    add_escaped(item, "body", row->body);
+    add_escaped(item, "about", row->resource ? row->resource->doc : NULL);
     cJSON_AddBoolToObject(item, "equal", difference && !differs(difference));
-    add_text(item, "largest", worst);
-    add_text(item, "used", used);
-    add_text(item, "remark", row->note);
+    add_escaped(item, "largest", worst);
+    add_escaped(item, "used", used);
+    add_escaped(item, "remark", row->note);
     if (difference && row->shown) {
         add_pictures(item, row);
         add_histogram(item, row->shown);

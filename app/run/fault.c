@@ -58,8 +58,8 @@ static bool unknown_side(const char *text, const char *const *labels, uint32_t c
     return false;
 }
 
-static bool find_pass(struct fault *fault, const char *text, const char *word,
-                      const struct dt_pipeline *pipeline, const struct dt_log *log)
+static bool find_faulty_pass(struct fault *fault, const char *text, const char *word,
+                             const struct dt_pipeline *pipeline, const struct dt_log *log)
 {
     const char **names = calloc(pipeline->pass_count + 1, sizeof *names);
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
@@ -122,7 +122,7 @@ static bool parse_rest(struct fault *fault, const char *text, char *rest,
     if (!take_number(kind, ':', UINT64_MAX, &fault->seed))
         return wrong_form(text, "the seed is no whole number", log);
     fault->first_frame = (uint32_t)frame;
-    return find_pass(fault, text, rest, pipeline, log) && find_kind(fault, text, kind, log);
+    return find_faulty_pass(fault, text, rest, pipeline, log) && find_kind(fault, text, kind, log);
 }
 
 bool fault_parse(struct fault *fault, uint32_t *side, const char *text,

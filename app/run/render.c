@@ -161,7 +161,7 @@ static bool take_frame_output(struct render *render, uint32_t pass, uint32_t res
 }
 
 /* --sanitize: what the frames have found. */
-static bool read_undefined(struct render *render)
+static bool take_undefined(struct render *render)
 {
     const struct session *session = &render->session;
     struct dt_bytes bytes = {0};
@@ -262,7 +262,7 @@ static bool run_frames(struct render *render)
             !timings_take(&render->timings, &render->session, milliseconds_now() - start))
             return false;
     }
-    if (!read_undefined(render) || !session_is_silent(&render->session))
+    if (!take_undefined(render) || !session_is_silent(&render->session))
         return false;
     if (render->picture.data || !options->output)
         return true;

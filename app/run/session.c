@@ -52,9 +52,29 @@ static void spare_full_disk(struct console *console)
     free(folder);
 }
 
+/* Drivers and layers read their settings from the environment, which belongs to the process: a library
+ * leaves it to its host. zink runs on the CPU's Vulkan driver, unless the user sets
+ * LIBGL_ALWAYS_SOFTWARE=0. Without NODEVICE_SELECT a Vulkan layer of Mesa looks for a Wayland display.
+ * Newer validation layers leave out the accesses of shaders by default. */
+static bool set_environment(const struct session_info *info)
+{
+    const char *context = info->side->context;
+    bool zink = context && strcmp(context, "zink") == 0, debug = info->setup->debug;
+    bool good = info->console->attached ||
+                ((!zink || (setenv("GALLIUM_DRIVER", "zink", 1) == 0 &&
+                            setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0) == 0 &&
+                            setenv("NODEVICE_SELECT", "1", 0) == 0)) &&
+                 (!debug || setenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC", "1", 0) == 0));
+    if (!good)
+        report_error(&info->console->log, "out of memory");
+    return good;
+}
+
 bool session_open(struct session *session, const struct session_info *info)
 {
     spare_full_disk(info->console);
+    if (!set_environment(info))
+        return false;
     const struct setup *setup = info->setup;
     const struct side *side = info->side;
     *session = (struct session){

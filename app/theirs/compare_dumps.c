@@ -14,6 +14,7 @@
 struct comparison {
     struct console *console;
     const struct options *options;
+    struct dumps_request request;
     struct theirs *dumps; /* `runs` of each side, side by side */
     char **folders;       /* of each run; owned */
     bool *versions;       /* per side: its backend is the first side's */
@@ -176,7 +177,7 @@ static bool pair_up(struct comparison *comparison)
         struct dumps *dumps = &comparison->pairs[i];
         *dumps =
             (struct dumps){.console = comparison->console,
-                           .options = comparison->options,
+                           .request = &comparison->request,
                            .contracts = &comparison->contracts,
                            .sides = {&comparison->dumps[0], &comparison->dumps[(i + 1) * runs]},
                            .runs = runs,
@@ -191,7 +192,7 @@ static bool pair_up(struct comparison *comparison)
 static bool write_files(const struct comparison *comparison)
 {
     const struct options *options = comparison->options;
-    struct measured *measured = calloc(comparison->pair_count, sizeof *measured);
+    struct measured *measured = calloc(comparison->pair_count + 1, sizeof *measured);
     bool good = measured;
     for (uint32_t i = 0; good && i < comparison->pair_count; i++)
         measured[i] = comparison->pairs[i].measured;
@@ -250,6 +251,11 @@ int compare_dumps(struct console *console, const struct options *options)
 {
     struct comparison comparison = {.console = console,
                                     .options = options,
+                                    .request = {.pictures = options->pictures,
+                                                .html = options->html,
+                                                .junit = options->junit,
+                                                .run_second = options->run_second,
+                                                .measures = options->repeats},
                                     .sides = options->dumps.count,
                                     .runs = options->repeats ? options->repeats : 1};
     bool differ = false;

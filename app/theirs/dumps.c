@@ -177,7 +177,7 @@ static bool is_numbers(const struct match *match, const struct dt_resource *what
     return what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind) && match;
 }
 
-static bool is_depth(const struct match *match, const struct dt_resource *what)
+static bool is_depths(const struct match *match, const struct dt_resource *what)
 {
     return what->kind == DT_IMAGE && what->format == DT_FORMAT_D32F && match;
 }
@@ -191,10 +191,10 @@ static bool measure_draw(const struct dumps *dumps, const struct theirs *const s
     struct dt_bytes found[2], depths[2];
     bool *edges = NULL, good = true;
     if (load_beside(dumps, sides, match, is_numbers, &what, found) ||
-        load_beside(dumps, sides, match, is_depth, &what, found)) {
+        load_beside(dumps, sides, match, is_depths, &what, found)) {
         good = edges_find(&edges, &what, found);
         if (edges && what.format != DT_FORMAT_D32F &&
-            load_beside(dumps, sides, match, is_depth, &what, depths)) {
+            load_beside(dumps, sides, match, is_depths, &what, depths)) {
             if (!memcmp(depths[0].extent, found[0].extent, sizeof depths[0].extent) &&
                 !memcmp(depths[1].extent, found[0].extent, sizeof depths[1].extent))
                 edges_add_coincident(edges, depths);
@@ -274,7 +274,7 @@ static char *stem_of(const struct dumps *dumps, const struct match *match)
 
 static bool draw(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
 {
-    struct sheet_files files = {.pictures = dumps->options->pictures, .html = dumps->options->html};
+    struct sheet_files files = {.pictures = dumps->request->pictures, .html = dumps->request->html};
     if (!sheet_shows(&files, &match->what, &match->difference))
         return true;
     char *stem = stem_of(dumps, match);
@@ -372,9 +372,9 @@ bool dumps_compare(struct dumps *dumps)
     for (uint32_t i = 0; i < dumps->count; i++)
         if (dumps->matches[i].sides[1] && !compare_match(dumps, &dumps->matches[i]))
             return false;
-    if (dumps->first && dumps->options->run_second)
+    if (dumps->first && dumps->request->run_second)
         return dumps_run(dumps);
-    return explain(dumps) && (!dumps->options->repeats || dumps_measure(dumps));
+    return explain(dumps) && (!dumps->request->measures || dumps_measure(dumps));
 }
 
 void dumps_free(struct dumps *dumps)

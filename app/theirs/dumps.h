@@ -3,7 +3,7 @@
 #ifndef DIPTYCH_DUMPS_H
 #define DIPTYCH_DUMPS_H
 
-#include "console/options.h"
+#include "console/console.h"
 #include "result/measured.h"
 #include "result/sheet.h"
 #include "theirs/theirs.h"
@@ -27,10 +27,18 @@ struct match {
     struct difference own; /* and this is its own error */
 };
 
+/* What is wanted of a comparison; NULL: nothing. */
+struct dumps_request {
+    const char *pictures, *html; /* folders */
+    const char *junit;           /* file */
+    const char *run_second;      /* program that runs a pass of the second dump's renderer */
+    bool measures;               /* each side has several dumps */
+};
+
 /* Two sides. */
 struct dumps {
     struct console *console;
-    const struct options *options;
+    const struct dumps_request *request;
     const struct contracts *contracts;
     struct theirs *sides[2]; /* borrowed; with --measure the first of `runs` */
     uint32_t runs;           /* dumps of each side */

@@ -4,8 +4,8 @@
 #include "theirs/dumps.h"
 
 /* Adds how far an entry of one dump and its partner in another are apart. A run without it is as one of another size. */
-static bool add_pair(struct errors *errors, const struct theirs *first, const struct theirs *second,
-                     const struct their_entry *entry)
+static bool add_partners(struct errors *errors, const struct theirs *first,
+                         const struct theirs *second, const struct their_entry *entry)
 {
     const struct theirs *const sides[2] = {first, second};
     struct match match = {
@@ -44,10 +44,10 @@ static bool measure(const struct dumps *dumps, const struct match *match, struct
     for (uint32_t i = 0; i < dumps->runs && good; i++) {
         for (uint32_t k = 0; k < i && good; k++)
             for (int side = 0; side < 2 && good; side++)
-                good = add_pair(&row->noise[side], &dumps->sides[side][k], &dumps->sides[side][i],
-                                entry);
+                good = add_partners(&row->noise[side], &dumps->sides[side][k],
+                                    &dumps->sides[side][i], entry);
         for (uint32_t k = 0; k < dumps->runs && good; k++)
-            good = add_pair(&row->between, &dumps->sides[0][i], &dumps->sides[1][k], entry);
+            good = add_partners(&row->between, &dumps->sides[0][i], &dumps->sides[1][k], entry);
     }
     return good;
 }

@@ -52,7 +52,7 @@ static bool make_sheet(const struct dumps *dumps, bool alone, struct sheet *shee
         .title = format_string("%s against %s", second->label, first->label),
         .labels = {first->label, second->label},
         .devices = {first->folder, second->folder},
-        .columns = dumps->options->run_second && dumps->first ? "own error   " : NULL,
+        .columns = dumps->request->run_second && dumps->first ? "own error   " : NULL,
         .rows = calloc((size_t)dumps->count + second->count + 1, sizeof *sheet->rows)};
     if (!sheet->title || !sheet->rows) {
         report_error(&dumps->console->log, "out of memory");
@@ -124,7 +124,7 @@ void dumps_print(const struct dumps *dumps)
     if (make_sheet(dumps, true, &sheet))
         sheet_print(&sheet);
     free_sheet(&sheet);
-    if (dumps->options->repeats)
+    if (dumps->request->measures)
         measured_print(&dumps->measured);
     printf("\n");
     for (uint32_t i = 0; i < dumps->count; i++) {
@@ -179,7 +179,7 @@ static cJSON *match_json(const struct dumps *dumps, const struct match *match)
     return root;
 }
 
-static void add_pair(cJSON *root, const struct dumps *dumps)
+static void add_results(cJSON *root, const struct dumps *dumps)
 {
     const struct theirs *second = dumps->sides[1];
     cJSON *sides = cJSON_AddArrayToObject(root, "sides");
@@ -197,7 +197,7 @@ static void add_pair(cJSON *root, const struct dumps *dumps)
     for (uint32_t i = 0; i < second->count; i++)
         if (!is_matched(dumps, &second->entries[i]))
             cJSON_AddItemToArray(alone, entry_json(&second->entries[i]));
-    if (dumps->options->repeats)
+    if (dumps->request->measures)
         cJSON_AddItemToObject(root, "measured", measured_json(&dumps->measured));
 }
 
@@ -206,7 +206,7 @@ cJSON *dumps_json(const struct dumps *pairs, uint32_t count)
     cJSON *root = cJSON_CreateObject(), *list = NULL;
     bool agree = true;
     if (count == 1) {
-        add_pair(root, pairs);
+        add_results(root, pairs);
         return root;
     }
     for (uint32_t i = 0; i < count; i++)
@@ -215,7 +215,7 @@ cJSON *dumps_json(const struct dumps *pairs, uint32_t count)
     list = cJSON_AddArrayToObject(root, "pairs");
     for (uint32_t i = 0; i < count; i++) {
         cJSON *pair = cJSON_CreateObject();
-        add_pair(pair, &pairs[i]);
+        add_results(pair, &pairs[i]);
         cJSON_AddItemToArray(list, pair);
     }
     return root;
@@ -243,7 +243,7 @@ static cJSON *pair_page(const struct dumps *dumps, uint32_t index)
 {
     cJSON *page = cJSON_CreateObject();
     struct sheet sheet;
-    add_pair(page, dumps);
+    add_results(page, dumps);
     cJSON_AddNumberToObject(page, "pair", index);
     cJSON_AddStringToObject(page, "first", dumps->sides[0]->label);
     cJSON_AddStringToObject(page, "second", dumps->sides[1]->label);
@@ -267,7 +267,7 @@ static void add_device(cJSON *devices, const struct theirs *theirs)
 
 bool dumps_html(const struct dumps *pairs, uint32_t count)
 {
-    char *path = format_string("%s/index.html", pairs->options->html);
+    char *path = format_string("%s/index.html", pairs->request->html);
     cJSON *page = cJSON_CreateObject();
     cJSON_AddStringToObject(page, "pipeline", "Dumps");
     cJSON *devices = cJSON_AddArrayToObject(page, "devices");
@@ -291,7 +291,7 @@ bool dumps_junit(const struct dumps *pairs, uint32_t count)
         report_error(&pairs->console->log, "out of memory");
     for (uint32_t i = 0; i < count && good; i++)
         good = make_sheet(&pairs[i], true, &sheets[i]);
-    good = good && sheet_junit(sheets, count, pairs->options->junit, pairs->console);
+    good = good && sheet_junit(sheets, count, pairs->request->junit, pairs->console);
     for (uint32_t i = 0; sheets && i < count; i++)
         free_sheet(&sheets[i]);
     free(sheets);

@@ -39,7 +39,8 @@ struct array {
     uint32_t size; /* bytes of a number */
 };
 
-static bool refuse(const struct theirs *theirs, const struct their_entry *entry, const char *why)
+static bool refuse_file(const struct theirs *theirs, const struct their_entry *entry,
+                        const char *why)
 {
     report_error(theirs->log, "%s/%s: %s", theirs->folder, entry->file, why);
     return false;
@@ -159,7 +160,7 @@ static bool shape_buffer(struct their_entry *entry, const struct array *array)
     return true;
 }
 
-static enum dt_format format_of(const struct array *array, uint32_t channels)
+static enum dt_format array_format(const struct array *array, uint32_t channels)
 {
     static const struct {
         const char *type;
@@ -188,7 +189,7 @@ static uint32_t shape_image(struct their_entry *entry, const struct array *array
     if (channels > 4)
         return 0;
     entry->what.kind = DT_IMAGE;
-    entry->what.format = format_of(array, channels);
+    entry->what.format = array_format(array, channels);
     entry->what.mips = 1;
     entry->extent[0] = array->shape[sizes - 1];
     entry->extent[1] = array->shape[sizes - 2];
@@ -239,9 +240,9 @@ bool their_npy(const struct theirs *theirs, struct their_entry *entry, struct dt
         entry->read_as = "float64 read as float32";
     else if (!strcmp(array.type, "i8") || !strcmp(array.type, "u8"))
         entry->read_as = "64-bit integers read as 32";
-    bool good = reason ? refuse(theirs, entry, reason)
+    bool good = reason ? refuse_file(theirs, entry, reason)
                        : take_numbers(entry, &array, each, bytes) ||
-                             refuse(theirs, entry, "needs more memory than there is");
+                             refuse_file(theirs, entry, "needs more memory than there is");
     free(file);
     entry->described = false;
     return good;
@@ -285,7 +286,7 @@ bool their_picture(const struct theirs *theirs, struct their_entry *entry, struc
     entry->what.format = !png ? DT_FORMAT_RGBA32F : deep ? DT_FORMAT_RGBA16 : DT_FORMAT_RGBA8;
     entry->extent[0] = entry->extent[1] = 0; /* as large as the file */
     if (!path || lstat(path, &info) != 0 || !S_ISREG(info.st_mode))
-        refuse(theirs, entry, "is no regular file");
+        refuse_file(theirs, entry, "is no regular file");
     else if (png && !deep)
         good = image_read_rgba8(path, &entry->extent[0], &entry->extent[1], &codes, theirs->log);
     else

@@ -299,7 +299,7 @@ static void try_pairs_with(struct asked *asked, struct trial best[WHY_MOST],
 /* ---- Samples ----------------------------------------------------------------------------------- */
 
 /* One in `one_in`, a power of two, without a rhythm that tiles could have. */
-static bool is_drawn(uint64_t element, uint64_t one_in)
+static bool is_sampled(uint64_t element, uint64_t one_in)
 {
     return !((element * 0x9e3779b97f4a7c15u >> 40) & (one_in - 1));
 }
@@ -319,11 +319,11 @@ static uint64_t sample_differing(struct asked *asked, uint64_t elements, bool fi
             uint32_t kept = 0;
             one_in *= 2;
             for (uint32_t k = 0; k < count; k++)
-                if (is_drawn(samples[k], one_in))
+                if (is_sampled(samples[k], one_in))
                     samples[kept++] = samples[k];
             count = kept;
         }
-        if (is_drawn(i, one_in))
+        if (is_sampled(i, one_in))
             samples[count++] = i;
     }
     asked->differing_count = count;

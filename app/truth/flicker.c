@@ -54,8 +54,8 @@ static bool check_patterns(const struct flicker *flicker)
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-static bool read_picture(const struct flicker *flicker, const char *pattern, uint32_t index,
-                         struct rgb_image *image)
+static bool read_frame(const struct flicker *flicker, const char *pattern, uint32_t index,
+                       struct rgb_image *image)
 {
     const struct dt_log *log = &flicker->console->log;
     char *path = numbered_path(pattern, index);
@@ -125,9 +125,8 @@ static bool take_frame(const struct flicker *flicker, uint32_t index,
     const struct options *options = flicker->options;
     const struct rgb_image *first = before ? &before->test : &frame->test;
     console_status(flicker->console, "frame %u of %u", index + 1, flicker->frames);
-    if (!read_picture(flicker, options->test, index, &frame->test) ||
-        (options->reference &&
-         !read_picture(flicker, options->reference, index, &frame->reference)))
+    if (!read_frame(flicker, options->test, index, &frame->test) ||
+        (options->reference && !read_frame(flicker, options->reference, index, &frame->reference)))
         return false;
     const struct rgb_image *images[] = {&frame->test, &frame->reference};
     for (int i = 0; i < (options->reference ? 2 : 1); i++) {

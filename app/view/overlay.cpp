@@ -193,7 +193,7 @@ static void times(const struct overlay_model *model, const double ms[OVERLAY_SID
     }
 }
 
-static void mark(enum overlay_mark mark)
+static void put_mark(enum overlay_mark mark)
 {
     static const char *const signs[] = {" ", "=", "~", "!"};
     static const char *const words[] = {"", "equal bits", "other bits, within the contract",
@@ -204,7 +204,7 @@ static void mark(enum overlay_mark mark)
     ImGui::SameLine(start + ImGui::GetFontSize());
 }
 
-static void show(struct overlay_model *model, uint32_t pass, uint32_t resource, uint32_t mip)
+static void show_row(struct overlay_model *model, uint32_t pass, uint32_t resource, uint32_t mip)
 {
     struct overlay_shown *shown = model->shown;
     if (shown->resource != resource)
@@ -227,10 +227,10 @@ static void row(struct overlay *overlay, struct overlay_model *model, uint32_t i
         shown->pass == row->pass && shown->resource == row->resource && shown->mip == row->mip;
     char label[160];
     ImGui::Indent(ImGui::GetFontSize());
-    mark(model->row_mark ? model->row_mark[index] : OVERLAY_UNKNOWN);
+    put_mark(model->row_mark ? model->row_mark[index] : OVERLAY_UNKNOWN);
     std::snprintf(label, sizeof label, "%s##row%u", row->name, index);
     if (ImGui::Selectable(label, chosen))
-        show(model, row->pass, row->resource, row->mip);
+        show_row(model, row->pass, row->resource, row->mip);
     tip(doc ? doc : "");
     if (chosen && overlay->listed != index) {
         ImGui::SetScrollHereY();
@@ -261,7 +261,7 @@ static void pass(struct overlay *overlay, struct overlay_model *model, uint32_t 
         return;
     if (skipped)
         ImGui::PushStyleColor(ImGuiCol_Text, ImGui::GetStyleColorVec4(ImGuiCol_TextDisabled));
-    mark(worst);
+    put_mark(worst);
     ImGui::SetNextItemOpen(true, ImGuiCond_Once);
     bool open = ImGui::TreeNodeEx(pass->name, ImGuiTreeNodeFlags_NoTreePushOnOpen |
                                                   ImGuiTreeNodeFlags_SpanAvailWidth);
@@ -295,7 +295,7 @@ static void unwritten(struct overlay *overlay, struct overlay_model *model)
             continue;
         ImGui::Indent(ImGui::GetFontSize());
         if (ImGui::Selectable(resource->name, model->shown->resource == i) && resource->input)
-            show(model, model->info->pass_count - 1, i, 0);
+            show_row(model, model->info->pass_count - 1, i, 0);
         tip(resource->input ? "an input" : "No pass writes it.");
         ImGui::Unindent(ImGui::GetFontSize());
     }

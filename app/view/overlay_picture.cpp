@@ -9,7 +9,7 @@
 
 /* ---- What is shown, and how ------------------------------------------------------------------ */
 
-static const struct dt_resource *resource_of(const struct overlay_model *model)
+static const struct dt_resource *shown_resource(const struct overlay_model *model)
 {
     return &model->info->resources[model->shown->resource];
 }
@@ -17,7 +17,7 @@ static const struct dt_resource *resource_of(const struct overlay_model *model)
 static void heading(const struct overlay_model *model)
 {
     const struct overlay_shown *shown = model->shown;
-    const struct dt_resource *resource = resource_of(model);
+    const struct dt_resource *resource = shown_resource(model);
     const uint32_t *extent = model->extent;
     if (resource->kind == DT_BUFFER)
         ImGui::Text("%s: %u elements of %u bytes", resource->name, extent[0], resource->stride);
@@ -46,7 +46,7 @@ static void item(const char *label, float letters)
 static void choose_part(struct overlay_model *model)
 {
     struct overlay_shown *shown = model->shown;
-    const struct dt_resource *resource = resource_of(model);
+    const struct dt_resource *resource = shown_resource(model);
     int layers = static_cast<int>(model->extent[2]), mip = static_cast<int>(shown->mip);
     if (layers > 1) {
         item("layer", 6);
@@ -69,7 +69,7 @@ static void choose_look(struct overlay_model *model)
 {
     struct picture_look *look = &model->shown->look;
     static const char *const names[] = {"color", "r", "g", "b", "a"};
-    int channels = static_cast<int>(format_info(resource_of(model)->format)->channels);
+    int channels = static_cast<int>(format_info(shown_resource(model)->format)->channels);
     int channel = static_cast<int>(look->channel);
     bool changed = false;
     if (channels > 1) {
@@ -122,7 +122,7 @@ static void choose_mode(struct overlay *overlay, struct overlay_model *model)
 
 static void toolbar(struct overlay *overlay, struct overlay_model *model)
 {
-    bool image = resource_of(model)->kind == DT_IMAGE;
+    bool image = shown_resource(model)->kind == DT_IMAGE;
     heading(model);
     ImGui::Dummy(ImVec2(0, 0));
     if (image) {
@@ -140,7 +140,7 @@ static void toolbar(struct overlay *overlay, struct overlay_model *model)
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-static bool is_integer(enum number_kind kind)
+static bool shows_integers(enum number_kind kind)
 {
     return !number_is_float(kind) && !number_one(kind);
 }
@@ -148,7 +148,7 @@ static bool is_integer(enum number_kind kind)
 static void number_text(char *text, size_t size, enum number_kind kind, uint32_t bits)
 {
     double value = number_of_bits(kind, bits);
-    if (is_integer(kind))
+    if (shows_integers(kind))
         std::snprintf(text, size, "%.0f 0x%x", value, bits);
     else if (number_one(kind))
         std::snprintf(text, size, "%.5g (%u)", value, bits);
@@ -157,11 +157,11 @@ static void number_text(char *text, size_t size, enum number_kind kind, uint32_t
 }
 
 /* The bits of a number of an element; false: that side was not read. */
-static bool bits_of(const struct overlay_model *model, uint32_t side, uint64_t element,
-                    const struct component *component, uint32_t *bits)
+static bool read_bits(const struct overlay_model *model, uint32_t side, uint64_t element,
+                      const struct component *component, uint32_t *bits)
 {
     const struct dt_bytes *bytes = model->sides[side].bytes;
-    size_t at = element * resource_stride(resource_of(model)) + component->offset;
+    size_t at = element * resource_stride(shown_resource(model)) + component->offset;
     if (!bytes->data || at + number_size(component->kind) > bytes->size)
         return false;
     *bits = number_bits(component->kind, bytes->data + at);
@@ -183,8 +183,8 @@ static void distances(const struct overlay_model *model, uint32_t side, uint64_t
     for (uint32_t i = 0; i < count; i++) {
         uint32_t bits[2];
         ImGui::TableNextColumn();
-        if (!bits_of(model, 0, element, &list[i], &bits[0]) ||
-            !bits_of(model, side, element, &list[i], &bits[1]))
+        if (!read_bits(model, 0, element, &list[i], &bits[0]) ||
+            !read_bits(model, side, element, &list[i], &bits[1]))
             continue;
         double apart = difference_distance(list[i].kind, bits);
         if (apart > 0)
@@ -196,7 +196,7 @@ static void distances(const struct overlay_model *model, uint32_t side, uint64_t
 
 static void numbers_of_texel(const struct overlay_model *model, uint64_t element)
 {
-    const struct dt_resource *resource = resource_of(model);
+    const struct dt_resource *resource = shown_resource(model);
     struct component *list = nullptr;
     uint32_t count = resource_components(resource, &list);
     char *place = element_place(resource, model->extent, element);
@@ -213,7 +213,7 @@ static void numbers_of_texel(const struct overlay_model *model, uint64_t element
             for (uint32_t i = 0; i < count; i++) {
                 uint32_t bits;
                 char text[64] = "";
-                if (bits_of(model, k, element, &list[i], &bits))
+                if (read_bits(model, k, element, &list[i], &bits))
                     number_text(text, sizeof text, list[i].kind, bits);
                 ImGui::TableNextColumn();
                 ImGui::TextUnformatted(text);
@@ -250,7 +250,7 @@ static void element_cell(const struct overlay_model *model, uint64_t element,
     bool same = true;
     size_t used = 0;
     for (uint32_t k = 0; k < model->side_count; k++) {
-        if (!bits_of(model, k, element, component, &bits[k]))
+        if (!read_bits(model, k, element, component, &bits[k]))
             return;
         const uint32_t pair[2] = {bits[0], bits[k]};
         number_text(text[k], sizeof text[k], component->kind, bits[k]);
@@ -276,7 +276,7 @@ static void buffer_table(struct overlay *overlay, struct overlay_model *model, b
                                   ImGuiTableFlags_ScrollX | ImGuiTableFlags_ScrollY |
                                   ImGuiTableFlags_BordersInnerV | ImGuiTableFlags_Resizable;
     struct component *list = nullptr;
-    uint32_t count = resource_components(resource_of(model), &list);
+    uint32_t count = resource_components(shown_resource(model), &list);
     count = count < most ? count : most;
     ImGui::PushFont(overlay->mono);
     if (count && ImGui::BeginTable("elements", 1 + static_cast<int>(count), flags)) {
@@ -416,8 +416,8 @@ static void point(struct overlay *overlay, const struct overlay_model *model,
 }
 
 /* Another resource is seen whole, a newly marked texel from near. True: it is newly marked. */
-static bool follow(struct overlay *overlay, const struct overlay_model *model,
-                   const uint32_t extent[3])
+static bool follow_window(struct overlay *overlay, const struct overlay_model *model,
+                          const uint32_t extent[3])
 {
     static const float near = 12;
     const struct overlay_shown *shown = model->shown;
@@ -425,7 +425,7 @@ static bool follow(struct overlay *overlay, const struct overlay_model *model,
     bool jump = shown->marked && (!overlay->marked || other || shown->texel != overlay->texel);
     if (other)
         overlay->zoom = 0;
-    if (jump && resource_of(model)->kind == DT_IMAGE) {
+    if (jump && shown_resource(model)->kind == DT_IMAGE) {
         uint64_t area = static_cast<uint64_t>(extent[0]) * extent[1];
         uint32_t at[2];
         picture_place(extent, shown->layer >= 0 ? shown->texel % area : shown->texel, at);
@@ -490,15 +490,15 @@ static void pictures(struct overlay *overlay, struct overlay_model *model, struc
 void picture_alone(struct overlay *overlay, struct overlay_model *model, struct box box)
 {
     overlay->pointing = false;
-    if (resource_of(model)->kind == DT_IMAGE) {
-        follow(overlay, model, model->extent);
+    if (shown_resource(model)->kind == DT_IMAGE) {
+        follow_window(overlay, model, model->extent);
         pictures(overlay, model, box, 0);
     }
 }
 
 void picture_pane(struct overlay *overlay, struct overlay_model *model, struct box box)
 {
-    bool image = resource_of(model)->kind == DT_IMAGE;
+    bool image = shown_resource(model)->kind == DT_IMAGE;
     float rows = static_cast<float>(2 * model->side_count);
     float low = image ? std::round(overlay->em * (1.5f * rows + 0.5f)) : 0;
     float high = overlay->toolbar > 0 ? overlay->toolbar : overlay->em * 3.4f;
@@ -508,7 +508,7 @@ void picture_pane(struct overlay *overlay, struct overlay_model *model, struct b
     ImGui::End();
     const uint32_t extent[3] = {model->extent[0], model->extent[1],
                                 model->shown->layer >= 0 ? 1 : model->extent[2]};
-    bool jump = follow(overlay, model, extent);
+    bool jump = follow_window(overlay, model, extent);
     struct box middle = {box.x, box.y + high, box.w, box.h - high - low};
     overlay->pointing = false;
     if (image) {

@@ -13,7 +13,7 @@
 
 #include "base/files.h"
 #include "console/live.h"
-#include "scenes/reader.h"
+#include "base/yaml_file.h"
 
 /* NULL where the key is not there, or holds something else. */
 static const char *key_text_of(const struct key *key)

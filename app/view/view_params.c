@@ -91,7 +91,7 @@ void view_params_free(struct view_params *params)
 
 /* ---- What was changed ------------------------------------------------------------------------ */
 
-static void add_value(struct text *text, const struct overlay_param *param)
+static void add_shown_value(struct text *text, const struct overlay_param *param)
 {
     text_add(text, "%s=%s", param->name, param->count > 1 ? "[" : "");
     for (uint32_t i = 0; i < param->count; i++) {
@@ -116,7 +116,7 @@ char *view_params_text(const struct view *view, const char *before, const char *
         if (!is_edited(param) || !(param->live ? live : baked))
             continue;
         text_add(&text, "%s", before);
-        add_value(&text, param);
+        add_shown_value(&text, param);
         text_add(&text, "%s", after);
     }
     if (!text.failed && text.data)
@@ -150,7 +150,7 @@ static bool make_again(struct view *view)
 
 /* ---- Edits ----------------------------------------------------------------------------------- */
 
-static void remember(struct view_params *params, const char *name, const double value[4])
+static void remember_value(struct view_params *params, const char *name, const double value[4])
 {
     if (params->undo_count == VIEW_UNDOS)
         memmove(params->undo, params->undo + 1, --params->undo_count * sizeof *params->undo);
@@ -183,7 +183,7 @@ bool view_params_apply(struct view *view)
         if (editing || !memcmp(param->value, params->kept[i], sizeof param->value))
             continue;
         if (!params->quiet)
-            remember(params, param->name, params->kept[i]);
+            remember_value(params, param->name, params->kept[i]);
         memcpy(params->kept[i], param->value, sizeof param->value);
         baked |= !param->live;
     }

@@ -88,7 +88,8 @@ static bool ask_why(struct view *view, uint32_t side, const struct dt_resource *
     return good && !text.failed;
 }
 
-static bool measure(struct view *view, uint32_t side, uint32_t index, const struct dt_bytes *bytes)
+static bool measure_shown(struct view *view, uint32_t side, uint32_t index,
+                          const struct dt_bytes *bytes)
 {
     static const enum overlay_mark marks[] = {[VERDICT_EQUAL] = OVERLAY_EQUAL,
                                               [VERDICT_WITHIN] = OVERLAY_WITHIN,
@@ -126,7 +127,7 @@ bool view_verdict_take(struct view *view, uint32_t side, uint32_t pass)
             verdict->kept[i] = bytes;
             continue;
         }
-        bool good = measure(view, side, i, &bytes);
+        bool good = measure_shown(view, side, i, &bytes);
         free(bytes.data);
         if (!good)
             return false;
@@ -172,7 +173,7 @@ static void tell_difference(struct view *view)
 }
 
 /* --sanitize: reads what the frames have found on every side. */
-static bool read_undefined(struct view *view)
+static bool find_undefined(struct view *view)
 {
     const struct dt_log *log = &view->console->log;
     struct undefined found = {0};
@@ -219,7 +220,7 @@ bool view_verdict_end(struct view *view)
     verdict->stale = verdict->checking = false;
     verdict->cost = milliseconds_now() - verdict->checked;
     verdict->checked += verdict->cost;
-    return !view->options->setup.sanitize || read_undefined(view);
+    return !view->options->setup.sanitize || find_undefined(view);
 }
 
 void view_show_first(struct view *view)

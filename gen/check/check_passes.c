@@ -14,11 +14,6 @@ static bool is_depth(const struct resource *r)
     return r->kind == DT_IMAGE && r->format == DT_FORMAT_D32F;
 }
 
-static bool is_integer(enum dt_format format)
-{
-    return format_is_integer(format);
-}
-
 static bool is_target(const struct pass *pass, const struct access *access)
 {
     return pass->kind != DT_PASS_DISPATCH && access->mode != MODE_READ && access->resource &&
@@ -102,12 +97,12 @@ static void check_filter(struct checker *c, const struct access *access)
         diag_error(c->diag, access->sampler_loc,
                    "`%s` filters linearly, which d32f (`%s`) allows only with compare: true",
                    filter->name, access->name);
-    else if (is_integer(image->format) &&
+    else if (format_is_integer(image->format) &&
              (filter->linear || filter->linear_mip || filter->anisotropy > 1))
         diag_error(c->diag, access->sampler_loc,
                    "`%s` filters linearly, but `%s` has an integer format", filter->name,
                    access->name);
-    else if (is_integer(image->format) && filter->wrap == DT_WRAP_BORDER)
+    else if (format_is_integer(image->format) && filter->wrap == DT_WRAP_BORDER)
         diag_error(c->diag, access->sampler_loc,
                    "`%s` wraps to a border, but `%s` has an integer format", filter->name,
                    access->name);
@@ -144,7 +139,7 @@ static void check_blend(struct checker *c, const struct pass *pass, const struct
             diag_error(c->diag, i ? access->mask_loc : access->blend_loc,
                        "`%s` is no colour target of the pass `%s` and has no `%s`", access->name,
                        pass->name, i ? "mask" : "blend");
-    if (colour && access->blend && is_integer(image->format))
+    if (colour && access->blend && format_is_integer(image->format))
         diag_error(c->diag, access->own_blend ? access->blend_loc : access->loc,
                    "`%s` has an integer format, which cannot be blended (pass `%s`)", access->name,
                    pass->name);

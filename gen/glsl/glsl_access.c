@@ -396,7 +396,7 @@ static void add_image_access(struct glsl *glsl, const struct access *access, str
              names.prefix, dimension(access), variable);
 }
 
-static void add_buffer(struct glsl *glsl, const struct access *access, struct text *out)
+static void add_buffer_access(struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *buffer = access->resource;
     const char *element = glsl_element_type(buffer);
@@ -507,7 +507,7 @@ void glsl_resources(struct glsl *glsl)
         if (access->resource && access->binding >= 0 && access_is_image(access))
             add_image_access(glsl, access, out);
         else if (access->resource && access->binding >= 0)
-            add_buffer(glsl, access, out);
+            add_buffer_access(glsl, access, out);
         else if (access->builtin && access->binding >= 0) {
             add_builtin(glsl, (enum dt_builtin)access->builtin, access->kind, access->binding, out);
             materials |= access->builtin == DT_SCENE_MATERIALS;

@@ -27,7 +27,7 @@ struct loop {          /* one `for` of the body */
 
 /* ---- Finding --------------------------------------------------------------------------------- */
 
-static void report(const struct glsl *glsl, struct token at, const char *message)
+static void report_range(const struct glsl *glsl, struct token at, const char *message)
 {
     const char *body = glsl->parts[PART_BODY].data;
     diag_error(glsl->diag, glsl_body_loc(glsl, body, (size_t)(at.text - body), at.length), "%s",
@@ -63,9 +63,10 @@ static bool find_close(const struct glsl *glsl, struct loop *loop)
     for (struct token token = token_next(&cursor); token.length; token = token_next(&cursor)) {
         for (int i = 0; i < 3; i++)
             if (token_is(token, jumps[i])) {
-                report(glsl, token,
-                       "a loop over a range is unrolled: `break`, `continue` and `return` are "
-                       "not allowed; put the work in an `if`");
+                report_range(
+                    glsl, token,
+                    "a loop over a range is unrolled: `break`, `continue` and `return` are "
+                    "not allowed; put the work in an `if`");
                 ok = false;
             }
         depth += token_is(token, "{") - token_is(token, "}");
@@ -74,7 +75,7 @@ static bool find_close(const struct glsl *glsl, struct loop *loop)
             return ok;
         }
     }
-    report(glsl, loop->head, "this loop has no closing brace");
+    report_range(glsl, loop->head, "this loop has no closing brace");
     return false;
 }
 
@@ -166,15 +167,16 @@ static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
 {
     const char *body = glsl->parts[PART_BODY].data;
     if (glsl->stage != STAGE_IS_COMPUTE || !in_main) {
-        report(glsl, loop->head,
-               "a loop over a range stands directly in main() of a dispatch, not in another block: "
-               "all invocations of the workgroup run it together");
+        report_range(
+            glsl, loop->head,
+            "a loop over a range stands directly in main() of a dispatch, not in another block: "
+            "all invocations of the workgroup run it together");
         return false;
     }
     const char *cursor = loop->open;
     struct token brace = token_next(&cursor);
     if (!token_is(brace, "{")) {
-        report(glsl, brace, "the body of a loop over a range needs braces");
+        report_range(glsl, brace, "the body of a loop over a range needs braces");
         return false;
     }
     loop->open = brace.text;
@@ -375,8 +377,8 @@ static void add_counted(const struct loop *loop, struct text *out)
 }
 
 /* Writes `count` elements after the first `done`. */
-static void add_block(const struct glsl *glsl, const struct loop *loop, uint32_t done,
-                      uint32_t count, struct text *out)
+static void add_range_block(const struct glsl *glsl, const struct loop *loop, uint32_t done,
+                            uint32_t count, struct text *out)
 {
     char base[96] = "", offset[96] = "";
     if (done) {
@@ -430,7 +432,7 @@ static void add_loop(const struct glsl *glsl, const struct loop *loop, struct te
         done = chunks * chunk;
     }
     for (; done < count; done += chunk)
-        add_block(glsl, loop, done, count - done < chunk ? count - done : chunk, out);
+        add_range_block(glsl, loop, done, count - done < chunk ? count - done : chunk, out);
     text_add(out, "}\n#line %d %u\n", loop->close_loc.line, loop->close_number);
 }
 

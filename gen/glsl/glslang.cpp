@@ -3,7 +3,6 @@ extern "C" {
 #include "glslang.h"
 }
 
-#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <exception>
@@ -90,13 +89,28 @@ void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
     }
 }
 
+/* glslang makes its tables of built-in functions with the first shader, under a lock that stays locked
+ * when memory runs out there: every later call would wait for ever. So nothing else is called before a
+ * first shader has succeeded. */
+bool start()
+try {
+    glslang_job job = {};
+    size_t count;
+    char *log = nullptr;
+    job.code = "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
+    uint32_t *words = glslang::InitializeProcess() ? glslang_compile(&job, &count, &log) : nullptr;
+    std::free(words);
+    std::free(log);
+    return words;
+} catch (const std::exception &) {
+    return false;
+}
+
 } // namespace
 
 extern "C" bool glslang_start(void)
 {
-    static std::atomic_bool started; // glslang keeps its tables until the process ends
-    if (!started)
-        started = glslang::InitializeProcess();
+    static const bool started = start(); // glslang keeps its tables until the process ends
     return started;
 }
 

@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* False: glslang could not start. Further calls do nothing; the first must have returned before other threads
- * compile. */
+/* False: no memory to start glslang, which it then never does. Further calls do nothing; the first must have returned
+ * before other threads compile. */
 bool glslang_start(void);
 
 /* A file that glslang includes. Its number stands for its name in messages and in OpLine. */

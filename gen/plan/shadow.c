@@ -28,7 +28,7 @@ uint32_t shadow_bank(const struct pipeline *pipeline, uint32_t pass)
     return last && pipeline->pass_count % 2 ? 2 : pass % 2;
 }
 
-static struct resource *add_buffer(struct pipeline *pipeline, const char *name)
+static struct resource *add_shadow_buffer(struct pipeline *pipeline, const char *name)
 {
     struct resource *buffer = pipeline->resources + pipeline->resource_count;
     *buffer = (struct resource){.name = name,
@@ -56,9 +56,9 @@ void shadow_plan(struct model *model)
     struct resource *banks[SHADOW_BANKS];
     if (!(model->sanitize & SANITIZE_SHADOW))
         return;
-    struct resource *shadow = add_buffer(pipeline, shadow_buffer);
+    struct resource *shadow = add_shadow_buffer(pipeline, shadow_buffer);
     for (size_t i = 0; i < SHADOW_BANKS; i++)
-        banks[i] = add_buffer(pipeline, shadow_cell_buffers[i]);
+        banks[i] = add_shadow_buffer(pipeline, shadow_cell_buffers[i]);
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         struct pass *pass = pipeline->order[i];
         uint32_t next = (i + 1) % pipeline->pass_count;

@@ -21,7 +21,7 @@ static const char *find_file(struct reader *reader, const struct resource *resou
     return found;
 }
 
-static struct expr *number(struct reader *reader, uint32_t value, struct loc loc)
+static struct expr *content_number(struct reader *reader, uint32_t value, struct loc loc)
 {
     const char *text = arena_printf(reader->model->arena, "%u", value);
     return text ? expr_parse(reader->model, text, loc, NULL, reader->diag) : NULL;
@@ -39,13 +39,13 @@ static bool take_size(struct reader *reader, struct resource *resource, const ch
         if (!array || !npy_header(path, array, reason))
             return false;
         resource->array = array;
-        resource->count = number(reader, array->count, loc);
+        resource->count = content_number(reader, array->count, loc);
         return true;
     }
     if (!picture_size(path, &size[0], &size[1], reason))
         return false;
-    resource->width = number(reader, size[0], loc);
-    resource->height = number(reader, size[1], loc);
+    resource->width = content_number(reader, size[0], loc);
+    resource->height = content_number(reader, size[1], loc);
     return true;
 }
 

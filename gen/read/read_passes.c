@@ -159,7 +159,7 @@ static void read_ranges(struct reader *reader, const struct fields *fields, stru
     }
 }
 
-struct words {
+struct word_visit {
     struct reader *reader;
     struct pass *pass;
     struct fy_node *node;
@@ -168,7 +168,7 @@ struct words {
 
 static void count_word(void *user, const char *word, struct fy_node *at)
 {
-    struct words *words = user;
+    struct word_visit *words = user;
     words->count++;
     (void)word, (void)at;
 }
@@ -184,7 +184,7 @@ static const char *find_param(const struct pipeline *pipeline, const char *name)
 /* Not the name of a resource or of a file, which bodies cannot use as a value. */
 static void add_word(void *user, const char *word, struct fy_node *at)
 {
-    struct words *words = user;
+    struct word_visit *words = user;
     struct reader *reader = words->reader;
     for (uint32_t i = 0; i < words->pass->define_count; i++)
         if (!strcmp(words->pass->defines[i].name, word)) /* an inner scope's, or a macro */
@@ -206,7 +206,7 @@ static void add_word(void *user, const char *word, struct fy_node *at)
 static void read_defines(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     struct named_list list = fields_named(reader, fields, "defines");
-    struct words words = {reader, pass, field_node(fields, "name"), list.count};
+    struct word_visit words = {reader, pass, field_node(fields, "name"), list.count};
     each_word(reader, words.node, count_word, &words);
     if (!words.count)
         return;

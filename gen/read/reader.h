@@ -141,8 +141,6 @@ const char *node_text(struct reader *reader, struct fy_node *node);
 const char *element_name(struct reader *reader, struct fy_node *item); /* its `name`; or NULL */
 bool is_path(const char *text); /* names and numbers joined by dots */
 bool is_identifier(const char *text);
-bool text_number(const char *text, double *value);
-bool text_amount(const char *text, double *value); /* a number, A/B or P% */
 
 /* read_fields.c: false when the node is no map; `loc`: location for errors about missing keys. */
 bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,

@@ -99,7 +99,7 @@ static uint32_t pointer_type(struct sanitizer *s, uint32_t shape)
 }
 
 /* What a pointer leads to; else the type itself. */
-static uint32_t pointee(const struct spirv *from, uint32_t type)
+static uint32_t pointed_type(const struct spirv *from, uint32_t type)
 {
     const uint32_t *i = spirv_definition(from, type);
     return spirv_is(i, SpvOpTypePointer) ? i[3] : type;
@@ -109,7 +109,7 @@ static uint32_t pointee(const struct spirv *from, uint32_t type)
 static uint32_t holder_of(struct sanitizer *s, uint32_t id)
 {
     struct marked *of = &s->content->ids[id];
-    uint32_t type = pointee(s->from, spirv_definition(s->from, id)[1]);
+    uint32_t type = pointed_type(s->from, spirv_definition(s->from, id)[1]);
     if (!of->may || of->holder || !content_shape(s, type))
         return of->holder;
     uint32_t pointer = pointer_type(s, content_shape(s, type)), null = put_null(s, type);
@@ -391,7 +391,7 @@ static uint32_t put_pointer(struct sanitizer *s, uint32_t pointer)
         spirv_is(spirv_definition(from, i[3]), SpvOpAccessChain) ? put_pointer(s, i[3]) : holder;
     for (uint32_t word = 4; word < spirv_length(i) && count < 32; word++)
         words[count++] = i[word];
-    words[0] = pointer_type(s, content_shape(s, pointee(from, i[1])));
+    words[0] = pointer_type(s, content_shape(s, pointed_type(from, i[1])));
     words[1] = s->edit.bound++;
     words[2] = base;
     spirv_put(&s->edit, &s->edit.code, SpvOpAccessChain, words, count);
@@ -495,7 +495,7 @@ void content_enter(struct sanitizer *s, const struct spirv_function *function)
             s->content->ids[i[2]].mark = put_load(s, holder, i[1]);
         else if (holder && !parameter)
             SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, holder,
-                      put_null(s, pointee(s->from, i[1])));
+                      put_null(s, pointed_type(s->from, i[1])));
     }
 }
 
@@ -506,7 +506,7 @@ static void put_arguments(struct sanitizer *s, const uint32_t *call, bool back)
         uint32_t theirs = holder_of(s, parameter);
         if (theirs && is_local(s->from, parameter)) {
             uint32_t own = put_pointer(s, call[word]);
-            uint32_t type = pointee(s->from, spirv_definition(s->from, parameter)[1]);
+            uint32_t type = pointed_type(s->from, spirv_definition(s->from, parameter)[1]);
             if (own)
                 SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, back ? own : theirs,
                           put_load(s, back ? theirs : own, type));

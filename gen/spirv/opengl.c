@@ -17,7 +17,7 @@ static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
     return 0;
 }
 
-static void copy_annotations(struct spirv_edit *edit)
+static void copy_decorations(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
     SPIRV_EACH(from, at, from->annotations, from->declarations)
@@ -79,7 +79,7 @@ bool spirv_for_opengl(struct spirv *module, bool indirect)
     uint32_t instance = indirect ? find_builtin(module, SpvBuiltInInstanceIndex) : 0, base = 0;
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    copy_annotations(&edit);
+    copy_decorations(&edit);
     if (instance) {
         uint32_t type = spirv_definition(module, instance)[1];
         base = edit.bound++;

@@ -51,6 +51,7 @@ static struct job *next_job(struct jobs *jobs)
     return job;
 }
 
+/* NULL: nothing was lost. */
 static void *compile_some(void *user)
 {
     struct jobs *jobs = user;
@@ -64,7 +65,7 @@ static void *compile_some(void *user)
         job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, NULL, NULL);
         watchdog_end(label);
     }
-    return NULL;
+    return memory_was_lost() ? jobs : NULL;
 }
 
 /* One thread for each processor but this one's. Without them, this one compiles all. */
@@ -79,7 +80,7 @@ static void start_threads(struct jobs *jobs)
 static bool add_job(struct jobs *jobs, struct job job, struct diag *diag)
 {
     if (!spirv_init()) {
-        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started");
+        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started: out of memory");
         return false;
     }
     pthread_mutex_lock(&jobs->lock);
@@ -98,8 +99,11 @@ static void compile_rest(struct jobs *jobs)
     pthread_cond_broadcast(&jobs->more);
     pthread_mutex_unlock(&jobs->lock);
     compile_some(jobs);
-    for (uint32_t i = 0; i < jobs->thread_count; i++)
-        pthread_join(jobs->threads[i], NULL);
+    for (uint32_t i = 0; i < jobs->thread_count; i++) {
+        void *lost;
+        if (!pthread_join(jobs->threads[i], &lost) && lost)
+            memory_lost();
+    }
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */

@@ -311,7 +311,7 @@ interrupted() {
     sed -i 's|^mesh: .*|mesh: heavy.obj|' "$held/two.yaml"
     "${sweep[@]}" &
     pid=$!
-    wait_until [ -e "$held/sweep/runs/1.result" ] && wait_until [ -e "$held/sweep/runs/2.txt" ]
+    wait_until [ -e "$held/sweep/runs/1.result" ] && wait_until [ -e "$held/sweep/runs/2.result.txt" ]
     kill -INT "$pid"
     wait "$pid"
 }

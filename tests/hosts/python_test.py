@@ -479,7 +479,7 @@ except diptych.Error as error:
 """
 
 
-@pytest.mark.parametrize("megabytes", [8, 16, 24])
+@pytest.mark.parametrize("megabytes", [4, 8, 12, 16, 20, 24])
 def test_little_memory_ends_no_host(tmp_path, megabytes):
     spec = tmp_path / "little.yaml"
     spec.write_text("pipeline: little\nimages:\n  grey: {format: r32f, size: [8, 8]}\npasses:\n"
@@ -487,7 +487,7 @@ def test_little_memory_ends_no_host(tmp_path, megabytes):
     body = "".join(f"float f{i}(float x) {{ return sin(x + {megabytes}.{i}); }}\n" for i in range(3000))  # in no cache
     (tmp_path / "fill.glsl").write_text(body + "void main() { grey_store(ivec2(0), vec4(f7(2.0))); }\n", encoding="utf-8")
     done = subprocess.run([sys.executable, "-c", LITTLE_MEMORY, spec, str(megabytes)], capture_output=True, text=True,
-                          check=False, env={**os.environ, "PYTHONPATH": os.path.dirname(diptych.__file__)})
+                          check=False, timeout=300, env={**os.environ, "PYTHONPATH": os.path.dirname(diptych.__file__)})
     if "cannot allocate memory for thread-local data" in done.stderr:
         pytest.skip("glibc ends a process that has no memory for a thread")
     assert done.returncode == 0, done.stderr
@@ -506,6 +506,28 @@ def test_null_is_refused(negative, verb, arguments):
         with open_negative(negative) as pipeline:
             with pytest.raises(diptych.Error, match=f"{verb}: a pointer is NULL"):
                 pipeline._check(function(ctypes.c_void_p(pipeline._player), *arguments) & 0xff)
+
+
+ENVIRONMENT = """import ctypes, sys, diptych
+getenv = ctypes.CDLL(None).getenv
+getenv.restype = ctypes.c_char_p
+names = b"GALLIUM_DRIVER", b"LIBGL_ALWAYS_SOFTWARE", b"NODEVICE_SELECT", b"VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC"
+before = [getenv(name) for name in names]
+for backend in "vk", "gl", "zink":
+    try:
+        diptych.open(sys.argv[1], backend, size=(16, 8), debug=True).close()
+    except diptych.Error as error:
+        print(backend, error)
+print([getenv(name) for name in names] == before)
+"""
+
+
+def test_the_environment_is_the_hosts(negative):
+    settings = ("GALLIUM_DRIVER", "VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC")
+    done = subprocess.run([sys.executable, "-c", ENVIRONMENT, negative], capture_output=True, text=True, check=True,
+                          env={**{name: value for name, value in os.environ.items() if name not in settings},
+                               "PYTHONPATH": os.path.dirname(diptych.__file__)})
+    assert re.fullmatch("zink .*set GALLIUM_DRIVER=zink.*\nTrue\n", done.stdout, re.DOTALL), done.stdout
 
 
 def test_python_keeps_its_signals(negative):

@@ -167,6 +167,9 @@ static void frames_of_zink(void **state)
     assert_true(child >= 0);
     if (child == 0) {
         setenv("CMOCKA_MESSAGE_OUTPUT", "STDOUT", 1); /* its results are one of ours */
+        setenv("GALLIUM_DRIVER", "zink", 1);
+        setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0);
+        setenv("NODEVICE_SELECT", "1", 0);
         execl("/proc/self/exe", "runtime_gl_test", "zink", NULL);
         _exit(127);
     }
@@ -196,6 +199,10 @@ static void zink_may_come_too_late(void **state)
     void *rt = open_context("egl", true);
     const struct dt_runtime_options wanted = options("zink", true);
     assert_null(runtime_gl.open(&wanted));
+    expect_error("set GALLIUM_DRIVER=zink");
+    setenv("GALLIUM_DRIVER", "zink", 1);
+    assert_null(runtime_gl.open(&wanted));
+    unsetenv("GALLIUM_DRIVER");
     assert_non_null(strstr(heard.last, runtime_gl.device_name(rt)));
     expect_error("context zink: the driver is ");
     runtime_gl.close(rt);

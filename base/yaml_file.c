@@ -1,12 +1,10 @@
-/* YAML mappings and their diagnostics; see reader.h. */
-#include "reader.h"
+/* YAML mappings and their diagnostics; see yaml_file.h. */
+#include "base/yaml_file.h"
 
 #include "base/input.h"
-#include "mesh.h"
 #include "base/nearest.h"
 #include "base/yaml.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -46,11 +44,7 @@ static void report_unknown_key(struct reader *reader, struct fy_node *node, cons
 static bool parse_number(struct fy_node *node, double *number)
 {
     const char *text = node && fy_node_is_scalar(node) ? fy_node_get_scalar0(node) : NULL;
-    if (!text || !*text)
-        return false;
-    char *end;
-    *number = strtod(text, &end);
-    return *end == '\0' && isfinite(*number);
+    return text && text_number(text, number);
 }
 
 static bool check_number(struct reader *reader, const struct key *key, int i, struct fy_node *place)

@@ -1,6 +1,7 @@
-/* YAML files of this folder, read with a compiler's diagnostics, all of them in one run. */
-#ifndef DIPTYCH_SCENES_READER_H
-#define DIPTYCH_SCENES_READER_H
+/* A YAML file that is a mapping with known keys: scenes, motions, contracts, outlines. All its errors are
+ * reported in one run. Specs have a table of keys of their own (gen/read/table.h). */
+#ifndef DIPTYCH_YAML_FILE_H
+#define DIPTYCH_YAML_FILE_H
 
 #include "base/diag.h"
 

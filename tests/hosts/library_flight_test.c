@@ -1,0 +1,551 @@
+/* Frames in flight and parts of frames: the Vulkan library waits for the host's work and for nothing
+ * else, and validation, which also checks between command buffers here, hears when it does not. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "layouts.h"
+#include "library_own.h"
+
+/* Like open_vulkan, but validation checks for hazards between command buffers, too. */
+static int open_vulkan_for_flight(void **state)
+{
+    setenv("VK_LAYER_ENABLES",
+           "VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:"
+           "VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT",
+           1);
+    return open_vulkan(state);
+}
+
+enum { IN_FLIGHT = 2, CYCLES = 10 };
+
+/* Command buffers that are submitted without waiting for the one before. */
+struct flight {
+    VkCommandPool pool;
+    VkCommandBuffer commands[IN_FLIGHT];
+    VkFence fences[IN_FLIGHT];
+};
+
+static struct flight make_flight(void)
+{
+    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
+                                          .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
+    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
+                                     .flags = VK_FENCE_CREATE_SIGNALED_BIT};
+    struct flight flight;
+    assert_int_equal(vkCreateCommandPool(vk.device, &pool, NULL, &flight.pool), VK_SUCCESS);
+    const VkCommandBufferAllocateInfo info = {.sType =
+                                                  VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                              .commandPool = flight.pool,
+                                              .commandBufferCount = IN_FLIGHT};
+    assert_int_equal(vkAllocateCommandBuffers(vk.device, &info, flight.commands), VK_SUCCESS);
+    for (int i = 0; i < IN_FLIGHT; i++)
+        assert_int_equal(vkCreateFence(vk.device, &fence, NULL, &flight.fences[i]), VK_SUCCESS);
+    return flight;
+}
+
+static void destroy_flight(const struct flight *flight)
+{
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    for (int i = 0; i < IN_FLIGHT; i++)
+        vkDestroyFence(vk.device, flight->fences[i], NULL);
+    vkDestroyCommandPool(vk.device, flight->pool, NULL);
+}
+
+static void wait_for(const struct flight *flight, uint32_t frame)
+{
+    const VkFence *fence = &flight->fences[frame % IN_FLIGHT];
+    assert_int_equal(vkWaitForFences(vk.device, 1, fence, VK_TRUE, UINT64_MAX), VK_SUCCESS);
+}
+
+static VkCommandBuffer begin_frame(const struct flight *flight, uint32_t frame)
+{
+    const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    VkCommandBuffer commands = flight->commands[frame % IN_FLIGHT];
+    wait_for(flight, frame);
+    assert_int_equal(vkResetFences(vk.device, 1, &flight->fences[frame % IN_FLIGHT]), VK_SUCCESS);
+    assert_int_equal(vkBeginCommandBuffer(commands, &info), VK_SUCCESS);
+    return commands;
+}
+
+static void end_frame(const struct flight *flight, uint32_t frame)
+{
+    const VkCommandBuffer *commands = &flight->commands[frame % IN_FLIGHT];
+    const VkSubmitInfo info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                               .commandBufferCount = 1,
+                               .pCommandBuffers = commands};
+    assert_int_equal(vkEndCommandBuffer(*commands), VK_SUCCESS);
+    assert_int_equal(vkQueueSubmit(vk.queue, 1, &info, flight->fences[frame % IN_FLIGHT]),
+                     VK_SUCCESS);
+}
+
+/* The value that the host writes into its image before a frame. Below: the place for the frame's
+ * copy, one for each frame in flight. */
+static float written_before(uint32_t frame)
+{
+    return 0.125f * (float)(frame % 4);
+}
+static VkDeviceSize copy_of(uint32_t frame)
+{
+    return GEOMETRY_BYTES / 2 + (VkDeviceSize)(frame % IN_FLIGHT) * TRAIL_BYTES;
+}
+
+/* The host records no barriers but those for its own changes of layout. */
+static void write_image(VkCommandBuffer commands, VkImage image, VkImageLayout layout, float value)
+{
+    const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    const VkClearColorValue color = {.float32 = {value, value, value, value}};
+    move_image(commands, image, layout, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    vkCmdClearColorImage(commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, &color, 1, &all);
+}
+
+/* Records a frame whose trail starts from the host's image. */
+static void record_own_trail(struct dt_vk_runtime *rt, const struct flight *flight, VkImage image,
+                             uint32_t frame)
+{
+    const VkBufferImageCopy region = {.bufferOffset = copy_of(frame),
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    const struct dt_frame block = frame_of(0);
+    VkCommandBuffer commands = begin_frame(flight, frame);
+    write_image(commands, image,
+                frame ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
+                written_before(frame));
+    assert_true(dt_vk_record(rt, commands, &block, NULL));
+    vkCmdCopyImageToBuffer(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, vk.geometry, 1,
+                           &region);
+    end_frame(flight, frame);
+}
+
+/* The trail mixes the value that the host wrote with the newest picture, by the default weight of
+ * 0.25. The picture is the same in every frame. */
+static void check_trail(const struct flight *flight, uint32_t frame, float first[TRAIL_BYTES / 4])
+{
+    wait_for(flight, frame);
+    const float *found = (const float *)((const char *)vk.bytes + copy_of(frame));
+    if (frame == 0)
+        memcpy(first, found, TRAIL_BYTES);
+    for (int i = 0; i < TRAIL_BYTES / 4; i++)
+        if (fabsf(found[i] - first[i] - 0.75f * (written_before(frame) - written_before(0))) >
+            1e-5f)
+            fail_msg("frame %u, float %d is %g", frame, i, (double)found[i]);
+}
+
+static void import_trail(struct dt_vk_runtime *rt, const struct own_image *image)
+{
+    const struct dt_vk_image import = {.image = image->image,
+                                       .format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                       .usage = VK_IMAGE_USAGE_STORAGE_BIT,
+                                       .width = WIDTH,
+                                       .height = HEIGHT,
+                                       .layers = 1,
+                                       .mips = 1,
+                                       .layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                                       .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &import));
+}
+
+/* Imports the output, and leaves it ready for a copy, as hosts do. Across command buffers, the
+ * validation layers of 1.3.239 do not see that a change of layout waits for a write through another
+ * barrier (their issue 6508). The layers would complain about an output that no command reads. */
+static struct own_image import_output(struct dt_vk_runtime *rt, uint32_t width)
+{
+    const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
+    const struct own_image output =
+        make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){width, HEIGHT, 1}, 1, usage);
+    const struct dt_vk_image import = {.image = output.image,
+                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                       .usage = usage,
+                                       .width = width,
+                                       .height = HEIGHT,
+                                       .layers = 1,
+                                       .mips = 1,
+                                       .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_SHOWN, &import));
+    return output;
+}
+
+static bool vulkan_records_passes(uint32_t first, uint32_t end)
+{
+    const struct dt_frame frame = frame_of(0);
+    return dt_vk_record_passes(outside.rt, outside.commands, first ? NULL : &frame, NULL, first,
+                               end);
+}
+
+/* Records the two passes. With `clears`, the host clears the second pass's input between them, and
+ * the second pass goes into a command buffer of its own. */
+static void paint_between(bool clears, VkDeviceSize offset)
+{
+    const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    const VkClearColorValue one = {.float32 = {1, 1, 1, 1}};
+    struct dt_vk_resource blurred = {0}, picture = {0};
+    assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    REFUSED(dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture),
+            "resource picture: a later part of this frame writes it");
+    if (clears) {
+        move_image(outside.commands, blurred.image, blurred.layout,
+                   VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+        vkCmdClearColorImage(outside.commands, blurred.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                             &one, 1, &all);
+        move_image(outside.commands, blurred.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+                   blurred.layout);
+        submit_commands(outside.commands);
+        outside.commands = begin_commands();
+    }
+    assert_true(vulkan_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES) &&
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+    const VkBufferImageCopy region = {.bufferOffset = offset,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    vkCmdCopyImageToBuffer(outside.commands, picture.image, picture.layout, vk.geometry, 1,
+                           &region);
+}
+
+static void vulkan_records_parts(void **state)
+{
+    (void)state;
+    enum { FIRST = GEOMETRY_BYTES / 2, SECOND = FIRST + 4 * WIDTH * HEIGHT };
+    struct dt_vk_host host = vk_host();
+    outside.rt = dt_vk_open(&host);
+    REFUSED(vulkan_records_passes(0, 1), "record_passes: call resize first");
+    assert_true(dt_vk_create(outside.rt, &outside_vk) && dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+    outside.commands = begin_commands();
+    write_for_blurred(vulkan_writes);
+    REFUSED(vulkan_records_passes(1, 2), "begins with pass 1, but the frame goes on with pass 0");
+    REFUSED(vulkan_records_passes(0, 3), "passes 0 to 3, but the pipeline has 2");
+    REFUSED(vulkan_records_passes(0, 0), "a part at least one");
+    paint_between(false, FIRST);
+    paint_between(true, SECOND);
+    assert_true(vulkan_records_passes(0, 1));
+    REFUSED(vulkan_records(),
+            "record: begins with pass 0, but the frame goes on with pass 1, grade");
+    submit_commands(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    is_painted((const uint8_t *)vk.bytes + FIRST, black);
+    is_painted((const uint8_t *)vk.bytes + SECOND, white);
+    assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT)); /* abandons the frame */
+    outside.commands = begin_commands();
+    write_for_blurred(vulkan_writes);
+    assert_true(vulkan_records());
+    dt_vk_close(outside.rt);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* Each frame in flight has its own live parameters, as a buffer of the host shows, and its own
+ * times. A frame waits only for the frame before the last. */
+static void vulkan_tells_frames_in_flight_apart(void **state)
+{
+    (void)state;
+    enum { SEEN = GEOMETRY_BYTES / 4, COPIES = GEOMETRY_BYTES / 2 };
+    struct flight flight = make_flight();
+    struct dt_vk_host host = vk_host();
+    double ms[LAYOUTS_PASSES];
+    const struct dt_vk_range seen = {vk.geometry, SEEN, sizeof(struct layouts_Seen)};
+    struct layouts_live live = layouts_live_defaults;
+    host.timing = true;
+    host.frames = 17;
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    REFUSED(dt_vk_create(rt, &layouts_vk), "opened for 17 frames in flight; use at most 16");
+    dt_vk_close(rt);
+    host.frames = IN_FLIGHT;
+    rt = dt_vk_open(&host);
+    assert_true(dt_vk_create(rt, &layouts_vk) &&
+                dt_vk_import_buffer(rt, LAYOUTS_RESOURCE_SEEN, &seen) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    for (uint32_t frame = 0; frame < CYCLES; frame++) {
+        const VkBufferCopy copy = {SEEN, COPIES + frame * sizeof live.gain, sizeof live.gain};
+        const struct dt_frame block = frame_of(frame);
+        VkCommandBuffer commands = begin_frame(&flight, frame);
+        if (frame == 1)
+            REFUSED(dt_vk_timings(rt, 1, ms), "timings: none of the frame 1 before the last");
+        if (frame > 1) {
+            assert_true(dt_vk_timings(rt, 1, ms));
+            assert_true(ms[0] > 0 && ms[0] < 1e5 && ms[1] > 0 && ms[1] < 1e5);
+        }
+        live.gain = (float)frame;
+        assert_true(dt_vk_record(rt, commands, &block, &live));
+        vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
+        end_frame(&flight, frame);
+    }
+    REFUSED(dt_vk_timings(rt, IN_FLIGHT, ms), "up to the 2 that the runtime was opened for");
+    destroy_flight(&flight);
+    for (uint32_t frame = 0; frame < CYCLES; frame++)
+        assert_true(((const float *)((const char *)vk.bytes + COPIES))[frame] == (float)frame);
+    dt_vk_close(rt);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* In every frame the host copies weights into an imported buffer, and copies the picture out,
+ * without a barrier of its own. */
+static void copy_around(const struct dt_vk_sync *sync)
+{
+    enum { WEIGHTS = GEOMETRY_BYTES / 4, SOURCE = WEIGHTS + 4096, PICTURE = GEOMETRY_BYTES / 2 };
+    const VkDeviceSize size = sizeof graded_alone;
+    const struct dt_vk_range weights = {vk.geometry, WEIGHTS, size};
+    struct dt_vk_host host = own_host();
+    struct flight flight = make_flight();
+    struct dt_vk_resource picture = {0};
+    memcpy((char *)vk.bytes + SOURCE, nothing, size);
+    memcpy((char *)vk.bytes + SOURCE + size, graded_alone, size);
+    outside.rt = dt_vk_open(&host);
+    assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk) &&
+                dt_vk_import_buffer(outside.rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+                dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+    dt_vk_narrow(outside.rt, sync);
+    for (uint32_t frame = 0; frame < CYCLES; frame++) {
+        const VkBufferCopy copy = {SOURCE + frame % 2 * size, WEIGHTS, size};
+        const VkBufferImageCopy region = {.bufferOffset = PICTURE + frame % 2 * 4 * WIDTH * HEIGHT,
+                                          .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                          .imageExtent = {WIDTH, HEIGHT, 1}};
+        VkCommandBuffer commands = outside.commands = begin_frame(&flight, frame);
+        if (frame == 0)
+            write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+        if (frame == 0)
+            write_grade(vulkan_writes, first_color);
+        vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
+        assert_true(vulkan_records() &&
+                    dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+        vkCmdCopyImageToBuffer(commands, picture.image, picture.layout, vk.geometry, 1, &region);
+        end_frame(&flight, frame);
+    }
+    destroy_flight(&flight);
+    dt_vk_close(outside.rt);
+    is_painted((const uint8_t *)vk.bytes + PICTURE, black);
+    is_painted((const uint8_t *)vk.bytes + PICTURE + 4 * (size_t)WIDTH * HEIGHT, first_color);
+}
+
+/* Validation sees the runtime's barriers and no others. It reports a hazard if `sync` lacks some of
+ * the host's work. */
+static void vulkan_waits_only_for_what_the_host_does(void **state)
+{
+    (void)state;
+    const struct dt_vk_sync copies = {
+        VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_COPY_BIT,
+        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
+    struct dt_vk_sync wrong = copies;
+    own.stages = 0;
+    copy_around(&copies);
+    assert_int_equal(heard.validation, 0);
+    assert_int_equal(
+        own.stages & (VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT |
+                      VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT),
+        0);
+    wrong.stages_after = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
+    wrong.accesses_after = VK_ACCESS_2_SHADER_READ_BIT;
+    copy_around(&wrong);
+    assert_true(heard.validation > 0);
+    assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
+    heard.validation = 0;
+    copy_around(NULL);
+    assert_int_equal(heard.validation, 0);
+    assert_true(own.stages & VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
+}
+
+/* Between two passes the host clears the image that the first writes and the second reads, without
+ * a barrier of its own. `drop`: the barrier to leave out. *seam: number of the last barrier before
+ * the host's command. Returns whether validation reports a hazard. */
+static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned *seam)
+{
+    const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+    const VkClearColorValue one = {.float32 = {1, 1, 1, 1}};
+    struct dt_vk_host host = own_host();
+    struct dt_vk_resource blurred = {0};
+    heard.validation = 0;
+    outside.rt = dt_vk_open(&host);
+    assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk) &&
+                dt_vk_resize(outside.rt, WIDTH, HEIGHT));
+    outside.commands = begin_commands();
+    write_for_blurred(vulkan_writes);
+    dt_vk_narrow(outside.rt, sync);
+    own.barriers = 0;
+    own.drop = drop;
+    assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_BLURRED, &blurred));
+    assert_int_equal(blurred.layout, VK_IMAGE_LAYOUT_GENERAL);
+    *seam = own.barriers;
+    vkCmdClearColorImage(outside.commands, blurred.image, blurred.layout, &one, 1, &all);
+    assert_true(vulkan_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES));
+    own.drop = 0;
+    submit_commands(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    dt_vk_close(outside.rt);
+    return heard.validation;
+}
+
+/* Validation is silent with all barriers. It reports a hazard without the last barrier before the
+ * host's command, or without the first one after it. */
+static void vulkan_waits_at_seams(void **state)
+{
+    (void)state;
+    const struct dt_vk_sync clears = {VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                      VK_PIPELINE_STAGE_2_CLEAR_BIT,
+                                      VK_ACCESS_2_TRANSFER_WRITE_BIT};
+    const struct dt_vk_sync *syncs[] = {&clears, NULL};
+    for (int i = 0; i < 2; i++) {
+        unsigned seam, ignored;
+        assert_false(clear_at_seam(syncs[i], 0, &seam));
+        assert_true(clear_at_seam(syncs[i], seam, &ignored));
+        assert_non_null(strstr(heard.hazard, "SYNC-HAZARD-WRITE-AFTER-WRITE"));
+        assert_true(clear_at_seam(syncs[i], seam + 1, &ignored));
+        assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
+    }
+    heard.validation = 0;
+}
+
+/* A buffer and an image that another queue family owns. EXTERNAL is such a family on every
+ * device. */
+static void vulkan_exchanges_imports(void **state)
+{
+    (void)state;
+    const uint32_t external = VK_QUEUE_FAMILY_EXTERNAL;
+    const struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, sizeof graded_alone};
+    const struct own_image output =
+        make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
+                   VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
+    struct dt_vk_image import = {.image = output.image,
+                                 .format = VK_FORMAT_R8G8B8A8_UNORM,
+                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT,
+                                 .width = WIDTH,
+                                 .height = HEIGHT,
+                                 .layers = 1,
+                                 .mips = 1,
+                                 .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    struct dt_vk_host host = own_host();
+    struct dt_vk_runtime *rt = outside.rt = dt_vk_open(&host);
+    assert_true(dt_vk_create(rt, &outside_vk));
+    REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external), "is not imported");
+    REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCES, external), "is not imported");
+    assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
+                dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
+                dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external) &&
+                dt_vk_exchange(rt, OUTSIDE_RESOURCE_PICTURE, external) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    memcpy((char *)vk.bytes + weights.offset, graded_alone, sizeof graded_alone);
+    dt_vk_narrow(rt, &(struct dt_vk_sync){.stages_after = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
+                                                          VK_PIPELINE_STAGE_2_HOST_BIT,
+                                          .accesses_after = VK_ACCESS_2_TRANSFER_READ_BIT |
+                                                            VK_ACCESS_2_HOST_READ_BIT});
+    outside.commands = begin_commands();
+    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+    write_grade(vulkan_writes, first_color);
+    own.acquired = own.released = 0;
+    assert_true(vulkan_records_passes(0, 1));
+    assert_int_equal(own.acquired, 1); /* only the weights; the picture has no content yet */
+    assert_int_equal(own.released, 0);
+    assert_true(vulkan_records_passes(1, OUTSIDE_PASSES));
+    assert_int_equal(own.acquired, 1);
+    assert_int_equal(own.released, 2);
+    import.layout_before = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    submit_commands(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    assert_true(dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
+                dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, VK_QUEUE_FAMILY_IGNORED) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    outside.commands = begin_commands();
+    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
+    write_grade(vulkan_writes, second_color);
+    record_picture(GEOMETRY_BYTES / 2);
+    submit_commands(outside.commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    assert_int_equal(own.acquired, 2);
+    assert_int_equal(own.released, 3);
+    is_painted((const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2, second_color);
+    dt_vk_close(rt);
+    destroy_image(&output);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* Two pipelines, each with two frames in flight. The host writes an image of the first pipeline
+ * before every frame and reads it after the frame. */
+static void run_in_flight(const struct dt_shaders *shaders)
+{
+    static float first[TRAIL_BYTES / 4];
+    const struct own_image trail =
+        make_image(VK_FORMAT_R32G32B32A32_SFLOAT, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
+                   VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
+                       VK_IMAGE_USAGE_TRANSFER_DST_BIT);
+    struct dt_vk_runtime *rt = open_features(), *other = open_features();
+    struct flight flight = make_flight(), other_flight = make_flight();
+    assert_true(dt_vk_create(rt, shaders));
+    import_trail(rt, &trail);
+    const struct own_image output = import_output(rt, WIDTH),
+                           other_output = import_output(other, 2 * WIDTH);
+    assert_true(dt_vk_resize(rt, WIDTH, HEIGHT) && dt_vk_resize(other, 2 * WIDTH, HEIGHT));
+    for (uint32_t frame = 0; frame < CYCLES; frame++) {
+        const struct dt_frame block = frame_of(frame);
+        record_own_trail(rt, &flight, trail.image, frame);
+        assert_true(dt_vk_record(other, begin_frame(&other_flight, frame), &block, NULL));
+        end_frame(&other_flight, frame);
+        if (frame > 0)
+            check_trail(&flight, frame - 1, first);
+    }
+    check_trail(&flight, CYCLES - 1, first);
+    destroy_flight(&flight);
+    destroy_flight(&other_flight);
+    dt_vk_close(rt);
+    dt_vk_close(other);
+    destroy_image(&trail);
+    destroy_image(&output);
+    destroy_image(&other_output);
+}
+
+static void vulkan_keeps_frames_in_flight_apart(void **state)
+{
+    (void)state;
+    run_in_flight(&features_vk);
+    assert_int_equal(heard.validation, 0);
+}
+
+/* Checks that validation can fail, since its silence means nothing otherwise. First uses wait for
+ * nothing here, not even for the barrier at the start of a frame. */
+static const struct dt_verbs *verbs_below;
+
+static bool barriers_without_stages(void *runtime, uint32_t pass, const struct dt_barrier *barriers,
+                                    uint32_t count)
+{
+    struct dt_barrier changed[DT_MAX_BINDINGS];
+    for (uint32_t i = 0; i < count; i++) {
+        changed[i] = barriers[i];
+        if (!changed[i].from)
+            changed[i].from_stages = 0;
+    }
+    return verbs_below->barriers(runtime, pass, changed, count);
+}
+
+static bool record_without_stages(const struct dt_recording *r)
+{
+    struct dt_verbs verbs = *r->verbs;
+    struct dt_recording changed = *r;
+    verbs_below = r->verbs;
+    verbs.barriers = barriers_without_stages;
+    changed.verbs = &verbs;
+    return features_panel.record(&changed);
+}
+
+static void vulkan_hears_first_uses_that_do_not_wait(void **state)
+{
+    (void)state;
+    struct dt_panel panel = features_panel;
+    const struct dt_shaders hasty = {"vk", &panel, features_vk.stages};
+    panel.record = record_without_stages;
+    assert_int_equal(heard.validation, 0);
+    run_in_flight(&hasty);
+    assert_true(heard.validation > 0);
+    assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
+    heard.validation = 0;
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(vulkan_keeps_frames_in_flight_apart),
+        cmocka_unit_test(vulkan_records_parts),
+        cmocka_unit_test(vulkan_waits_only_for_what_the_host_does),
+        cmocka_unit_test(vulkan_waits_at_seams),
+        cmocka_unit_test(vulkan_exchanges_imports),
+        cmocka_unit_test(vulkan_tells_frames_in_flight_apart),
+        cmocka_unit_test(vulkan_hears_first_uses_that_do_not_wait),
+    };
+    return cmocka_run_group_tests_name("in flight", tests, open_vulkan_for_flight, close_vulkan);
+}

@@ -1,0 +1,176 @@
+/* The host that library_own.h declares. */
+#include "library_own.h"
+
+#include <malloc.h>
+#include <pthread.h>
+#include <stdlib.h>
+#include <string.h>
+
+struct own own;
+
+static void *VKAPI_PTR own_alloc(void *user, size_t size, size_t alignment,
+                                 VkSystemAllocationScope scope)
+{
+    void *block = NULL;
+    (void)user, (void)scope;
+    if (posix_memalign(&block, alignment < sizeof block ? sizeof block : alignment, size) != 0)
+        return NULL;
+    own.blocks++;
+    return block;
+}
+
+static void VKAPI_PTR own_free(void *user, void *block)
+{
+    (void)user;
+    own.blocks -= block != NULL;
+    free(block);
+}
+
+static void *VKAPI_PTR own_realloc(void *user, void *block, size_t size, size_t alignment,
+                                   VkSystemAllocationScope scope)
+{
+    void *more = own_alloc(user, size, alignment, scope);
+    size_t old = block ? malloc_usable_size(block) : 0;
+    if (more && block)
+        memcpy(more, block, old < size ? old : size);
+    own_free(user, block);
+    return more;
+}
+
+const VkAllocationCallbacks own_callbacks = {
+    .pfnAllocation = own_alloc, .pfnReallocation = own_realloc, .pfnFree = own_free};
+
+VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char *name,
+                      struct dt_vk_memory *out)
+{
+    enum { OFFSET = 1 << 16 };
+    VkMemoryRequirements more = *needs;
+    assert_true(user == &own && name[0] && OFFSET % needs->alignment == 0);
+    *out = (struct dt_vk_memory){(VkDeviceMemory)&own /* ignored on an error */, 0, NULL};
+    if (own.fail_memory && --own.fail_memory == 0)
+        return VK_ERROR_OUT_OF_DEVICE_MEMORY;
+    more.size += OFFSET;
+    *out = (struct dt_vk_memory){allocate_memory(more, 0), OFFSET, &own};
+    own.memory++;
+    return VK_SUCCESS;
+}
+
+static void own_release(void *user, const struct dt_vk_memory *memory)
+{
+    assert_true(user == &own && memory->allocation == &own);
+    vkFreeMemory(vk.device, memory->memory, NULL);
+    own.memory--;
+}
+
+static VkResult count_pipeline(VkPipelineCache cache)
+{
+    own.strangers += cache != own.cache;
+    own.pipelines++;
+    return own.fail_pipelines ? VK_ERROR_OUT_OF_HOST_MEMORY : VK_SUCCESS;
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL own_compute(VkDevice device, VkPipelineCache cache,
+                                                  uint32_t count,
+                                                  const VkComputePipelineCreateInfo *infos,
+                                                  const VkAllocationCallbacks *callbacks,
+                                                  VkPipeline *pipelines)
+{
+    VkResult result = count_pipeline(cache);
+    return result == VK_SUCCESS
+               ? vkCreateComputePipelines(device, cache, count, infos, callbacks, pipelines)
+               : result;
+}
+
+static VKAPI_ATTR VkResult VKAPI_CALL own_graphics(VkDevice device, VkPipelineCache cache,
+                                                   uint32_t count,
+                                                   const VkGraphicsPipelineCreateInfo *infos,
+                                                   const VkAllocationCallbacks *callbacks,
+                                                   VkPipeline *pipelines)
+{
+    VkResult result = count_pipeline(cache);
+    return result == VK_SUCCESS
+               ? vkCreateGraphicsPipelines(device, cache, count, infos, callbacks, pipelines)
+               : result;
+}
+
+static void count_owners(uint32_t from, uint32_t to, VkPipelineStageFlags2 stages)
+{
+    own.stages |= stages;
+    assert_true(from == to || !(stages & VK_PIPELINE_STAGE_2_HOST_BIT)); /* as Vulkan demands */
+    own.acquired += from == VK_QUEUE_FAMILY_EXTERNAL && to == 0;
+    own.released += from == 0 && to == VK_QUEUE_FAMILY_EXTERNAL;
+}
+
+static VKAPI_ATTR void VKAPI_CALL own_barrier(VkCommandBuffer commands,
+                                              const VkDependencyInfo *info)
+{
+    if (++own.barriers == own.drop)
+        return;
+    for (uint32_t i = 0; i < info->memoryBarrierCount; i++)
+        own.stages |= info->pMemoryBarriers[i].srcStageMask | info->pMemoryBarriers[i].dstStageMask;
+    for (uint32_t i = 0; i < info->bufferMemoryBarrierCount; i++) {
+        const VkBufferMemoryBarrier2 *barrier = &info->pBufferMemoryBarriers[i];
+        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex,
+                     barrier->srcStageMask | barrier->dstStageMask);
+    }
+    for (uint32_t i = 0; i < info->imageMemoryBarrierCount; i++) {
+        const VkImageMemoryBarrier2 *barrier = &info->pImageMemoryBarriers[i];
+        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex,
+                     barrier->srcStageMask | barrier->dstStageMask);
+    }
+    vkCmdPipelineBarrier2(commands, info);
+}
+
+static PFN_vkVoidFunction VKAPI_PTR own_device_functions(VkDevice device, const char *name)
+{
+    if (strcmp(name, "vkCmdPipelineBarrier2") == 0)
+        return (PFN_vkVoidFunction)own_barrier;
+    if (strcmp(name, "vkCreateComputePipelines") == 0)
+        return (PFN_vkVoidFunction)own_compute;
+    if (strcmp(name, "vkCreateGraphicsPipelines") == 0)
+        return (PFN_vkVoidFunction)own_graphics;
+    return vkGetDeviceProcAddr(device, name);
+}
+
+static PFN_vkVoidFunction VKAPI_PTR own_functions(VkInstance instance, const char *name)
+{
+    return strcmp(name, "vkGetDeviceProcAddr") == 0 ? (PFN_vkVoidFunction)own_device_functions
+                                                    : vkGetInstanceProcAddr(instance, name);
+}
+
+struct own_jobs {
+    void (*job)(void *data, uint32_t i);
+    void *data;
+    uint32_t count;
+    atomic_uint next;
+};
+
+static void *own_work(void *argument)
+{
+    struct own_jobs *jobs = argument;
+    for (uint32_t i; (i = jobs->next++) < jobs->count;)
+        jobs->job(jobs->data, i);
+    return NULL;
+}
+
+static void own_threads(void *user, uint32_t count, void (*job)(void *data, uint32_t i), void *data)
+{
+    struct own_jobs jobs = {.job = job, .data = data, .count = count};
+    pthread_t threads[3];
+    assert_true(user == &own);
+    for (int i = 0; i < 3; i++)
+        assert_int_equal(pthread_create(&threads[i], NULL, own_work, &jobs), 0);
+    for (int i = 0; i < 3; i++)
+        pthread_join(threads[i], NULL);
+}
+
+struct dt_vk_host own_host(void)
+{
+    struct dt_vk_host host = vk_host();
+    host.get_instance_proc_addr = own_functions;
+    host.callbacks = &own_callbacks;
+    host.allocator = (struct dt_vk_allocator){&own, own_allocate, own_release};
+    host.pipeline_cache = own.cache;
+    host.threads = (struct dt_vk_threads){&own, own_threads};
+    return host;
+}

@@ -1,0 +1,30 @@
+/* A host with its own allocator, callbacks, pipeline cache and threads, and with functions between the
+ * runtime and Vulkan that count, and that fail or leave out what a test asks for. */
+#ifndef DIPTYCH_TESTS_LIBRARY_OWN_H
+#define DIPTYCH_TESTS_LIBRARY_OWN_H
+
+#include <stdatomic.h>
+
+#include "library_vk.h"
+
+extern struct own {
+    atomic_int blocks;       /* of the callbacks, alive */
+    int memory, fail_memory; /* allocations alive; the n-th from now on fails; 0: none */
+    VkPipelineCache cache;
+    atomic_int pipelines; /* created so far, all with the cache */
+    atomic_int strangers; /* created without */
+    atomic_bool fail_pipelines;
+    VkPipelineStageFlags2 stages; /* of all barriers */
+    int acquired, released;       /* from and to EXTERNAL */
+    unsigned barriers, drop;      /* recorded; the one to leave out, from 1; 0: none */
+} own;
+
+extern const VkAllocationCallbacks own_callbacks;
+
+/* Allocates at an offset, never from the start of the memory. */
+VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char *name,
+                      struct dt_vk_memory *out);
+
+struct dt_vk_host own_host(void);
+
+#endif

@@ -1,0 +1,309 @@
+/* What library_vk.h declares: a device of the tests' own, images, and frames on it. */
+#include "library_vk.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "shapes.h"
+
+struct vk vk;
+struct outside outside;
+
+static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+                                     VkDebugUtilsMessageTypeFlagsEXT types,
+                                     const VkDebugUtilsMessengerCallbackDataEXT *data, void *user)
+{
+    (void)severity, (void)types, (void)user;
+    heard.validation++;
+    snprintf(heard.hazard, sizeof heard.hazard, "%s",
+             data->pMessageIdName ? data->pMessageIdName : "");
+    print_message("%.900s\n", data->pMessage); /* cmocka cuts at 1,023, with the line end */
+    return VK_FALSE;
+}
+
+VkDeviceMemory allocate_memory(VkMemoryRequirements needs, VkMemoryPropertyFlags wanted)
+{
+    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
+                                 .allocationSize = needs.size};
+    VkDeviceMemory memory;
+    while (!(needs.memoryTypeBits >> info.memoryTypeIndex & 1) ||
+           (vk.memory.memoryTypes[info.memoryTypeIndex].propertyFlags & wanted) != wanted)
+        info.memoryTypeIndex++;
+    assert_int_equal(vkAllocateMemory(vk.device, &info, NULL, &memory), VK_SUCCESS);
+    return memory;
+}
+
+static void open_instance(void)
+{
+    const char *layer = "VK_LAYER_KHRONOS_validation";
+    const char *extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
+    const VkValidationFeatureEnableEXT synchronization =
+        VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT;
+    const VkValidationFeaturesEXT features = {.sType = VK_STRUCTURE_TYPE_VALIDATION_FEATURES_EXT,
+                                              .enabledValidationFeatureCount = 1,
+                                              .pEnabledValidationFeatures = &synchronization};
+    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
+                                           .apiVersion = VK_API_VERSION_1_3};
+    const VkInstanceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
+                                       .pNext = &features,
+                                       .pApplicationInfo = &application,
+                                       .enabledLayerCount = 1,
+                                       .ppEnabledLayerNames = &layer,
+                                       .enabledExtensionCount = DT_ARRAY_COUNT(extensions),
+                                       .ppEnabledExtensionNames = extensions};
+    const VkDebugUtilsMessengerCreateInfoEXT messenger = {
+        .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
+        .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
+                           VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
+        .messageType = VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT,
+        .pfnUserCallback = on_message};
+    assert_int_equal(vkCreateInstance(&info, NULL, &vk.instance), VK_SUCCESS);
+    PFN_vkCreateDebugUtilsMessengerEXT create =
+        (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(vk.instance,
+                                                                  "vkCreateDebugUtilsMessengerEXT");
+    assert_int_equal(create(vk.instance, &messenger, NULL, &vk.messenger), VK_SUCCESS);
+}
+
+static void open_device(void)
+{
+    VkPhysicalDeviceVulkan13Features vulkan13 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
+    VkPhysicalDeviceVulkan12Features vulkan12 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
+    VkPhysicalDeviceVulkan11Features vulkan11 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
+    VkPhysicalDeviceFeatures core = {0};
+    uint32_t count = 1;
+    assert_true(vkEnumeratePhysicalDevices(vk.instance, &count, &vk.physical) >= 0 && count);
+    vkGetPhysicalDeviceMemoryProperties(vk.physical, &vk.memory);
+    dt_vk_need_features(&features_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    dt_vk_need_features(&shapes_vk, &core, &vulkan11, &vulkan12, &vulkan13);
+    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                           .queueCount = 1,
+                                           .pQueuePriorities = &(float){1}};
+    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                     .pNext = &vulkan11,
+                                     .queueCreateInfoCount = 1,
+                                     .pQueueCreateInfos = &queue,
+                                     .pEnabledFeatures = &core};
+    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+    assert_int_equal(vkCreateDevice(vk.physical, &info, NULL, &vk.device), VK_SUCCESS);
+    vkGetDeviceQueue(vk.device, 0, 0, &vk.queue);
+    assert_int_equal(vkCreateCommandPool(vk.device, &pool, NULL, &vk.pool), VK_SUCCESS);
+}
+
+/* One buffer for all: a triangle, then the bytes that are read back. */
+static void make_geometry(void)
+{
+    const VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = GEOMETRY_BYTES,
+        .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
+                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_DST_BIT};
+    VkMemoryRequirements needs;
+    assert_int_equal(vkCreateBuffer(vk.device, &info, NULL, &vk.geometry), VK_SUCCESS);
+    vkGetBufferMemoryRequirements(vk.device, vk.geometry, &needs);
+    vk.geometry_memory = allocate_memory(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                                    VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
+    assert_int_equal(vkBindBufferMemory(vk.device, vk.geometry, vk.geometry_memory, 0), VK_SUCCESS);
+    assert_int_equal(vkMapMemory(vk.device, vk.geometry_memory, 0, VK_WHOLE_SIZE, 0, &vk.bytes),
+                     VK_SUCCESS);
+    lay_triangle(vk.bytes);
+    vk.scene = (struct dt_vk_scene){
+        .vertices = {vk.geometry, 0, 3 * sizeof(struct dt_vertex)},
+        .indices = {vk.geometry, INDICES, 3 * sizeof(uint32_t)},
+        .index_count = 3,
+        .materials = {vk.geometry, MATERIALS, DT_MAX_MATERIALS * sizeof(struct dt_material)},
+        .objects = {vk.geometry, OBJECTS, sizeof(struct dt_object)},
+        .numbered = true};
+}
+
+int open_vulkan(void **state)
+{
+    (void)state;
+    open_instance();
+    open_device();
+    make_geometry();
+    return 0;
+}
+
+int close_vulkan(void **state)
+{
+    (void)state;
+    PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+        (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+            vk.instance, "vkDestroyDebugUtilsMessengerEXT");
+    vkDestroyBuffer(vk.device, vk.geometry, NULL);
+    vkFreeMemory(vk.device, vk.geometry_memory, NULL);
+    vkDestroyCommandPool(vk.device, vk.pool, NULL);
+    vkDestroyDevice(vk.device, NULL);
+    destroy(vk.instance, vk.messenger, NULL);
+    vkDestroyInstance(vk.instance, NULL);
+    return heard.validation; /* includes objects that pipelines left behind */
+}
+
+struct dt_vk_host vk_host(void)
+{
+    return (struct dt_vk_host){.log = test_log,
+                               .instance = vk.instance,
+                               .physical_device = vk.physical,
+                               .device = vk.device,
+                               .get_instance_proc_addr = vkGetInstanceProcAddr,
+                               .labels = true};
+}
+
+VkCommandBuffer begin_commands(void)
+{
+    const VkCommandBufferAllocateInfo info = {.sType =
+                                                  VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+                                              .commandPool = vk.pool,
+                                              .commandBufferCount = 1};
+    const VkCommandBufferBeginInfo start = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+    VkCommandBuffer commands;
+    assert_int_equal(vkAllocateCommandBuffers(vk.device, &info, &commands), VK_SUCCESS);
+    assert_int_equal(vkBeginCommandBuffer(commands, &start), VK_SUCCESS);
+    return commands;
+}
+
+void submit_commands(VkCommandBuffer commands)
+{
+    const VkSubmitInfo info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
+                               .commandBufferCount = 1,
+                               .pCommandBuffers = &commands};
+    assert_int_equal(vkEndCommandBuffer(commands), VK_SUCCESS);
+    assert_int_equal(vkQueueSubmit(vk.queue, 1, &info, VK_NULL_HANDLE), VK_SUCCESS);
+}
+
+void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
+{
+    struct dt_vk_resource resource;
+    for (uint32_t i = 0; i < 2; i++) {
+        struct dt_frame frame = frame_of(i);
+        VkCommandBuffer commands = begin_commands();
+        for (uint32_t pass = 0, end; pass < FEATURES_PASSES; pass = end) {
+            end = FEATURES_PASSES - pass < passes ? FEATURES_PASSES : pass + passes;
+            assert_true(dt_vk_record_passes(rt, commands, &frame, NULL, pass, end));
+        }
+        submit_commands(commands);
+    }
+    assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
+    assert_int_equal(resource.format, VK_FORMAT_R32G32B32A32_SFLOAT);
+    assert_int_equal(resource.layout, VK_IMAGE_LAYOUT_GENERAL);
+    assert_int_equal(resource.width, WIDTH);
+    assert_int_equal(resource.height, HEIGHT);
+    assert_int_equal(resource.layers, 1);
+    assert_int_equal(resource.mips, 1);
+    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    VkCommandBuffer commands = begin_commands();
+    vkCmdCopyImageToBuffer(commands, resource.image, resource.layout, vk.geometry, 1, &region);
+    submit_commands(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    memcpy(trail, (const char *)vk.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
+}
+
+void run_frames(struct dt_vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
+{
+    run_parts(rt, FEATURES_PASSES, trail);
+}
+
+struct dt_vk_runtime *open_features(void)
+{
+    struct dt_vk_host host = vk_host();
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    assert_non_null(rt);
+    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    assert_true(dt_vk_create(rt, &features_vk));
+    return rt;
+}
+
+void vulkan_draw(const struct dt_vk_scene *scene, uint8_t trail[TRAIL_BYTES])
+{
+    struct dt_vk_host host = vk_host();
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    assert_true(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, &features_vk) &&
+                dt_vk_resize(rt, WIDTH, HEIGHT));
+    run_frames(rt, trail);
+    dt_vk_close(rt);
+}
+
+struct own_image create_image(const VkImageCreateInfo *info)
+{
+    struct own_image own = {0};
+    VkMemoryRequirements needs;
+    assert_int_equal(vkCreateImage(vk.device, info, NULL, &own.image), VK_SUCCESS);
+    vkGetImageMemoryRequirements(vk.device, own.image, &needs);
+    own.memory = allocate_memory(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    assert_int_equal(vkBindImageMemory(vk.device, own.image, own.memory, 0), VK_SUCCESS);
+    return own;
+}
+
+struct own_image make_image(VkFormat format, VkExtent3D extent, uint32_t layers,
+                            VkImageUsageFlags usage)
+{
+    const VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
+                                    .imageType = VK_IMAGE_TYPE_2D,
+                                    .format = format,
+                                    .extent = extent,
+                                    .mipLevels = 1,
+                                    .arrayLayers = layers,
+                                    .samples = VK_SAMPLE_COUNT_1_BIT,
+                                    .usage = usage};
+    struct own_image own = create_image(&info);
+    const VkImageViewCreateInfo view = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
+        .image = own.image,
+        .viewType = VK_IMAGE_VIEW_TYPE_2D_ARRAY,
+        .format = format,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, layers}};
+    assert_int_equal(vkCreateImageView(vk.device, &view, NULL, &own.view), VK_SUCCESS);
+    return own;
+}
+
+void destroy_image(const struct own_image *own)
+{
+    vkDestroyImageView(vk.device, own->view, NULL);
+    vkDestroyImage(vk.device, own->image, NULL);
+    vkFreeMemory(vk.device, own->memory, NULL);
+}
+
+void move_image(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to)
+{
+    const VkImageMemoryBarrier barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER,
+        .srcAccessMask = VK_ACCESS_MEMORY_WRITE_BIT,
+        .dstAccessMask = VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT,
+        .oldLayout = from,
+        .newLayout = to,
+        .image = image,
+        .subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS}};
+    vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                         VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, 0, 0, NULL, 0, NULL, 1, &barrier);
+}
+
+bool vulkan_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)
+{
+    return dt_vk_write(outside.rt, outside.commands, resource, mip, bytes);
+}
+
+bool vulkan_records(void)
+{
+    struct dt_frame frame = frame_of(0);
+    return dt_vk_record(outside.rt, outside.commands, &frame, NULL);
+}
+
+void record_picture(VkDeviceSize offset)
+{
+    struct dt_vk_resource picture = {0};
+    assert_true(vulkan_records() &&
+                dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
+    const VkBufferImageCopy region = {.bufferOffset = offset,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    vkCmdCopyImageToBuffer(outside.commands, picture.image, picture.layout, vk.geometry, 1,
+                           &region);
+}
