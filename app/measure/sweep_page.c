@@ -25,7 +25,7 @@ static void put_value(FILE *out, const cJSON *value)
     }
 }
 
-static void add_cell(cJSON *cells, const cJSON *value)
+static void add_value_cell(cJSON *cells, const cJSON *value)
 {
     char *text = NULL;
     size_t size;
@@ -63,7 +63,7 @@ static bool is_member(const cJSON *row, const char *name, const char *text)
 }
 
 /* The table's row; a run that is not as it should be also goes to `cases`, with its command. */
-static void add_row(cJSON *page, const cJSON *heads, const cJSON *row)
+static void add_page_row(cJSON *page, const cJSON *heads, const cJSON *row)
 {
     bool good = is_member(row, "verdict", "agree") || is_member(row, "agree", "yes");
     bool bad = is_member(row, "verdict", "differ") || is_member(row, "verdict", "failed") ||
@@ -72,7 +72,8 @@ static void add_row(cJSON *page, const cJSON *heads, const cJSON *row)
     cJSON *item = cJSON_CreateObject();
     cJSON_AddStringToObject(item, "class", good ? "agree" : bad ? "differ" : "");
     cJSON *cells = cJSON_AddArrayToObject(item, "cells");
-    cJSON_ArrayForEach(head, heads) add_cell(cells, cJSON_GetObjectItem(row, head->valuestring));
+    cJSON_ArrayForEach(head, heads)
+        add_value_cell(cells, cJSON_GetObjectItem(row, head->valuestring));
     cJSON_AddItemToArray(cJSON_GetObjectItem(page, "rows"), item);
     if (bad && cJSON_IsString(command)) {
         cJSON *shown = cJSON_CreateObject();
@@ -134,7 +135,7 @@ bool sweep_write_page(struct console *console, const char *folder, const cJSON *
     cJSON_AddItemToObject(page, "plots",
                           plots ? cJSON_Duplicate(plots, true) : cJSON_CreateArray());
     add_verdicts(page, rows);
-    cJSON_ArrayForEach(row, rows) add_row(page, heads, row);
+    cJSON_ArrayForEach(row, rows) add_page_row(page, heads, row);
     cJSON_AddItemToObject(page, "heads", heads);
     bool good = path && fill_page(console, "sweep.html", path, page);
     cJSON_Delete(page);

@@ -154,7 +154,9 @@ static uint32_t bits_before(const struct sanitizer *s, const uint32_t *whole, co
 
 static uint32_t mask_of(uint32_t first, uint32_t count)
 {
-    return first > 31 ? 0 : UINT32_MAX >> (32 - count) << first;
+    if (first > 31 || !count)
+        return 0;
+    return (count > 31 ? UINT32_MAX : (1u << count) - 1) << first;
 }
 
 /* What a pointer leads to: bits of a variable. */
@@ -171,8 +173,8 @@ static uint32_t put_two(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32
     return result;
 }
 
-static void follow(struct sanitizer *s, struct bit_range *range, const uint32_t *whole,
-                   uint32_t index)
+static void follow_index(struct sanitizer *s, struct bit_range *range, const uint32_t *whole,
+                         uint32_t index)
 {
     const uint32_t *i = spirv_definition(s->from, index);
     bool deep = has_parts(range->type) && bit_count(s, whole, range->type) > 1;
@@ -201,7 +203,7 @@ static struct bit_range range_of(struct sanitizer *s, uint32_t pointer)
     }
     struct bit_range range = range_of(s, i[3]);
     for (uint32_t word = 4; range.type && word < spirv_length(i); word++)
-        follow(s, &range, pointee(s, range.variable), i[word]);
+        follow_index(s, &range, pointee(s, range.variable), i[word]);
     return range;
 }
 
@@ -231,7 +233,7 @@ static uint32_t put_mask(struct sanitizer *s, const struct bit_range *range, uin
     return put_two(s, SpvOpBitwiseAnd, moved, sanitizer_number(s, all));
 }
 
-static uint32_t put_load(struct sanitizer *s, uint32_t bits)
+static uint32_t put_assigned_load(struct sanitizer *s, uint32_t bits)
 {
     uint32_t result = s->edit.bound++;
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), result, bits);
@@ -247,12 +249,12 @@ static void put_set(struct sanitizer *s, uint32_t pointer)
         return;
     uint32_t mask = put_mask(s, &range, UINT32_MAX);
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits,
-              put_two(s, SpvOpBitwiseOr, put_load(s, bits), mask));
+              put_two(s, SpvOpBitwiseOr, put_assigned_load(s, bits), mask));
 }
 
 static void put_copy(struct sanitizer *s, uint32_t to, uint32_t from)
 {
-    uint32_t bits = put_load(s, from);
+    uint32_t bits = put_assigned_load(s, from);
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, to, bits);
 }
 
@@ -278,7 +280,7 @@ static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
     char text[160];
     name = name && *name ? name : "a variable";
     snprintf(text, sizeof text, "`%.60s` is read before it has a value", name);
-    struct values values = {{put_load(s, bits_of(s, variable)), wanted}, 2};
+    struct values values = {{put_assigned_load(s, bits_of(s, variable)), wanted}, 2};
     sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
     sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
 }
@@ -290,7 +292,8 @@ static uint32_t put_wanted(struct sanitizer *s, const uint32_t *load, const stru
     uint32_t mask = put_mask(s, range, s->ids[load[2]].parts);
     if (!any)
         return mask;
-    uint32_t own = put_two(s, SpvOpBitwiseAnd, put_load(s, bits_of(s, range->variable)), mask);
+    uint32_t own =
+        put_two(s, SpvOpBitwiseAnd, put_assigned_load(s, bits_of(s, range->variable)), mask);
     uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{own}, 1});
     return put_two(s, SpvOpBitwiseAnd, none, mask);
 }
@@ -339,11 +342,9 @@ static uint32_t put_counts(struct sanitizer *s, const uint32_t *guard, uint32_t 
 static void put_guarded(struct sanitizer *s, const uint32_t *load, uint32_t counts)
 {
     struct bit_range range = range_of(s, load[3]);
-    uint32_t wanted = s->edit.bound;
     if (!range.type || !bits_of(s, range.variable))
         return;
-    uint32_t mask = put_wanted(s, load, &range, false);
-    wanted = s->edit.bound++;
+    uint32_t mask = put_wanted(s, load, &range, false), wanted = s->edit.bound++;
     SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), wanted, counts, mask,
               sanitizer_number(s, 0));
     put_check(s, range.variable, wanted);
@@ -404,7 +405,7 @@ static void put_stored(struct sanitizer *s, const uint32_t *store)
     }
     put_copy(s, bits, bits_of(s, from));
     if (!is_temporary(s, from) && !is_temporary(s, variable)) { /* it was told */
-        uint32_t before = put_load(s, bits);
+        uint32_t before = put_assigned_load(s, bits);
         uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{before}, 1});
         SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits,
                   put_two(s, SpvOpBitwiseOr, before, none));

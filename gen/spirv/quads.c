@@ -277,7 +277,8 @@ void quads_end(struct sanitizer *s)
     if (!function)
         return;
     spirv_copy(&s->edit, &s->edit.code, s->from->words + function->begin);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLabel, s->edit.bound++);
+    uint32_t label = s->edit.bound++;
+    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLabel, label);
     for (uint32_t i = 0; i < s->quads->count; i++)
         put_quad(s, &s->quads->list[i]);
     if (s->quads->discard)

@@ -109,10 +109,10 @@ static void tap_target(struct tap_vk *taps, VkCommandBuffer commands, const char
                        const char *resource, const struct target *target, VkFormat format)
 {
     const struct tap_vk_image_info image = {.image = target->image,
-                                       .format = format,
-                                       .layout = VK_IMAGE_LAYOUT_GENERAL,
-                                       .width = (unsigned)target->width,
-                                       .height = (unsigned)target->height};
+                                            .format = format,
+                                            .layout = VK_IMAGE_LAYOUT_GENERAL,
+                                            .width = (unsigned)target->width,
+                                            .height = (unsigned)target->height};
     tap_vk_image(taps, commands, pass, resource, &image);
 }
 
