@@ -3,8 +3,7 @@
 # `allow` is of use. Long: all of them, on more scenes. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 scenes=(cornell)
-specs=("$root"/tests/specs/{atomics,bloom,body,features,groups,layouts,mips,objects,parts,particles,proof,proof_fixed,proof_open,reproject,shapes}.yaml
-    "$root"/tests/specs/{subgroups,upsample,whole,work}.yaml "$root"/templates/{machine,post,taa}.yaml)
+specs=("$root"/tests/specs/{atomics,bloom,features,layouts,parts,proof_open,shapes,whole,work}.yaml "$root"/templates/{machine,post,taa}.yaml)
 if [ -n "${DIPTYCH_LONG:-}" ]; then
     scenes=(cornell cornell_light cornell_walk white_box)
     mapfile -t specs < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml)
