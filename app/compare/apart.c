@@ -1,4 +1,4 @@
-/* Starts compare; see apart.h. */
+/* Starts this program once more; see apart.h. */
 #include "compare/apart.h"
 
 #include <stdio.h>
@@ -42,6 +42,21 @@ static void add_edits(struct words *words, const char *edits)
     free(copy);
 }
 
+static void add_spec(struct words *words, const struct setup *setup, const char *edits)
+{
+    add_option(words, "--spec", setup->spec);
+    for (uint32_t i = 0; i < setup->set_count; i++)
+        add_option(words, "--set", setup->sets[i]);
+    add_edits(words, edits);
+}
+
+static void free_words(struct words *words)
+{
+    for (uint32_t i = 0; words && i < words->count; i++)
+        free(words->list[i]);
+    free(words);
+}
+
 static void fill(struct words *words, const struct compare_apart *apart)
 {
     const struct setup *setup = apart->setup;
@@ -50,7 +65,7 @@ static void fill(struct words *words, const struct compare_apart *apart)
     snprintf(frames, sizeof frames, "%u", apart->frames);
     add_option(words, "/proc/self/exe", "compare");
     add_option(words, "--backend", setup->backend);
-    add_option(words, "--spec", setup->spec);
+    add_spec(words, setup, apart->edits);
     add_option(words, "--scene", setup->scene);
     add_option(words, "--scenes", setup->scenes);
     add_option(words, "--device", setup->device);
@@ -59,9 +74,6 @@ static void fill(struct words *words, const struct compare_apart *apart)
         add(words, "--glsl");
     for (uint32_t i = 0; i < setup->inputs.count; i++)
         add_option(words, "--input", setup->inputs.items[i]);
-    for (uint32_t i = 0; i < setup->set_count; i++)
-        add_option(words, "--set", setup->sets[i]);
-    add_edits(words, apart->edits);
     add_option(words, "--size", size);
     add_option(words, "--frames", frames);
     add_option(words, "--motion", apart->motion);
@@ -78,8 +90,21 @@ int compare_apart(struct console *console, const struct compare_apart *apart)
         report_error(&console->log, "compare: out of memory, or more than %d words", MOST_WORDS);
     else
         status = tool_status(words->list, console);
-    for (uint32_t i = 0; words && i < words->count; i++)
-        free(words->list[i]);
-    free(words);
+    free_words(words);
     return status;
+}
+
+bool list_apart(struct console *console, const struct setup *setup, const char *edits,
+                const char *gpu, const char *json)
+{
+    struct words *words = calloc(1, sizeof *words);
+    if (words) {
+        add_option(words, "/proc/self/exe", "list");
+        add_spec(words, setup, edits);
+        add_option(words, "--gpu", gpu);
+        add_option(words, "--json", json);
+    }
+    bool good = words && !words->failed && tool_quiet(words->list, console);
+    free_words(words);
+    return good;
 }

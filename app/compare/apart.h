@@ -1,4 +1,4 @@
-/* `compare --bisect` in a process of its own, for a window whose drivers are open: they stand no fork. */
+/* Other verbs in a process of its own, for a window whose drivers are open: they stand no fork. */
 #ifndef DIPTYCH_APART_H
 #define DIPTYCH_APART_H
 
@@ -14,7 +14,10 @@ struct compare_apart {
     const char *folder; /* to write */
 };
 
-/* Waits for its end. Returns the exit status of compare, or -1 with the error logged. */
+/* `compare --bisect`. Waits for its end. Returns the exit status of compare, or -1 with the error logged. */
 int compare_apart(struct console *console, const struct compare_apart *apart);
+/* `list --gpu`, without a word; `edits` as above. Waits for its end. Whether it has written its JSON into the file. */
+bool list_apart(struct console *console, const struct setup *setup, const char *edits,
+                const char *gpu, const char *json);
 
 #endif

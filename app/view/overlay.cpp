@@ -181,7 +181,17 @@ static void side_column(const struct overlay_model *model, uint32_t side)
                     width * static_cast<float>(model->side_count - side));
 }
 
-/* Columns for waves of `cost` would be the same. */
+/* Left of the sides. */
+static void waves(const struct overlay_model *model, const struct overlay_waves *of_pass)
+{
+    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
+                    ImGui::GetFontSize() * (3.4f * static_cast<float>(model->side_count) + 2.4f));
+    if (std::isnan(of_pass->waves))
+        return ImGui::TextDisabled("-");
+    ImGui::Text("%.0f", of_pass->waves);
+    tip(of_pass->tip);
+}
+
 static void times(const struct overlay_model *model, const double ms[OVERLAY_SIDES])
 {
     for (uint32_t k = 0; k < model->side_count; k++) {
@@ -268,6 +278,8 @@ static void pass(struct overlay *overlay, struct overlay_model *model, uint32_t 
     tip(skipped ? "skipped in this frame" : pass->doc ? pass->doc : "");
     if (overlay->seek && overlay->guilty == index + 1)
         ImGui::SetScrollHereY();
+    if (model->waves)
+        waves(model, &model->waves[index]);
     times(model, ms);
     for (uint32_t i = first[index]; open && i < first[index + 1]; i++)
         if (whole || is_sought(overlay->search, model->rows->outputs.list[i].name))
@@ -321,6 +333,13 @@ static void passes(struct overlay *overlay, struct overlay_model *model)
     ImGui::InputTextWithHint("##search", "search passes and resources", overlay->search,
                              sizeof overlay->search);
     ImGui::TextDisabled("milliseconds");
+    if (model->waves) {
+        ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
+                        ImGui::GetFontSize() *
+                            (3.4f * static_cast<float>(model->side_count) + 2.9f));
+        ImGui::TextDisabled("waves");
+        tip(model->gpu);
+    }
     for (uint32_t k = 0; k < model->side_count; k++) {
         side_column(model, k);
         ImGui::TextDisabled("%.6s", model->sides[k].label);

@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
+#include "measure/cost.h"
 #include "scenes/motion.h"
 #include "spec/inputs.h"
 #include "run/camera.h"
@@ -143,7 +144,9 @@ static bool open_view(struct view *view)
     view->backend_given = options->setup.backend;
     if (!options->setup.spec && !options->setup.scene)
         view->own.setup.scene = "cornell";
-    if ((options->screenshot && !file_can_write(options->screenshot, log)) ||
+    if ((options->gpu &&
+         !(cost_chip(options->gpu, strlen(options->gpu), log) && cost_has_radv(log))) ||
+        (options->screenshot && !file_can_write(options->screenshot, log)) ||
         (options->present && !file_can_write(options->present, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, &options->setup) || !view_find_home(view) ||
         !read_fault(view) || !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
@@ -162,6 +165,7 @@ static bool open_view(struct view *view)
         view->own.setup.for_gpu &= view->side[i].session.for_gpu;
     view->reload = reload_start(view->console, &view->own.setup, &view->pipeline);
     console_status(view->console, "%s", "");
+    view_waves_ask(view);
     return view->reload && view_times_create(view) && view_params_create(view) &&
            view_verdict_create(view);
 }
@@ -298,6 +302,7 @@ bool view_render(struct view *view)
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
     view_verdict_begin(view);
+    view_waves_poll(view);
     if (view->moving)
         move(view);
     scene_frame(&view->scene, view->size[0], view->size[1], &frame);
@@ -479,6 +484,7 @@ int verb_view(struct console *console, const struct options *options)
         view_settings_write(&view);
     }
     view_bisect_end(&view);
+    view_waves_end(&view);
     reload_stop(view.reload);
     close_sides(&view);
     view_outline_forget(&view);

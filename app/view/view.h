@@ -55,6 +55,14 @@ struct view_verdict {
     double checked, cost;      /* end of the last check, and how long it took, in milliseconds */
 };
 
+/* --gpu: see view_waves.c. */
+struct view_waves {
+    struct overlay_waves *list; /* per pass; NULL: not known; owned */
+    struct asking *asking;      /* a thread at work; NULL: none */
+    pthread_t thread;
+    bool wanted; /* to be asked, after the thread that runs */
+};
+
 /* The parameters as the user has them. */
 struct view_params {
     struct overlay_param *list; /* owned, like the next two */
@@ -112,6 +120,7 @@ struct view {
     pthread_t bisector; /* joined at the end, or before the next */
     bool bisected;
     atomic_bool bisecting;
+    struct view_waves waves;
     struct reload *reload;
     bool reloading;
     uint32_t losses;      /* of devices */
@@ -185,7 +194,7 @@ bool view_times_take(struct view_side *side, double frame_ms); /* after its fram
 /* Whether the last pass that writes the resource was skipped in the last frame. */
 bool view_is_skipped(const struct view *view, const struct view_side *side, uint32_t resource);
 bool view_overlay_build(struct view *view); /* applies the user's changes of parameters */
-void view_tell(const struct view *view); /* for --json: frames, and median times of the last ones */
+void view_tell(struct view *view); /* for --json: frames, and median times of the last ones */
 
 /* ---- view_reload.c --------------------------------------------------------------------------- */
 
@@ -236,6 +245,14 @@ void view_settings_read(struct overlay_settings *settings);
 void view_settings_write(const struct view *view);
 void view_log_open(struct view *view); /* from now on, messages are kept, too */
 void view_log_close(struct view *view);
+
+/* ---- view_waves.c ---------------------------------------------------------------------------- */
+
+void view_waves_ask(struct view *view);  /* of the pipeline as it is from now on */
+void view_waves_poll(struct view *view); /* in each frame */
+/* Waits for the answer, and adds "waves", a number for each pass, if there is one. */
+void view_waves_tell(struct view *view, struct cJSON *root);
+void view_waves_end(struct view *view);
 
 /* ---- view_picture.c -------------------------------------------------------------------------- */
 

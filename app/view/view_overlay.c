@@ -175,6 +175,8 @@ static bool describe(struct view *view, const char *title, const char *state, co
         .error = view->error,
         .error_title = view->outline_wrong ? "view.yaml is wrong; the pipeline runs"
                                            : "reload failed; what was good before runs on",
+        .waves = view->waves.list,
+        .gpu = view->options->gpu,
         .why = verdict->worst == OVERLAY_DIFFERS ? verdict->why : NULL,
         .undefined =
             view->options->setup.sanitize ? (verdict->undefined ? verdict->undefined : "") : NULL,
@@ -241,7 +243,7 @@ static cJSON *side_json(const struct view *view, uint32_t index)
     return item;
 }
 
-void view_tell(const struct view *view)
+void view_tell(struct view *view)
 {
     cJSON *root = cJSON_CreateObject(), *sides = cJSON_CreateArray();
     cJSON_AddStringToObject(root, "pipeline", view->pipeline.info->name);
@@ -257,6 +259,7 @@ void view_tell(const struct view *view)
     free(changes);
     if (view->verdict.worst == OVERLAY_DIFFERS && view->verdict.why)
         cJSON_AddStringToObject(root, "why", view->verdict.why);
+    view_waves_tell(view, root);
     if (view->verdict.undefined)
         cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
     if (view->verdict.known && view->side_count > 1)

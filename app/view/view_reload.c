@@ -117,6 +117,7 @@ static bool start_pipeline(struct view *view, const struct kept_shown *shown, bo
         memcpy(view->size, view->pipeline.frame_size, sizeof view->size);
     created = created && create(view);
     view->device_ms = milliseconds_now() - begun;
+    view_waves_ask(view);
     return created && keep_shown(view, shown) && view_times_create(view) &&
            view_params_create(view) && view_verdict_create(view) && view_render(view);
 }
