@@ -22,7 +22,7 @@ struct asking {
     atomic_bool running;
 };
 
-static double number_of(const cJSON *stage, const char *name)
+static double stage_number(const cJSON *stage, const char *name)
 {
     const cJSON *number = cJSON_GetObjectItem(stage, name);
     return cJSON_IsNumber(number) ? number->valuedouble : NAN;
@@ -35,7 +35,7 @@ static struct overlay_waves waves_of(const cJSON *pass, const char *gpu)
     const cJSON *stage;
     cJSON_ArrayForEach(stage, cJSON_GetObjectItem(pass, "stages"))
     {
-        double number = number_of(stage, "waves");
+        double number = stage_number(stage, "waves");
         const char *limit = cJSON_GetStringValue(cJSON_GetObjectItem(stage, "limit"));
         if (isnan(number) || number >= waves.waves)
             continue;
@@ -43,7 +43,7 @@ static struct overlay_waves waves_of(const cJSON *pass, const char *gpu)
         snprintf(waves.tip, sizeof waves.tip,
                  "%s: %.0f waves of a SIMD%s%s, %.0f VGPRs, %.0f spills", gpu, number,
                  limit && *limit ? ", limited by " : "", limit ? limit : "",
-                 number_of(stage, "vgprs"), number_of(stage, "spills"));
+                 stage_number(stage, "vgprs"), stage_number(stage, "spills"));
     }
     return waves;
 }
@@ -62,7 +62,7 @@ static void read_answer(struct asking *asking)
     free(text);
 }
 
-static void *ask(void *user)
+static void *ask_for_waves(void *user)
 {
     struct asking *asking = user;
     if (list_apart(asking->console, asking->setup, asking->edits, asking->gpu, asking->file))
@@ -104,7 +104,8 @@ static void start(struct view *view)
     asking->edits = view_params_text(view, "", "\n", true, true);
     asking->file = answer_file();
     asking->running = true;
-    if (asking->edits && asking->file && pthread_create(&waves->thread, NULL, ask, asking) == 0)
+    if (asking->edits && asking->file &&
+        pthread_create(&waves->thread, NULL, ask_for_waves, asking) == 0)
         waves->asking = asking;
     else
         free_asking(asking);
@@ -118,7 +119,7 @@ void view_waves_ask(struct view *view)
 }
 
 /* Waits for the thread, and takes its answer. */
-static void collect(struct view *view)
+static void take_answer(struct view *view)
 {
     struct view_waves *waves = &view->waves;
     struct asking *asking = waves->asking;
@@ -135,7 +136,7 @@ void view_waves_poll(struct view *view)
 {
     struct view_waves *waves = &view->waves;
     if (waves->asking && !waves->asking->running)
-        collect(view);
+        take_answer(view);
     if (waves->wanted && !waves->asking) {
         waves->wanted = false;
         start(view);
@@ -145,7 +146,7 @@ void view_waves_poll(struct view *view)
 void view_waves_tell(struct view *view, cJSON *root)
 {
     if (view->waves.asking)
-        collect(view);
+        take_answer(view);
     cJSON *list = view->waves.list ? cJSON_AddArrayToObject(root, "waves") : NULL;
     for (uint32_t i = 0; list && i < view->pipeline.info->pass_count; i++)
         cJSON_AddItemToArray(list, cJSON_CreateNumber(view->waves.list[i].waves));
