@@ -60,7 +60,7 @@ changed_lines() { # file file: lines of the second that the first lacks
 }
 # shellcheck disable=SC2317
 holds_json() { # expression of d
-    /usr/bin/python3 -c 'import json, sys; d = json.load(open("view.json")); sys.exit(not eval(sys.argv[1]))' "$1"
+    json_holds view.json "$1"
 }
 # shellcheck disable=SC2317
 is_told() { # status text command...

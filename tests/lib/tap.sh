@@ -54,6 +54,10 @@ wait_until() { # command...: tries every 0.1 s whether it holds, for ten minutes
     return 1
 }
 
+json_holds() { # file expression, in Python, of the document d
+    /usr/bin/python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); sys.exit(not eval(sys.argv[2]))' "$@"
+}
+
 skip() { # description reason
     tap_count=$((tap_count + 1))
     echo "ok $tap_count - $1 # SKIP $2"
