@@ -222,8 +222,8 @@ static double rounded_up(double value, char text[24])
 enum { FEW_ULP = 16 };
 #define SMALL_REL 0.01
 
-/* Of a pass that its `exactness` leaves free: what each side is from exact, and half of what two are apart.
- * Where the spec lets a share of the elements be further away, and some are, its contract stays. */
+/* The contract of a fast pass. Its bound is the largest distance of a side from the exact twin, or half the distance between
+ * two sides if that is more. The spec's own contract stays if it allows outliers and there are some. */
 static struct dt_contract choose_of_exact(const struct bound *bound, FILE *out)
 {
     const struct dt_contract *given = &bound->resource->contract;

@@ -181,11 +181,16 @@ static void side_column(const struct overlay_model *model, uint32_t side)
                     width * static_cast<float>(model->side_count - side));
 }
 
-/* Left of the sides. */
+/* Left of the sides, `em` letters wide. */
+static void waves_column(const struct overlay_model *model, float em)
+{
+    float sides = 3.4f * static_cast<float>(model->side_count);
+    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::GetFontSize() * (sides + em));
+}
+
 static void waves(const struct overlay_model *model, const struct overlay_waves *of_pass)
 {
-    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
-                    ImGui::GetFontSize() * (3.4f * static_cast<float>(model->side_count) + 2.4f));
+    waves_column(model, 2.4f);
     if (std::isnan(of_pass->waves))
         return ImGui::TextDisabled("-");
     ImGui::Text("%.0f", of_pass->waves);
@@ -334,9 +339,7 @@ static void passes(struct overlay *overlay, struct overlay_model *model)
                              sizeof overlay->search);
     ImGui::TextDisabled("milliseconds");
     if (model->waves) {
-        ImGui::SameLine(ImGui::GetWindowContentRegionMax().x -
-                        ImGui::GetFontSize() *
-                            (3.4f * static_cast<float>(model->side_count) + 2.9f));
+        waves_column(model, 2.9f);
         ImGui::TextDisabled("waves");
         tip(model->gpu);
     }

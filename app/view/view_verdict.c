@@ -66,6 +66,8 @@ void view_verdict_begin(struct view *view)
     forget(verdict);
     memset(verdict->marks, 0, verdict->rows.outputs.count * sizeof *verdict->marks);
     verdict->first = verdict->rows.outputs.count;
+    free(verdict->why);
+    verdict->why = NULL;
     verdict->checked = now; /* the start, until the end is known */
 }
 

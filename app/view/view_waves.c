@@ -85,7 +85,8 @@ static void free_asking(struct asking *asking)
 
 static char *answer_file(void)
 {
-    char *path = strdup("/tmp/diptych-waves-XXXXXX");
+    const char *place = getenv("TMPDIR");
+    char *path = format_string("%s/diptych-XXXXXX", place && *place ? place : "/tmp");
     int file = path ? mkstemp(path) : -1;
     if (file >= 0)
         close(file);

@@ -13,7 +13,7 @@ struct c_output {
     const struct pipeline *pipeline;
     const struct lowered *tables; /* NULL for NAME.h */
     struct text *out;
-    const char *suffix; /* of the names of what is for GPUs alone, else NULL */
+    const char *suffix; /* ends the names of the tables for GPUs; NULL: these are the others */
 };
 #define C_GPU "_gpu"
 

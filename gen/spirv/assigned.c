@@ -1,7 +1,7 @@
 /* --sanitize=variable: variables that are read before they have a value. Each variable of a body has a word of bits beside it,
  * one bit per scalar if these are up to 32, else one per part: set by stores, copied where a value is only copied, and passed with a
- * pointer to a function. A read that goes elsewhere is told if a bit is missing that it uses. A read of a struct or array as a
- * whole is told where nothing of it was assigned. */
+ * pointer to a function. A read whose value is used, not just copied, is reported if one of its bits is not set. A read of a whole
+ * struct or array is reported if none of its bits is set. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -240,7 +240,7 @@ static uint32_t put_assigned_load(struct sanitizer *s, uint32_t bits)
     return result;
 }
 
-/* All of what a pointer leads to has a value. */
+/* Sets the bits of all that the pointer points to. */
 static void put_set(struct sanitizer *s, uint32_t pointer)
 {
     struct bit_range range = range_of(s, pointer);
@@ -285,7 +285,7 @@ static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
     sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
 }
 
-/* The mask of what a load needs. `any`: of a struct or array as a whole, which is told where nothing of it has a value. */
+/* The bits that must be set for a load. `any`: one of them is enough, as for a whole struct or array. */
 static uint32_t put_wanted(struct sanitizer *s, const uint32_t *load, const struct bit_range *range,
                            bool any)
 {
@@ -375,7 +375,7 @@ static void put_choice(struct sanitizer *s, const uint32_t *i)
 
 /* ---- Reads and stores ------------------------------------------------------------------------ */
 
-/* Of a copy, a part that is missing is told where it is read. */
+/* A load that only copies is reported only if no bit is set: the copy gets the bits, and its own reads are checked. */
 static void put_read(struct sanitizer *s, const uint32_t *load)
 {
     uint32_t variable = variable_of(s, load[3]), word;

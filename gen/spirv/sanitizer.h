@@ -73,7 +73,7 @@ struct words {
 };
 /* mark: of the value that is stored, 0: none. Returns that of all words, 0 where no visitor returned one. */
 uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark);
-/* The first word of what a pointer leads to, and how many follow each other from there. */
+/* The first word of memory that the pointer points to; *words: how many there are, one after the other. */
 uint32_t memory_range(struct sanitizer *s, const struct memory *memory, uint32_t pointer,
                       uint32_t *words);
 /* The index of a texel in its image, by diptych_at_B(); 0: it is not followed. */
