@@ -1,7 +1,7 @@
 #!/bin/sh
-# Makes build/diptych-VERSION-bundle, a folder for a machine with a GPU and without packages or a network: commands, the libraries
-# that they need (not the drivers), specs, two scenes, and `run`. Called by `ninja bundle`, with the version. Libraries that drivers
-# use, too, are the machine's own where it has them: a driver may need newer ones.
+# Makes build/diptych-VERSION-bundle, a folder for a machine with a GPU and without packages or a network, and the same packed, at
+# most 20 MiB: commands, the libraries that they need (not the drivers), specs, two scenes, and `run`. Called by `ninja bundle`, with
+# the version. Libraries that drivers use, too, are the machine's own where it has them: a driver may need newer ones.
 set -eu
 version=$1
 bundle=build/diptych-$version-bundle
@@ -28,4 +28,5 @@ ldd build/bundle/diptych build/diptych-gen build/bundle/libdiptych_image.so | aw
 cp app/bundle/run.sh "$bundle/run"
 chmod 755 "$bundle/run"
 cp LICENSE "$bundle"
-du -sm "$bundle" | awk '{print $2 ": " $1 " MiB"; exit $1 > 60}'
+tar -cJf "$bundle.tar.xz" -C build "$(basename "$bundle")"
+du -m "$bundle.tar.xz" | awk '{print $2 ": " $1 " MiB"; exit $1 > 20}'

@@ -118,10 +118,19 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 
 /* ---- Functions ------------------------------------------------------------------------------- */
 
-/* Whether exact pipelines decode it themselves. */
-static bool is_srgb(const struct glsl *glsl, const struct access *access)
+/* The function of templates/glsl/decode.glsl that finds the value of a texel again: decode_NAME. */
+static const char *decoding(const struct glsl *glsl, const struct access *access)
 {
-    return !glsl->pass->fast && access->resource->format == DT_FORMAT_RGBA8_SRGB;
+    static const char *const names[] = {[NUMBER_UNORM8] = "unorm8",
+                                        [NUMBER_UNORM16] = "unorm16",
+                                        [NUMBER_SNORM16] = "snorm16",
+                                        [NUMBER_R10] = "rgb10a2"};
+    enum dt_format format = access->resource->format;
+    size_t kind = format_info(format)->kind;
+    const char *name = format == DT_FORMAT_RGBA8_SRGB ? "srgb"
+                       : kind < DT_ARRAY_COUNT(names) ? names[kind]
+                                                      : NULL;
+    return name && !glsl->pass->fast ? name : "plain";
 }
 
 /* Reads a texel by position. Only the first access of a name gets this function. If an access sees
@@ -132,17 +141,14 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
     const char *position = is_layered(access) ? "ivec3" : "ivec2";
-    bool depth = image->format == DT_FORMAT_D32F, srgb = is_srgb(glsl, access);
-    if (is_storage(access))
-        text_add(out, "%svec4 %s(%s p)\n{\n    return imageLoad(%s, p);\n}\n\n", prefix,
-                 access_word(access), position, variable);
-    else
-        text_add(out, "%s%s %s(%s p)\n{\n    return %stexelFetch(%s, p, 0)%s;\n}\n\n",
-                 depth ? "" : prefix, depth ? "float" : "vec4", access_word(access), position,
-                 srgb ? "filter_srgb(" : "", variable,
-                 depth  ? ".x"
-                 : srgb ? ")"
-                        : "");
+    const char *decode = decoding(glsl, access);
+    bool depth = image->format == DT_FORMAT_D32F, plain = !strcmp(decode, "plain");
+    text_add(out, "%s%s %s(%s p)\n{\n    return ", depth ? "" : prefix, depth ? "float" : "vec4",
+             access_word(access), position);
+    if (!plain)
+        text_add(out, "decode_%s(", decode);
+    text_add(out, is_storage(access) ? "imageLoad(%s, p)" : "texelFetch(%s, p, 0)", variable);
+    text_add(out, "%s%s;\n}\n\n", plain ? "" : ")", depth ? ".x" : "");
 }
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -187,9 +193,9 @@ static void add_filter(const struct glsl *glsl, const struct access *access, boo
                                         [DT_WRAP_BORDER] = "clamp"};
     const struct sampler *filter = access->filter;
     const char *name = access_word(access), *kind = is_layered(access) ? "2DArray" : "2D";
-    text_add(out, "filter_%s(filter_texel_%s, sampler%s, filter_%s, filter_%s, filter_%s);\n",
+    text_add(out, "filter_%s(filter_texel_%s, sampler%s, filter_%s, decode_%s, filter_%s);\n",
              filter->wrap == DT_WRAP_BORDER ? "border" : "texel", name, kind, kind,
-             is_srgb(glsl, access) ? "srgb" : "plain", wraps[filter->wrap]);
+             decoding(glsl, access), wraps[filter->wrap]);
     text_add(out, "filter_%s(filter_level_%s, sampler%s, filter_texel_%s);\n",
              filter->linear ? "linear" : "nearest", name, kind, name);
     if (lod)

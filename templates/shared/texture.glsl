@@ -6,7 +6,7 @@ vec3 texture_texel(ivec2 p, int layer, int level)
 {
     vec4 texel = texelFetch(scene_textures, ivec3(p, layer), level);
 #ifdef EXACT
-    texel = filter_srgb(texel);
+    texel = decode_srgb(texel);
 #endif
     return texel.rgb;
 }

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """For stores_test.sh: `make FOLDER` writes values.npy and fractions.npy; `check DUMP FOLDER` decodes the codes that
-tests/specs/stores.yaml stored. Each must equal the nearest code, ties to even, which Python's own arithmetic gives."""
+tests/specs/stores.yaml stored. Each must equal the nearest code, ties to even, which Python's own arithmetic gives. What the spec then
+read must equal code / most, as near as floats come."""
 import glob, itertools, math, struct, sys
 
 COUNT = 96000
@@ -105,6 +106,23 @@ def check(dump, folder):
                                ("draw.shorts_drawn", "H", [min(x, 65535) for x in bits])):
         expect(name, load(name, code), wanted, values)
     expect("r16_snorm", load("store.snorm16_stored", "h"), snorm, fractions)
+
+
+    codes = load("store.unorm10_stored", "I")
+    columns = [[single(c / most) for c in column] for column, most in (
+        ([c & 255 for c in load("store.unorm8_stored", "I")], 255), ([c & 1023 for c in codes], 1023), ([c >> 30 for c in codes], 3),
+        (load("store.unorm16_stored", "H"), 65535))]
+    signed_values = [single(max(c, -32767) / 32767) for c in load("store.snorm16_stored", "h")]
+
+    def texels(name, channels):
+        return list(struct.iter_unpack(f"<{channels}f", open(f"{dump}/{name}.raw", "rb").read()))
+
+    expect("texels", texels("02.fetch.fetched", 4), list(zip(*columns)), fractions)
+    expect("texels of an image that is stored", texels("03.load.loaded", 4), list(zip(*columns)), fractions)
+    expect("signed texels", texels("03.load.shorts", 2), list(zip(signed_values, signed_values)), fractions)
+    expect("sampled texels", texels("02.fetch.sampled", 2), list(zip(columns[0], signed_values)), fractions)
+    for name in ("unorm8", "unorm10", "unorm16", "snorm16"):
+        expect(name + ", stored again", load(f"load.{name}_stored", "H" if "16" in name else "I"), load(f"store.{name}_stored", "H" if "16" in name else "I"), fractions)
 
 
 if __name__ == "__main__":

@@ -3,40 +3,7 @@
 #define FRAGMENT
 #define EXACT
 
-/* 1 / sqrt(x) within 2e-5, for positive normal x. */
-float approximate_root_estimate(const float x)
-{
-#ifdef EXACT
-    float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
-    float d = x * r * r;
-    return r * (2.102354969 - d * (1.760928667 - d * 0.6631531635));
-#else
-    return inversesqrt(x);
-#endif
-}
-
-/* Drivers decode sRGB to a few bits. So the code of 8 bits is found again from what they give, by a
- * fit of the encoding that is 0.12 codes off, and decoded here (IEC 61966-2-1) by a fit of the decoding
- * that is 4e-5 off, relative: 0.006 codes. */
-float filter_decode(float light)
-{
-    precise float u = light * approximate_root_estimate(light);
-    precise float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
-        - 0.03925529;
-    precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * 0.00392156862745;
-    precise float slope = (((((0.138861712 * code - 0.393694139) * code + 0.48188816) * code - 0.394731246) * code
-        + 0.481365721) * code + 0.963586398) * code + 0.999152309;
-    precise float decoded = (code - 1.0) * slope + 1.0;
-    return code <= 0.04045 ? code * 0.0773993808050 : decoded;
-}
-
-vec4 filter_srgb(vec4 texel)
-{
-    precise float alpha = roundEven(255.0 * texel.a) * 0.00392156862745;
-    return vec4(filter_decode(texel.r), filter_decode(texel.g), filter_decode(texel.b), alpha);
-}
-
-vec4 filter_plain(vec4 texel)
+vec4 decode_plain(vec4 texel)
 {
     return texel;
 }
@@ -55,7 +22,7 @@ ivec2 filter_size(ivec2 finest, int level)
 /* Texel q; layers of arrays end as edges do. */
 #define filter_2D(image, q, layer) q
 
-/* A texel: `place` is one of the two above, `decode` filter_srgb or filter_plain. */
+/* A texel: `place` is one of the two above, `decode` a function of decode.glsl. */
 #define filter_texel(NAME, SAMPLER, place, decode, wrap) \
 vec4 NAME(SAMPLER image, ivec3 p, int level, vec4 border) \
 { \
@@ -82,7 +49,7 @@ vec4 result(ivec2 p)
     return texelFetch(result_texture, p, 0);
 }
 
-filter_texel(filter_texel_depth, sampler2D, filter_2D, filter_plain, filter_clamp);
+filter_texel(filter_texel_depth, sampler2D, filter_2D, decode_plain, filter_clamp);
 filter_nearest(filter_level_depth, sampler2D, filter_texel_depth);
 
 float depth_sample(vec2 uv)
