@@ -28,5 +28,5 @@ ldd build/bundle/diptych build/diptych-gen build/bundle/libdiptych_image.so | aw
 cp app/bundle/run.sh "$bundle/run"
 chmod 755 "$bundle/run"
 cp LICENSE "$bundle"
-tar -cJf "$bundle.tar.xz" -C build "$(basename "$bundle")"
+tar -I "xz -T0 -4" -cf "$bundle.tar.xz" -C build "$(basename "$bundle")"
 du -m "$bundle.tar.xz" | awk '{print $2 ": " $1 " MiB"; exit $1 > 20}'

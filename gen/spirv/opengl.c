@@ -1,6 +1,7 @@
 /* A module for Vulkan becomes one for OpenGL: no descriptor sets, OpenGL's numbers of vertices and
- * instances, and its origin of gl_FragCoord. */
+ * instances, its origin of gl_FragCoord, and functions before those that call them. */
 #include <spirv/unified1/spirv.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "passes.h"
@@ -74,27 +75,61 @@ static void put_instance(struct spirv_edit *edit, const uint32_t *load, uint32_t
     SPIRV_PUT(edit, &edit->code, SpvOpIAdd, load[1], load[2], number, first);
 }
 
+struct functions {
+    struct spirv_edit *edit;
+    bool *copied;            /* by function */
+    uint32_t instance, base; /* variables, 0: none */
+};
+
+/* Copies a function behind all that it calls: NVIDIA's linker recurses without end in a call of a
+ * function that follows and ends in a branch (580.159, seen with fragment shaders). */
+static void copy_function(struct functions *functions, uint32_t id)
+{
+    struct spirv_edit *edit = functions->edit;
+    const struct spirv *from = edit->from;
+    uint32_t index = 0;
+    while (from->functions[index].id != id)
+        index++;
+    const struct spirv_function *function = &from->functions[index];
+    if (functions->copied[index])
+        return;
+    functions->copied[index] = true;
+    SPIRV_EACH(from, at, function->begin, function->end)
+    if (spirv_is(from->words + at, SpvOpFunctionCall))
+        copy_function(functions, from->words[at + 3]);
+    SPIRV_EACH(from, at, function->begin, function->end)
+    {
+        const uint32_t *instruction = from->words + at;
+        if (functions->base && spirv_is(instruction, SpvOpLoad) &&
+            instruction[3] == functions->instance)
+            put_instance(edit, instruction, functions->base);
+        else
+            spirv_copy(edit, &edit->code, instruction);
+    }
+}
+
 bool spirv_for_opengl(struct spirv *module, bool indirect)
 {
-    uint32_t instance = indirect ? find_builtin(module, SpvBuiltInInstanceIndex) : 0, base = 0;
     struct spirv_edit edit;
+    struct functions functions = {
+        .edit = &edit,
+        .copied = calloc(module->function_count + 1, sizeof *functions.copied),
+        .instance = indirect ? find_builtin(module, SpvBuiltInInstanceIndex) : 0};
+    if (!functions.copied)
+        return false;
     spirv_edit_begin(&edit, module);
     copy_decorations(&edit);
-    if (instance) {
-        uint32_t type = spirv_definition(module, instance)[1];
-        base = edit.bound++;
-        SPIRV_PUT(&edit, &edit.declarations, SpvOpVariable, type, base, SpvStorageClassInput);
-        SPIRV_PUT(&edit, &edit.annotations, SpvOpDecorate, base, SpvDecorationBuiltIn,
+    if (functions.instance) {
+        uint32_t type = spirv_definition(module, functions.instance)[1];
+        functions.base = edit.bound++;
+        SPIRV_PUT(&edit, &edit.declarations, SpvOpVariable, type, functions.base,
+                  SpvStorageClassInput);
+        SPIRV_PUT(&edit, &edit.annotations, SpvOpDecorate, functions.base, SpvDecorationBuiltIn,
                   SpvBuiltInBaseInstance);
     }
-    copy_front(&edit, base);
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *instruction = module->words + at;
-        if (base && spirv_is(instruction, SpvOpLoad) && instruction[3] == instance)
-            put_instance(&edit, instruction, base);
-        else
-            spirv_copy(&edit, &edit.code, instruction);
-    }
+    copy_front(&edit, functions.base);
+    for (uint32_t i = 0; i < module->function_count; i++)
+        copy_function(&functions, module->functions[i].id);
+    free(functions.copied);
     return spirv_edit_end(&edit, module);
 }

@@ -56,6 +56,30 @@ check_status 1 "fast mode differs" dumps --set exactness=fast
 check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(measure|turn|multiply)\.' "$work/table"
 check "... and not in its inputs" [ "$(grep -c draw_inputs "$work/table")" = 0 ]
 
+# NVIDIA's linker for OpenGL needs this. The library's functions come last in what Vulkan takes.
+# shellcheck disable=SC2317 # called through check
+calls_look_back() { # backend
+    "$build/diptych-gen" "$root/templates/rsm.yaml" -o "$work/modules" && /usr/bin/python3 - "$work/modules/$1"/*.spv <<'END'
+import struct, sys
+FUNCTION, CALL = 54, 57
+forward = set()
+for path in sys.argv[1:]:
+    data = open(path, "rb").read()
+    words = struct.unpack(f"<{len(data) // 4}I", data)
+    at, seen = 5, set()
+    while at < len(words):
+        if words[at] & 0xFFFF == FUNCTION:
+            seen.add(words[at + 2])
+        elif words[at] & 0xFFFF == CALL and words[at + 3] not in seen:
+            forward.add(path)
+        at += words[at] >> 16
+assert len(sys.argv) > 9, sys.argv
+sys.exit(f"calls of functions that follow: {sorted(forward)}" if forward else 0)
+END
+}
+check "in OpenGL's modules functions stand before their calls" calls_look_back gl
+check_status 1 "... in Vulkan's they do not" calls_look_back vk
+
 # Subgroup operations run with exactness: fast, on devices that have them.
 # shellcheck disable=SC2317 # called through check
 reduces() { # backend
