@@ -346,9 +346,14 @@ static bool find_elsewhere(struct compare *compare)
     uint32_t runs = compare->options.repeat;
     bool good = elsewhere_add_limits(&compare->elsewhere, compare->pipeline.vk->panel,
                                      &compare->console->log);
-    for (uint32_t i = 0; i < compare->sides.count && runs && good; i++) {
+    for (uint32_t i = 0; i < compare->sides.count && good; i++) {
         const struct worker_info worker = describe_worker(compare, i);
-        if (!dump_of(compare, i))
+        bool vulkan = strcmp(worker.session.side->backend, "vk") == 0;
+        if (dump_of(compare, i))
+            continue;
+        if (vulkan && compare->options.setup.debug)
+            good = elsewhere_barriers(&compare->elsewhere, &worker, compare->rows.pipeline);
+        if (runs && good)
             good = elsewhere_repeat(&compare->elsewhere, &worker, &compare->rows, runs);
     }
     return good;
@@ -656,7 +661,8 @@ int verb_compare(struct console *console, const struct options *options)
         print_undefined(&compare);
         const struct twin *twin;
         differ = golden_differs(&compare) || compare.undefined.count ||
-                 compare.elsewhere.repeats_differ || compare_far_side(&compare, &twin);
+                 compare.elsewhere.repeats_differ || compare.elsewhere.barriers_missing ||
+                 compare_far_side(&compare, &twin);
     }
     for (uint32_t i = 0; compare.pairs && i < compare.pair_count; i++)
         differ |= !compare_agrees(&compare.pairs[i]);

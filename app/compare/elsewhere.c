@@ -5,6 +5,7 @@
 #include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "base/files.h"
 #include "base/text.h"
@@ -168,6 +169,99 @@ bool elsewhere_repeat(struct elsewhere *elsewhere, const struct worker_info *wor
         report_error(&console->log, "out of memory");
     free(hashes);
     return good && atomic_load(&console->errors) == 0;
+}
+
+/* ---- Missing barriers ------------------------------------------------------------------------ */
+
+/* The log of a worker whose validation layer is heard. */
+struct hearing {
+    struct elsewhere *elsewhere;
+    const struct dt_pipeline *pipeline;
+    const char *side;
+    struct dt_log other; /* what is no hazard */
+    bool failed;
+};
+
+/* Whether a message of the layer names an object so: [name]. */
+static bool names(const char *message, const char *name)
+{
+    size_t length = strlen(name);
+    for (const char *at = strchr(message, '['); at; at = strchr(at + 1, '['))
+        if (!strncmp(at + 1, name, length) && at[1 + length] == ']')
+            return true;
+    return false;
+}
+
+static bool is_listed(const struct elsewhere *elsewhere, const char *message)
+{
+    const cJSON *item;
+    cJSON_ArrayForEach(item, elsewhere->list) if (!strcmp(cJSON_GetStringValue(
+                                                              cJSON_GetObjectItem(item, "message")),
+                                                          message)) return true;
+    return false;
+}
+
+static void add_barrier(struct hearing *hearing, const char *message)
+{
+    const struct dt_pipeline *pipeline = hearing->pipeline;
+    const char *pass = "frame", *resource = "what it reads or writes";
+    for (uint32_t i = 0; i < pipeline->pass_count; i++)
+        if (names(message, pipeline->passes[i].name))
+            pass = pipeline->passes[i].name;
+    for (uint32_t i = 0; i < pipeline->resource_count; i++)
+        if (names(message, pipeline->resources[i].name))
+            resource = pipeline->resources[i].name;
+    const char *kind = strstr(message, "READ_AFTER_WRITE")    ? "a read after a write"
+                       : strstr(message, "WRITE_AFTER_READ")  ? "a write after a read"
+                       : strstr(message, "WRITE_AFTER_WRITE") ? "a write after a write"
+                                                              : "an access";
+    char *text = format_string("no barrier orders %s of %s, on %s", kind, resource, hearing->side);
+    hearing->elsewhere->barriers_missing = true;
+    if (text && is_listed(hearing->elsewhere, text))
+        free(text);
+    else
+        hearing->failed |= !add_elsewhere(hearing->elsewhere, "barrier", pass, text);
+}
+
+static void hear(void *user, enum dt_level level, const char *message)
+{
+    struct hearing *hearing = user;
+    bool sum = hearing->elsewhere->barriers_missing && strstr(message, "the run failed");
+    if (level == DT_ERROR &&
+        (strstr(message, "SYNC-HAZARD") || strstr(message, " hazard detected"))) /* newer layers */
+        add_barrier(hearing, message);
+    else if (!sum && hearing->other.message)
+        hearing->other.message(hearing->other.user, level, message);
+}
+
+bool elsewhere_barriers(struct elsewhere *elsewhere, const struct worker_info *worker,
+                        const struct dt_pipeline *pipeline)
+{
+    struct console *console = worker->session.console;
+    struct worker_info info = *worker;
+    struct worker whole = {0};
+    struct worker_place place = {0};
+    struct hearing hearing = {.elsewhere = elsewhere,
+                              .pipeline = pipeline,
+                              .side = info.session.side->label,
+                              .other = console->log};
+    info.frames +=
+        info.frames == info.session.first_frame + 1; /* what a frame leaves to the next */
+    info.first_observed = info.frames;
+    info.stops_before = 0;
+    info.session.poison = 0; /* fills wait, too */
+    info.quiet = true;
+    console->log = (struct dt_log){.message = hear, .user = &hearing};
+    bool good = worker_start(&whole, &info);
+    do
+        good = good && worker_wait(&whole, &place) &&
+               (place.stop == WORKER_FINISHED || worker_resume(&whole, DT_RUN));
+    while (good && place.stop != WORKER_FINISHED);
+    worker_close(&whole);
+    console->log = hearing.other;
+    if (hearing.failed)
+        report_error(&console->log, "out of memory");
+    return (good || elsewhere->barriers_missing) && atomic_load(&console->errors) == 0;
 }
 
 /* ---- The list -------------------------------------------------------------------------------- */

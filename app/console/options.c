@@ -176,7 +176,7 @@ static const struct option_row rows[] = {
      "without a sandbox: the folder's shaders are yours"},
     {"--debug", OPTION_FLAG, AT(setup.debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation layers and KHR_debug; any message fails the run"},
-    {"--drop-barrier", OPTION_COUNT, AT(setup.drop_barrier), VERB_RENDER, 0, "N",
+    {"--drop-barrier", OPTION_COUNT, AT(setup.drop_barrier), VERB_RENDER | VERB_COMPARE, 0, "N",
      "leave out the N-th barrier of Vulkan's frame, to test whether --debug reports it; runs one "
      "more frame, since reading results waits after every pass"},
     {"--drop-dependency", OPTION_COUNT, AT(setup.drop_dependency), VERB_RENDER, 0, "N",

@@ -62,10 +62,26 @@ check_status 1 "--drop-barrier 7 fails a run with --debug" render --debug --drop
 cp "$work/output" "$work/dropped"
 check "... which names its pass and resource" \
     grep -q "dropped barrier 7: pass halves, resource draw_arguments" "$work/dropped"
-check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependency 35
+check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependency 7
+cp "$work/output" "$work/weakened"
+check "... by what the layer says" grep -q "READ_AFTER_WRITE" "$work/weakened"
 check_status 1 "a barrier that the frame does not have is an error" render --drop-barrier 1000
 check_status 2 "OpenGL has no barrier to drop" \
     "$diptych" render --scene "$root/scenes/cornell.yaml" --size 24x16 --backend gl --drop-barrier 1 -o "$work/gl.png"
+# What differs nowhere here is told as what would break elsewhere.
+compare=("$diptych" compare --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk,gl --debug
+    --json "$work/told.json")
+check "compare --debug finds all barriers" "${compare[@]}"
+check_status 1 "... and tells one that is missing though both backends agree" "${compare[@]}" --drop-barrier 13
+cp "$work/output" "$work/told"
+# shellcheck disable=SC2317 # called through check
+is_told() {
+    cat "$work/told"
+    grep -q "^elsewhere: count: no barrier orders a write after a read of histogram, on vk$" "$work/told" &&
+        grep -q "^all 20 resources of 12 passes agree$" "$work/told" &&
+        json_holds "$work/told.json" '[e["kind"] for e in d["elsewhere"]] == ["barrier"]'
+}
+check "... by pass, resource and side, in the table and in JSON" is_told
 # Here first.number reuses memory of rsm_triangle, second.number reuses that of first.number, and first.number is the smallest.
 check "memory that changes hands through a smaller image is silent under validation" "$build/diptych" render --debug --backend vk \
     --scene "$root/scenes/cornell.yaml" --spec "$root/templates/ssvp.yaml" --size 37x23 --frames 3 --set rsm_size=64 \
