@@ -42,9 +42,9 @@ vec4 decode_rgb10a2(vec4 texel)
 float decode_light(float light)
 {
     precise float u = light * approximate_root_estimate(light);
-    precise float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
-        - 0.03925529;
-    precise float code = roundEven(255.0 * (light <= 0.0031308 ? 12.92 * light : fit)) * 0.00392156862745;
+    precise float fit = ((((105.98796 * u - 345.44409) * u + 452.67029) * u - 330.73457) * u + 382.57576) * u
+        - 10.010099;
+    precise float code = roundEven(light <= 0.0031308 ? 3294.6 * light : fit) * 0.00392156862745;
     precise float slope = (((((0.138861712 * code - 0.393694139) * code + 0.48188816) * code - 0.394731246) * code
         + 0.481365721) * code + 0.963586398) * code + 0.999152309;
     precise float decoded = (code - 1.0) * slope + 1.0;
