@@ -1,6 +1,7 @@
-/* Cheap division and roots, for loops that need no last bit, and functions of known arguments: as many operations as a device's own, and
- * the same bits on every device. Errors in units in the last place (ulp), for normal operands and
- * results and |y| up to 2^64. With `exactness: fast` these are the device's own. */
+/* Cheap functions for hot loops: division and roots that need no last bit, and functions of arguments in
+ * known ranges. As many operations as a device's own, and the same bits on every device. Errors in
+ * units in the last place (ulp), for normal operands and results and |y| up to 2^64. With
+ * `exactness: fast` these are the device's own. */
 
 #define approximate_each(f) \
 vec2 f(const vec2 x) { return vec2(f(x.x), f(x.y)); } \

@@ -26,11 +26,15 @@ shared int member_count[maps_limit];
 shared int position_sum[3 * maps_limit]; /* of members, relative to the centre, in fixed point */
 shared int normal_sum[3 * maps_limit];
 shared int taken[maps_limit]; /* VPL that an empty cluster moves to; points_count: none */
-shared int label[points_limit];
+shared int label[points_limit]; /* -1: no flux */
 shared float apart[points_limit];
-shared float power[points_limit];
 shared uint most_apart; /* largest distance of all lanes, as bits of a float */
 shared int first_apart; /* first VPL at that distance; points_count: none */
+
+float power_of(int k)
+{
+    return points[k].flux.r + points[k].flux.g + points[k].flux.b;
+}
 
 void none_apart()
 {
@@ -44,12 +48,12 @@ void seed(int c)
 {
     int living = 0;
     for (int k = 0; k < points_count; k++)
-        living += power[k] > 0.0 ? 1 : 0;
+        living += label[k] >= 0 ? 1 : 0;
     int wanted = (2 * c + 1) * living / (2 * centres_count);
     int chosen = 0;
     int rank = 0;
     for (int k = 0; k < points_count; k++) {
-        bool lives = power[k] > 0.0;
+        bool lives = label[k] >= 0;
         if (lives && rank == wanted)
             chosen = k;
         rank += lives ? 1 : 0;
@@ -125,7 +129,7 @@ void assign(int first, int lanes)
     for (int i = 0; i < together; i++) {
         int k = first + i * lanes;
         if (k < points_count) {
-            bool lives = power[k] > 0.0;
+            bool lives = label[k] >= 0;
             label[k] = lives ? nearest[i] : -1;
             apart[k] = lives ? least[i] : -1.0;
             margins[k] = lives && centres_count > 1 ? second[i] - least[i] : -1.0;
@@ -150,9 +154,9 @@ vec3 brightest_normal(int c)
     float most = 0.0;
     int brightest = -1;
     for (int k = 0; k < points_count; k++) {
-        bool brighter = label[k] == c && power[k] > most;
-        brightest = brighter ? k : brightest;
-        most = brighter ? power[k] : most;
+        float power = label[k] == c ? power_of(k) : 0.0;
+        brightest = power > most ? k : brightest;
+        most = power > most ? power : most;
     }
     return brightest < 0 ? centre_normal[c] : points[brightest].normal;
 }
@@ -237,7 +241,7 @@ void main()
     int lane = int(gl_LocalInvocationIndex);
     int lanes = int(gl_WorkGroupSize.x);
     for (int k = lane; k < points_count; k += lanes)
-        power[k] = points[k].flux.r + points[k].flux.g + points[k].flux.b;
+        label[k] = power_of(k) > 0.0 ? 0 : -1;
     if (lane == 0)
         none_apart();
     barrier();
