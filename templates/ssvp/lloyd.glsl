@@ -46,19 +46,19 @@ void none_apart()
  * VPLs with flux, evenly spaced in their order. */
 void seed(int c)
 {
+    bool seen = reuse_centres == 1 && frame.first == 0u && centres[c].seen != 0u;
+    int searched = seen ? 0 : points_count; /* a loop without rounds */
     int living = 0;
-    for (int k = 0; k < points_count; k++)
+    for (int k = 0; k < searched; k++)
         living += label[k] >= 0 ? 1 : 0;
     int wanted = (2 * c + 1) * living / (2 * centres_count);
     int chosen = 0;
     int rank = 0;
-    for (int k = 0; k < points_count; k++) {
+    for (int k = 0; k < searched; k++) {
         bool lives = label[k] >= 0;
-        if (lives && rank == wanted)
-            chosen = k;
+        chosen = lives && rank == wanted ? k : chosen;
         rank += lives ? 1 : 0;
     }
-    bool seen = reuse_centres == 1 && frame.first == 0u && centres[c].seen != 0u;
     centre_position[c] = seen ? centres[c].mean : points[chosen].position;
     vec3 normal = unit_or(points[chosen].normal, vec3(0.0, 0.0, 1.0));
     centre_normal[c] = seen ? centres[c].mean_normal : normal;
@@ -90,9 +90,10 @@ void add_member(int c, vec3 position, vec3 normal)
     atomicAdd(member_count[c], 1);
 }
 
-/* Points that an invocation assigns together. In large workgroups, as on GPUs, these are all of its
- * points: independent operations hide each other's latency. */
-const int together = 4 * int(gl_WorkGroupSize.x) >= points_limit ? 4 : 1;
+/* Most points of an invocation. In large workgroups, as on GPUs, it assigns four of them together:
+ * independent operations hide each other's latency. */
+const int most_own = points_limit / int(gl_WorkGroupSize.x);
+const int together = most_own <= 8 ? 4 : 1;
 
 /* The labels of the points first, first + lanes, ... */
 void assign(int first, int lanes)
@@ -141,11 +142,14 @@ void assign(int first, int lanes)
 
 void assign_own(int lane, int lanes)
 {
-    if (together * lanes >= points_limit)
+    if (most_own <= 2 * together) {
         assign(lane, lanes);
-    else
+        if (together * lanes < points_count)
+            assign(lane + together * lanes, lanes);
+    } else {
         for (int first = lane; first < points_count; first += together * lanes)
             assign(first, lanes);
+    }
 }
 
 /* The normal of the brightest member, the first if there are several. */
@@ -182,8 +186,8 @@ int farthest_own(int lane, int lanes, out float most)
 {
     int farthest = -1;
     most = 0.0;
-    if (together * lanes >= points_limit) {
-        for (int i = 0; i < together; i++) {
+    if (together > 1) {
+        for (int i = 0; i < most_own; i++) {
             int k = min(lane + i * lanes, points_count - 1);
             bool farther = apart[k] > most;
             farthest = farther ? k : farthest;
