@@ -63,7 +63,7 @@ vec3 texture_trilinear(vec2 uv, vec2 across, vec2 down, int layer)
     float square = max(dot(across * size, across * size), dot(down * size, down * size));
     float levels = float(textureQueryLevels(scene_textures) - 1);
     float level = 0.5 * (float(floatBitsToInt(square)) * (1.0 / 8388608.0) - 127.0);
-    level = clamp(level, 0.0, levels);
+    level = approximate_clamp(level, levels);
     float fine = floor(level);
-    return texture_linear(uv - floor(uv), layer, int(fine), level - fine);
+    return texture_linear(uv - floor(uv), layer, approximate_int(fine), level - fine);
 }
