@@ -44,11 +44,12 @@ float decode_light(float light)
     precise float u = light * approximate_root_estimate(light);
     precise float fit = ((((105.98796 * u - 345.44409) * u + 452.67029) * u - 330.73457) * u + 382.57576) * u
         - 10.010099;
-    precise float code = roundEven(light <= 0.0031308 ? 3294.6 * light : fit) * 0.00392156862745;
+    bool straight = light <= 0.0031308; /* codes up to 10 */
+    precise float code = roundEven(straight ? 3294.6 * light : fit) * 0.00392156862745;
     precise float slope = (((((0.138861712 * code - 0.393694139) * code + 0.48188816) * code - 0.394731246) * code
         + 0.481365721) * code + 0.963586398) * code + 0.999152309;
     precise float decoded = (code - 1.0) * slope + 1.0;
-    return code <= 0.04045 ? code * 0.0773993808050 : decoded;
+    return straight ? code * 0.0773993808050 : decoded;
 }
 
 vec4 decode_srgb(vec4 texel)
