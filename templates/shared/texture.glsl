@@ -1,16 +1,6 @@
 /* Filtering of scene_textures by texel fetches: the same bits on every device. Included by passes
  * that read scene_textures. */
 
-/* Drivers decode sRGB to a few bits. */
-vec3 texture_texel(ivec2 p, int layer, int level)
-{
-    vec4 texel = texelFetch(scene_textures, ivec3(p, layer), level);
-#ifdef EXACT
-    texel = decode_srgb(texel);
-#endif
-    return texel.rgb;
-}
-
 /* Color around `uv`, with repeat, linear between texels of `level` and, by the share `next`, of the
  * level after it. `uv`: 0..1. White if `layer` is negative: a loop without rounds, since Mesa's CPU
  * drivers run both sides of a branch. */
@@ -32,7 +22,7 @@ vec3 texture_linear(vec2 uv, int layer, int level, float next)
         p = mix(p, p - size, greaterThanEqual(p, size));
         vec2 weight = mix(1.0 - part, part, high);
         float of_mip = i < 4 ? 1.0 - next : next;
-        color += texture_texel(p, layer, mip) * (weight.x * weight.y * of_mip);
+        color += texelFetch(scene_textures, ivec3(p, layer), mip).rgb * (weight.x * weight.y * of_mip);
     }
     return color;
 }
