@@ -139,23 +139,32 @@ static int format_of_image(const struct values *values, uint32_t image)
     }
 }
 
-/* The library's function for texels of four components of that type; 0: none. */
-static uint32_t find_function(struct values *values, int format, bool read, uint32_t type)
+static void refuse_values(struct values *values, const char *format)
 {
-    const struct spirv *from = values->from;
-    const uint32_t *vector = spirv_definition(from, type);
+    if (!*values->why)
+        *values->why = format_string(format, values->pass->name);
+}
+
+/* The library's function for texels of four of these components; 0: none. */
+static uint32_t find_function(struct values *values, int format, bool read, uint32_t component)
+{
     const char *word = format_word(format, read);
-    if (format == FORMATS_DIFFER && !*values->why)
-        *values->why = format_string(
-            "a function of the pass %s reads images of different formats by one parameter, which "
-            "exact passes cannot; give each format a function, or set `exactness: fast`",
-            values->pass->name);
-    if (!word || !spirv_is(vector, SpvOpTypeVector) || vector[3] != 4)
+    char letter = spirv_letter(spirv_definition(values->from, component)), mangled[40];
+    if (format == FORMATS_DIFFER)
+        refuse_values(values, "a function of the pass %s reads images of different formats by one "
+                              "parameter, which exact passes cannot; give each format a function, "
+                              "or set `exactness: fast`");
+    if (!word || !letter)
         return 0;
-    char mangled[40];
-    snprintf(mangled, sizeof mangled, "%s_%s(v%c4;", read ? "decode" : "store", word,
-             spirv_letter(spirv_definition(from, vector[2])));
+    snprintf(mangled, sizeof mangled, "%s_%s(v%c4;", read ? "decode" : "store", word, letter);
     return spirv_link_function(&values->link, mangled);
+}
+
+/* The type of the components of texels. */
+static uint32_t component_of(const struct values *values, uint32_t type)
+{
+    const uint32_t *vector = spirv_definition(values->from, type);
+    return spirv_is(vector, SpvOpTypeVector) && vector[3] == 4 ? vector[2] : 0;
 }
 
 /* ---- Instructions ---------------------------------------------------------------------------- */
@@ -165,7 +174,9 @@ static bool put_decoded(struct values *values, const uint32_t *read)
     struct spirv_edit *edit = &values->edit;
     if (!spirv_is(read, SpvOpImageFetch) && !spirv_is(read, SpvOpImageRead))
         return false;
-    uint32_t function = find_function(values, format_of_image(values, read[3]), true, read[1]);
+    uint32_t component = component_of(values, read[1]);
+    uint32_t function =
+        component ? find_function(values, format_of_image(values, read[3]), true, component) : 0;
     if (!function)
         return false;
     size_t start = edit->code.count;
@@ -183,7 +194,9 @@ static bool put_rounded(struct values *values, const uint32_t *write)
     if (!spirv_is(write, SpvOpImageWrite))
         return false;
     uint32_t type = spirv_definition(values->from, write[3])[1];
-    uint32_t function = find_function(values, format_of_image(values, write[1]), false, type);
+    uint32_t component = component_of(values, type);
+    uint32_t function =
+        component ? find_function(values, format_of_image(values, write[1]), false, component) : 0;
     if (!function)
         return false;
     uint32_t value = edit->bound++;
@@ -206,15 +219,17 @@ static void put_target(struct values *values, const uint32_t *variable)
     const uint32_t *declared = spirv_definition(from, type);
     bool vector = spirv_is(declared, SpvOpTypeVector);
     uint32_t scalar = vector ? declared[2] : type, count = vector ? declared[3] : 1;
-    if (!format_word(format, false) || !spirv_letter(spirv_definition(from, scalar)))
-        return;
-    uint32_t four = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, 4}, 2);
-    char mangled[40];
-    snprintf(mangled, sizeof mangled, "store_%s(v%c4;", format_word(format, false),
-             spirv_letter(spirv_definition(from, scalar)));
-    uint32_t function = spirv_link_function(&values->link, mangled);
+    uint32_t function = 0;
+    if (spirv_is(declared, SpvOpTypeArray) ||
+        decorated_with(from, variable[2], SpvDecorationComponent) > 0)
+        refuse_values(values, "the pass %s declares an array of colour targets, or one in parts, "
+                              "which exact passes cannot; give each a variable, or set `exactness: "
+                              "fast`");
+    else
+        function = find_function(values, format, false, scalar);
     if (!function)
         return;
+    uint32_t four = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, 4}, 2);
     uint32_t value = edit->bound++, rounded = edit->bound++;
     SPIRV_PUT(edit, &edit->code, SpvOpLoad, type, value, variable[2]);
     if (count < 4) {

@@ -92,4 +92,11 @@ refused() {
         "$build/diptych-gen" "$work/own.yaml" --check --set exactness=fast
 }
 check "a function that reads two formats by one parameter is refused, but not in fast mode" refused
+# shellcheck disable=SC2317
+refused_parts() {
+    sed -i 's/out vec2 halves;/out vec2 halves[1];/; s/halves = /halves[0] = /' "$work/draw.frag" &&
+        sed -i 's/texel(shorts, p)/0.0/' "$work/look.comp" && ! "$build/diptych-gen" "$work/own.yaml" --check 2>"$work/why" &&
+        cat "$work/why" && grep -q 'an array of colour targets' "$work/why"
+}
+check "... and so is an array of colour targets" refused_parts
 finish
