@@ -26,7 +26,7 @@ const char *const cost_names[COST_NUMBERS] = {
     [COST_LATENCY] = "latency",
 };
 
-/* Names that drivers give: RADV's first, then those of other drivers of Mesa. Numbers of one kind are added. */
+/* Names that drivers give: RADV's first, then those of other drivers. Numbers of one kind are added. */
 static const struct {
     enum cost_number number;
     const char *name;
@@ -45,6 +45,8 @@ static const struct {
     {COST_SPILLS, "Spill Count"},
     {COST_CODE, "Code Size"}, /* NVK */
     {COST_INSTRUCTIONS, "Instruction count"},
+    {COST_VGPRS, "Register Count"}, /* NVIDIA */
+    {COST_CODE, "Binary Size"},
 };
 
 /* ---- RADV ------------------------------------------------------------------------------------ */

@@ -473,8 +473,7 @@ static bool add_library(struct glsl *glsl)
         ok = glsl_library(glsl, from_the_end[i], layout.data);
     ok = ok && glsl_library(glsl, "frame", layout.data);
     if (ok && !glsl->pass->fast)
-        ok = glsl_library(glsl, "filter", layout.data) &&
-             glsl_library(glsl, "decode", layout.data) && glsl_library(glsl, "store", layout.data);
+        ok = glsl_library(glsl, "filter", layout.data);
     ok = ok && glsl_library(glsl, "approximate", layout.data);
     text_free(&layout);
     return ok;

@@ -112,8 +112,6 @@ void glsl_texels(struct glsl *glsl);
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);
 bool glsl_check_accesses(struct glsl *glsl);
-/* Statements that round the colour targets to what their formats hold; false: none needs it. */
-bool glsl_round_targets(const struct glsl *glsl, struct text *out);
 /* glsl_library.c: puts the definitions of templates/glsl/NAME.glsl that the stage uses before
  * PART_LIBRARY. Replaces @layout@ in them by `layout`. */
 bool glsl_library(struct glsl *glsl, const char *name, const char *layout);

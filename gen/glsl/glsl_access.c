@@ -19,31 +19,6 @@ static struct format_names format_names(enum dt_format format)
                                                                                  : "u"};
 }
 
-/* The call of templates/glsl/store.glsl that rounds for the format, up to the value, and what follows
- * it. NULL: 32 bits, and conversions that only drivers have. */
-static const char *rounding(enum dt_format format, const char **tail)
-{
-    static const struct {
-        const char *call, *tail;
-    } calls[] = {
-        [NUMBER_UNORM8] = {"store_unorm(", ", vec4(255.0), vec4(1.0 / 255.0))"},
-        [NUMBER_UNORM16] = {"store_unorm(", ", vec4(65535.0), vec4(1.0 / 65535.0))"},
-        [NUMBER_SNORM16] = {"store_snorm(", ", vec4(32767.0), vec4(1.0 / 32767.0))"},
-        [NUMBER_HALF] = {"store_half(", ")"},
-        [NUMBER_R11F] = {"store_r11g11b10(", ")"},
-        [NUMBER_R10] = {"store_unorm(",
-                        ", vec4(1023.0, 1023.0, 1023.0, 3.0), "
-                        "vec4(1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 1023.0, 1.0 / 3.0))"},
-        [NUMBER_UINT8] = {"store_unsigned(", ", uvec4(255u))"},
-        [NUMBER_UINT16] = {"store_unsigned(", ", uvec4(65535u))"},
-        [NUMBER_INT8] = {"store_signed(", ", ivec4(127))"},
-        [NUMBER_INT16] = {"store_signed(", ", ivec4(32767))"},
-    };
-    enum number_kind kind = format_info(format)->kind;
-    *tail = calls[kind].tail;
-    return format == DT_FORMAT_RGBA8_SRGB ? NULL : calls[kind].call;
-}
-
 static bool access_is_image(const struct access *access)
 {
     return access->resource && access->resource->kind == DT_IMAGE;
@@ -118,21 +93,6 @@ static const char *variable_name(const struct glsl *glsl, const struct access *a
 
 /* ---- Functions ------------------------------------------------------------------------------- */
 
-/* The function of templates/glsl/decode.glsl that finds the value of a texel again: decode_NAME. */
-static const char *decoding(const struct glsl *glsl, const struct access *access)
-{
-    static const char *const names[] = {[NUMBER_UNORM8] = "unorm8",
-                                        [NUMBER_UNORM16] = "unorm16",
-                                        [NUMBER_SNORM16] = "snorm16",
-                                        [NUMBER_R10] = "rgb10a2"};
-    enum dt_format format = access->resource->format;
-    size_t kind = format_info(format)->kind;
-    const char *name = format == DT_FORMAT_RGBA8_SRGB ? "srgb"
-                       : kind < DT_ARRAY_COUNT(names) ? names[kind]
-                                                      : NULL;
-    return name && !glsl->pass->fast ? name : "plain";
-}
-
 /* Reads a texel by position. Only the first access of a name gets this function. If an access sees
  * one mip, the texture is a view of this mip, its level 0, so the pass may write another one. */
 static void add_texel(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -141,14 +101,11 @@ static void add_texel(const struct glsl *glsl, const struct access *access, stru
     const char *variable = variable_name(glsl, access),
                *prefix = format_names(image->format).prefix;
     const char *position = is_layered(access) ? "ivec3" : "ivec2";
-    const char *decode = decoding(glsl, access);
-    bool depth = image->format == DT_FORMAT_D32F, plain = !strcmp(decode, "plain");
+    bool depth = image->format == DT_FORMAT_D32F;
     text_add(out, "%s%s %s(%s p)\n{\n    return ", depth ? "" : prefix, depth ? "float" : "vec4",
              access_word(access), position);
-    if (!plain)
-        text_add(out, "decode_%s(", decode);
     text_add(out, is_storage(access) ? "imageLoad(%s, p)" : "texelFetch(%s, p, 0)", variable);
-    text_add(out, "%s%s;\n}\n\n", plain ? "" : ")", depth ? ".x" : "");
+    text_add(out, "%s;\n}\n\n", depth ? ".x" : "");
 }
 
 static void add_size(const struct glsl *glsl, const struct access *access, struct text *out)
@@ -184,8 +141,7 @@ static const char *border_of(const struct glsl *glsl, const struct access *acces
 
 /* Functions of one image, by macros of filter.glsl: filter_texel_NAME, filter_level_NAME, and
  * filter_lod_NAME if the pass chooses levels. */
-static void add_filter(const struct glsl *glsl, const struct access *access, bool lod,
-                       struct text *out)
+static void add_filter(const struct access *access, bool lod, struct text *out)
 {
     static const char *const wraps[] = {[DT_WRAP_CLAMP] = "clamp",
                                         [DT_WRAP_REPEAT] = "repeat",
@@ -193,9 +149,9 @@ static void add_filter(const struct glsl *glsl, const struct access *access, boo
                                         [DT_WRAP_BORDER] = "clamp"};
     const struct sampler *filter = access->filter;
     const char *name = access_word(access), *kind = is_layered(access) ? "2DArray" : "2D";
-    text_add(out, "filter_%s(filter_texel_%s, sampler%s, filter_%s, decode_%s, filter_%s);\n",
+    text_add(out, "filter_%s(filter_texel_%s, sampler%s, filter_%s, filter_%s);\n",
              filter->wrap == DT_WRAP_BORDER ? "border" : "texel", name, kind, kind,
-             decoding(glsl, access), wraps[filter->wrap]);
+             wraps[filter->wrap]);
     text_add(out, "filter_%s(filter_level_%s, sampler%s, filter_texel_%s);\n",
              filter->linear ? "linear" : "nearest", name, kind, name);
     if (lod)
@@ -226,7 +182,7 @@ static void add_sample(const struct glsl *glsl, const struct access *access, str
     bool plain = glsl_uses(glsl, "%s_sample", access_word(access));
     bool our_lod = lod && is_ours(glsl, access, false), our = plain && is_ours(glsl, access, true);
     if (our_lod || our)
-        add_filter(glsl, access, our_lod, out);
+        add_filter(access, our_lod, out);
     if (lod) {
         text_add(out, "%s %s_sample_lod(%s uv, float lod)\n{\n", type, access_word(access), uv);
         if (our_lod)
@@ -265,11 +221,9 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
 static void add_store(const struct glsl *glsl, const struct access *access, struct text *out)
 {
     const struct resource *image = access->resource;
-    const char *tail, *call = glsl->pass->fast ? NULL : rounding(image->format, &tail);
-    text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, %svalue%s);\n}\n\n",
+    text_add(out, "void %s_store(%s p, %svec4 value)\n{\n    imageStore(%s, p, value);\n}\n\n",
              access_word(access), is_layered(access) ? "ivec3" : "ivec2",
-             format_names(image->format).prefix, variable_name(glsl, access), call ? call : "",
-             call ? tail : "");
+             format_names(image->format).prefix, variable_name(glsl, access));
 }
 
 /* The names are those of GLSL's functions for elements of buffers, which also give the former value. */
@@ -473,22 +427,6 @@ static void add_builtin(struct glsl *glsl, enum dt_builtin builtin, unsigned kin
         text_add(out, ") readonly buffer %s_block {\n    %s %s[];\n};\n", name, element, name);
     else
         text_add(out, ") uniform sampler2DArray %s;\n", name);
-}
-
-bool glsl_round_targets(const struct glsl *glsl, struct text *out)
-{
-    bool any = false;
-    for (uint32_t i = 0; i < glsl->pass->access_count && !glsl->pass->fast; i++) {
-        const struct access *access = &glsl->pass->accesses[i];
-        if (!access_is_image(access) || !(access->kind & DT_WRITE_COLOR) || access->attachment < 0)
-            continue;
-        const char *tail, *call = rounding(access->resource->format, &tail);
-        if (!call)
-            continue;
-        any = true;
-        text_add(out, "    %s = %s%s%s;\n", access_word(access), call, access_word(access), tail);
-    }
-    return any;
 }
 
 static void add_targets(struct glsl *glsl, struct text *out)

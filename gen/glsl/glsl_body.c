@@ -107,14 +107,11 @@ bool glsl_body(struct glsl *glsl)
 
 /* ---- What runs behind the body --------------------------------------------------------------- */
 
-/* spirv/entry.c calls it when the body's main has returned. Blending reads what is stored, so a
- * target that is blended is rounded by the driver all the same. */
+/* spirv/entry.c calls it when the body's main has returned. */
 void glsl_end(struct glsl *glsl)
 {
-    struct text statements = {0}, *out = &glsl->parts[PART_END];
-    if (glsl->stage == STAGE_IS_FRAGMENT && !glsl->whole && glsl_round_targets(glsl, &statements)) {
-        text_add(out, "void diptych_end()\n{\n%s}\n", statements.data);
-    } else if (glsl->stage == STAGE_IS_VERTEX && glsl->pass->layers) {
+    struct text *out = &glsl->parts[PART_END];
+    if (glsl->stage == STAGE_IS_VERTEX && glsl->pass->layers) {
         glsl->own = true;
         if (glsl->backend != BACKEND_VK)
             return;
@@ -127,7 +124,6 @@ void glsl_end(struct glsl *glsl)
                  "        gl_Position = vec4(65536.0, 0.0, 0.0, 1.0);\n}\n",
                  glsl->files && stage_mentions(glsl, "gl_Layer") ? "gl_Layer" : "0");
     }
-    text_free(&statements);
 }
 
 /* For the library of exact arithmetic, templates/glsl/exact.glsl. */

@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "panel.h"
+
 struct binder {
     const struct spirv *module;
     const struct bind_request *request;
@@ -280,14 +282,40 @@ static bool move_variable(struct binder *binder, const uint32_t *variable)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
+/* Whether the shader declares what the pass binds; drivers crash where it does not. */
+static bool check_kind(struct binder *binder, const uint32_t *variable, const uint32_t *type,
+                       const struct bind_slot *slot)
+{
+    bool sampler = spirv_is(type, SpvOpTypeSampledImage), image = spirv_is(type, SpvOpTypeImage);
+    bool uniform = variable[3] == SpvStorageClassUniform &&
+                   is_decorated(binder->module, type[1], SpvDecorationBlock);
+    bool texture = slot->kind & DT_READ_TEXTURE, block = slot->kind & DT_READ_UNIFORM;
+    if ((sampler || image) && sampler != texture)
+        return refuse(binder,
+                      texture ? "`%s` is an image, but the pass reads it as a texture: declare a "
+                                "sampler, as sampler2D"
+                              : "`%s` is a sampler, but the pass takes it as an image: add "
+                                "`sampler` to what it reads, or declare image2D",
+                      slot->name);
+    if (!sampler && !image && uniform != block)
+        return refuse(binder,
+                      block ? "`%s` is a buffer, but the pass binds it as a uniform block"
+                            : "`%s` is a uniform block, but the pass binds it as a buffer",
+                      slot->name);
+    return true;
+}
+
 static bool bind_variable(struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
     const char *name = name_of(module, variable);
     const uint32_t *type = spirv_definition(module, pointee(module, variable));
+    const struct bind_slot *slot = NULL;
     for (uint32_t i = 0; i < binder->request->slot_count; i++)
         if (!strcmp(binder->request->slots[i].name, name))
-            binder->bindings[variable[2]] = 1 + binder->request->slots[i].binding;
+            slot = &binder->request->slots[i];
+    if (slot)
+        binder->bindings[variable[2]] = 1 + slot->binding;
     if (!find_uses(binder, variable[2], NULL, 0))
         return true;
     if (spirv_is(type, SpvOpTypeArray))
@@ -295,12 +323,12 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
     if (spirv_is(type, SpvOpTypeSampler) || (spirv_is(type, SpvOpTypeImage) && type[7] != 2))
         return refuse(binder, "`%s` is a texture or a sampler alone; combine both, as sampler2D",
                       name);
-    return binder->bindings[variable[2]] ||
-           refuse(
-               binder,
-               "the shader uses `%s`, which the pass does not list: add {name: RESOURCE, as: %s} "
-               "to reads, writes or updates",
-               name, name);
+    return slot ? check_kind(binder, variable, type, slot)
+                : refuse(binder,
+                         "the shader uses `%s`, which the pass does not list: add {name: RESOURCE, "
+                         "as: %s} "
+                         "to reads, writes or updates",
+                         name, name);
 }
 
 static bool is_layout(uint32_t decoration)

@@ -11,6 +11,7 @@
 #include "passes.h"
 #include "prove.h"
 #include "sanitize.h"
+#include "values.h"
 
 #include <ctype.h>
 #include <glslang/build_info.h>
@@ -90,8 +91,8 @@ static bool bind(const struct model *model, const struct pass *pass, const struc
                                    .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
     for (uint32_t i = 0; slots && i < pass->access_count; i++)
         if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
-            slots[request.slot_count++] =
-                (struct bind_slot){access_word(&pass->accesses[i]), pass->accesses[i].binding};
+            slots[request.slot_count++] = (struct bind_slot){
+                access_word(&pass->accesses[i]), pass->accesses[i].binding, pass->accesses[i].kind};
     for (uint32_t i = 0; constants && i < pipeline->param_count; i++)
         if (!pipeline->params[i].live && !pipeline->params[i].uniform &&
             pipeline->params[i].components == 1)
@@ -114,7 +115,8 @@ static bool pass_words(const struct model *model, const struct pass *pass, uint3
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
-    good = good && (pass->fast || spirv_exact(&module)) && spirv_reach(&module);
+    good = good && (pass->fast || (spirv_values(&module, pass, log) && spirv_exact(&module))) &&
+           spirv_reach(&module);
     if (good && !model->pipeline.gpu)
         spirv_keep_loops(&module);
     if (good)

@@ -1,5 +1,5 @@
 /* Compiled shaders in a folder; see shader_cache.h. A file NAME.spv holds the SPIR-V of one
- * shader. NAME is the hash of its inputs: GLSL, backend, stage, exactness, target, versions of the
+ * shader. NAME is the hash of its inputs: GLSL, formats, backend, stage, exactness, target, versions of the
  * compiler and of our rewriting. The head of the file has a hash of the content, so a damaged,
  * truncated or foreign file is a miss, and is replaced. */
 #include "shader_cache.h"
@@ -21,7 +21,7 @@
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that the passes of gen/spirv write. */
-enum { REWRITING = 4 };
+enum { REWRITING = 5 };
 enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 
@@ -100,6 +100,7 @@ struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, en
     for (uint32_t i = 0; i < pass; i++) {
         const struct text *other = shader_code(&shaders[i].stage[stage]);
         if (other->length && shaders[i].stage[stage].own == shaders[pass].stage[stage].own &&
+            shaders[i].stage[stage].formats == shaders[pass].stage[stage].formats &&
             is_same_files(shaders[i].stage[stage].files, shaders[pass].stage[stage].files) &&
             is_same_text(other->data, other->length, code->data, code->length))
             return (struct shader *)&shaders[i].stage[stage];
@@ -137,6 +138,7 @@ static bool cache_name(char name[NAME_SIZE], uint64_t *seed, const struct model 
         return false;
     XXH3_128bits_reset(state);
     XXH3_128bits_update(state, kind, sizeof kind);
+    XXH3_128bits_update(state, &shader->formats, sizeof shader->formats);
     XXH3_128bits_update(state, tools, strlen(tools));
     hash_text(state, shader_code(shader));
     for (uint32_t i = 1; shader->files && i < shader->files->count; i++) {

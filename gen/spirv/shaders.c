@@ -5,6 +5,7 @@
 #include "shader_cache.h"
 #include "compile.h"
 #include "model/cross.h"
+#include "values.h"
 #include "watchdog.h"
 
 #include <pthread.h>
@@ -118,6 +119,7 @@ static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[
         struct shader *shader = &shaders[job.backend][index].stage[stage];
         shader->stage = stage;
         shader->fast = job.pass->fast;
+        shader->formats = spirv_formats(job.pass);
         shader->own = shaders[BACKEND_VK][index].stage[stage].own;
         if (!has_stage(job.pass, stage))
             continue;

@@ -1,16 +1,6 @@
 /* Filtering of scene_textures by texel fetches: the same bits on every device. Included by passes
  * that read scene_textures. */
 
-/* Drivers decode sRGB to a few bits. */
-vec3 texture_texel(ivec2 p, int layer, int level)
-{
-    vec4 texel = texelFetch(scene_textures, ivec3(p, layer), level);
-#ifdef EXACT
-    texel = decode_srgb(texel);
-#endif
-    return texel.rgb;
-}
-
 /* Where `uv` lies in a level: its corner's two columns and two rows of texels, with repeat, and how
  * far it is from the first to the second. */
 struct Corner {
@@ -49,7 +39,8 @@ vec3 texture_linear(vec2 uv, int layer, int level, float next)
         bvec2 second = bvec2((i & 1) != 0, (i & 2) != 0);
         vec2 weight = mix(1.0 - part, part, second);
         float of_mip = i < 4 ? 1.0 - next : next;
-        vec3 texel = texture_texel(mix(low, high, second), layer, level + i / 4);
+        ivec2 p = mix(low, high, second);
+        vec3 texel = texelFetch(scene_textures, ivec3(p, layer), level + i / 4).rgb;
         color += texel * (weight.x * weight.y * of_mip);
     }
     return color;

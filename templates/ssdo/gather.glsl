@@ -26,7 +26,7 @@ void main()
                                     x.xyz + to * (most * fract(tap.reach + part)));
         vec2 ndc = approximate_divide(clip.xy, max(clip.w, 1e-12));
         bool inside = clip.w > 0.0 && abs(ndc.x) < 1.0 && abs(ndc.y) < 1.0;
-        ivec2 texel = clamp(ivec2((ndc * 0.5 + 0.5) * vec2(size)), ivec2(0), size - 1);
+        ivec2 texel = min(ivec2(clamp(ndc * 0.5 + 0.5, 0.0, 1.0) * vec2(size)), size - 1);
         vec4 y = gbuffer_position(texel);
         vec3 across = y.xyz - x.xyz;
         float square = max(dot(across, across), closest);

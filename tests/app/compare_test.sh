@@ -169,7 +169,7 @@ m['entries'][0]['width'] = 16|manifest.json: "width" of color after pass scene i
 m['pipeline'] = 'ssvp'|holds the pipeline ssvp, this is features; name its --spec
 m['diptych'] = '0.0.1'|holds another features: diptych 0.0.1 made it, this is
 m['sources'][0]['hash'] = '0'|holds another features: features.yaml has other content; the spec, its GLSL, --set
-[f for f in m['sources'] if f['file'] == 'glsl/store.glsl'][0]['hash'] = '0'|holds another features: glsl/store.glsl has other content
+[f for f in m['sources'] if f['file'] == 'glsl/filter.glsl'][0]['hash'] = '0'|holds another features: glsl/filter.glsl has other content
 m['sources'].pop()|holds another features: it reads glsl/
 m['params']['bins'] = 17|holds another features: bins is 17 there, 16 here
 m['set'] = ['exactness=fast']|holds another features: --set ["exactness=fast"] there, [] here

@@ -69,7 +69,7 @@ def supplied_names():
     for path in glob.glob("templates/glsl/*.glsl"):
         with open(path, encoding="utf-8") as file:
             text = without_comments(file.read())
-        if not path.endswith(("cells.glsl", "quads.glsl", "exact.glsl", "decode.glsl", "filter.glsl", "sanitize.glsl", "shadow.glsl", "store.glsl")):
+        if not path.endswith(("cells.glsl", "quads.glsl", "exact.glsl", "filter.glsl", "sanitize.glsl", "shadow.glsl", "values.glsl")):
             names |= set(re.findall(r"^\w+ (\w+)\(", text, re.M)) | set(re.findall(r"^struct (\w+)", text, re.M))
             for members in re.findall(r"^    (?:View|Light|vec3|mat4|float|u?int) ([\w, ]+);$", text, re.M):
                 names |= set(members.split(", ")) if "struct" in text else set()

@@ -125,5 +125,21 @@ def check(dump, folder):
         expect(name + ", stored again", load(f"load.{name}_stored", "H" if "16" in name else "I"), load(f"store.{name}_stored", "H" if "16" in name else "I"), fractions)
 
 
+def own(dump):
+    """What the shaders of stores_test.sh left that declare everything themselves."""
+    def load(name, code):
+        return list(struct.iter_unpack("<" + code, open(f"{dump}/{name}.raw", "rb").read()))
+
+    columns = range(256)
+    assert [c[0] for c in load("00.fill.codes", "4B")] == list(columns)
+    shorts = [min(max(x * 257 - 32768, -32767), 32767) for x in columns]
+    assert [c[0] for c in load("00.fill.shorts", "h")] == shorts
+    wanted = [(single(x / 255), single(s / 32767)) for x, s in zip(columns, shorts)]
+    assert load("01.look.read", "2f") == wanted, load("01.look.read", "2f")
+    half = single(0.5 / 255)
+    wanted = [(64, 64) if x + 0.5 > 200 else (unorm(single(single(x / 255) + half), 255), 0) for x in columns]
+    assert load("02.draw.halves", "2B") == wanted, load("02.draw.halves", "2B")
+
+
 if __name__ == "__main__":
-    {"make": make, "check": check}[sys.argv[1]](*sys.argv[2:])
+    {"make": make, "check": check, "own": own}[sys.argv[1]](*sys.argv[2:])

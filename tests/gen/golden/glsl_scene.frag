@@ -3,27 +3,6 @@
 #define FRAGMENT
 #define EXACT
 
-/* Float formats of 5 bits of exponent and 23 - 13 = 10 (half), 6 or 5 bits of mantissa. `shift` is
- * 23 less the bits of the mantissa, at its place in the exponent. Adding and subtracting a power of
- * two whose last bit is the result's last bit rounds. Takes and returns the bits of magnitudes. */
-uvec4 store_round(uvec4 bits, uvec4 shift)
-{
-    vec4 grid = uintBitsToFloat(max(bits & 0x7f800000u, uvec4(0x38800000u)) + shift);
-    precise vec4 sum = uintBitsToFloat(bits) + grid;
-    precise vec4 rounded = sum - grid;
-    return floatBitsToUint(rounded);
-}
-
-/* Finite values beyond the largest, 65504: the largest, as not every driver stores an infinity. */
-vec4 store_half(vec4 value)
-{
-    uvec4 bits = floatBitsToUint(value);
-    ivec4 magnitude = ivec4(bits & 0x7fffffffu);
-    uvec4 rounded = store_round(uvec4(min(magnitude, 0x477fe000)), uvec4(13u << 23));
-    rounded = mix(rounded, uvec4(magnitude), greaterThanEqual(magnitude, ivec4(0x7f800000)));
-    return uintBitsToFloat(rounded | (bits & 0x80000000u));
-}
-
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */
 struct View {
     mat4 view;
@@ -85,10 +64,6 @@ vec4 scene_texture(vec2 uv, int layer)
     return layer < 0 ? vec4(1.0) : texel;
 }
 
-void diptych_end()
-{
-    color = store_half(color);
-}
 /* Zero, which no compiler knows. */
 uint diptych_zero()
 {

@@ -3,11 +3,6 @@
 #define FRAGMENT
 #define EXACT
 
-vec4 decode_plain(vec4 texel)
-{
-    return texel;
-}
-
 int filter_clamp(int p, int n)
 {
     return clamp(p, 0, n - 1);
@@ -22,13 +17,13 @@ ivec2 filter_size(ivec2 finest, int level)
 /* Texel q; layers of arrays end as edges do. */
 #define filter_2D(image, q, layer) q
 
-/* A texel: `place` is one of the two above, `decode` a function of decode.glsl. */
-#define filter_texel(NAME, SAMPLER, place, decode, wrap) \
+/* A texel: `place` is one of the two above. */
+#define filter_texel(NAME, SAMPLER, place, wrap) \
 vec4 NAME(SAMPLER image, ivec3 p, int level, vec4 border) \
 { \
     ivec2 size = filter_size(textureSize(image, 0).xy, level); \
     ivec2 q = ivec2(wrap(p.x, size.x), wrap(p.y, size.y)); \
-    return decode(texelFetch(image, place(image, q, p.z), level)); \
+    return texelFetch(image, place(image, q, p.z), level); \
 }
 
 /* One level. at: uv, and the layer of an array; its layers are not filtered. */
@@ -49,7 +44,7 @@ vec4 result(ivec2 p)
     return texelFetch(result_texture, p, 0);
 }
 
-filter_texel(filter_texel_depth, sampler2D, filter_2D, decode_plain, filter_clamp);
+filter_texel(filter_texel_depth, sampler2D, filter_2D, filter_clamp);
 filter_nearest(filter_level_depth, sampler2D, filter_texel_depth);
 
 float depth_sample(vec2 uv)

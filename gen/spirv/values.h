@@ -1,0 +1,15 @@
+/* Texels in exact passes: what an image holds, not what a driver makes of it. */
+#ifndef DIPTYCH_GEN_SPIRV_VALUES_H
+#define DIPTYCH_GEN_SPIRV_VALUES_H
+
+#include "model/model.h"
+#include "module.h"
+
+/* Reads of texels get the value of their code, writes and colour targets are rounded to the format's codes, by functions of
+ * templates/glsl/values.glsl. False: out of memory; or, with *why (free(), and it is freed before), a function reads images of two formats by one parameter. */
+bool spirv_values(struct spirv *module, const struct pass *pass, char **why);
+
+/* A hash of all that spirv_values takes of the pass: equal texts with unequal hashes are not the same shader. */
+uint64_t spirv_formats(const struct pass *pass);
+
+#endif
