@@ -150,9 +150,9 @@ static bool reads_image(const struct pass *pass, const struct token *token)
     return false;
 }
 
-/* Whether the block behind the token reads an image, itself or in a function of the body. */
-static bool block_reads_images(const struct pass *pass, const struct body *body,
-                               const struct token *token, int calls)
+/* Adds what the block behind the token does, itself and in functions of the body, to `range`. */
+static void note_block(const struct pass *pass, const struct body *body, const struct token *token,
+                       int calls, struct range *range)
 {
     const struct token *end = body->tokens + body->count;
     int depth = token->depth;
@@ -161,23 +161,22 @@ static bool block_reads_images(const struct pass *pass, const struct body *body,
     for (; token < end && token->depth > depth; token++) {
         const struct token *function =
             token->after == '(' ? function_named(body, token->text, token->length) : NULL;
-        if (reads_image(pass, token) ||
-            (function && calls < MAX_CALLS && block_reads_images(pass, body, function, calls + 1)))
-            return true;
+        range->words += range->words < INT32_MAX;
+        range->reads_images |= reads_image(pass, token);
+        if (function && calls < MAX_CALLS && range->words < INT32_MAX)
+            note_block(pass, body, function, calls + 1, range);
     }
-    return false;
 }
 
-/* Notes the ranges whose loops read images: their compile time grows fast when they are unrolled. */
-static void note_images(struct checker *c, struct pass *pass, struct body *body)
+/* Notes what the loops over ranges do, since that says how long they are when unrolled. */
+static void note_loops(struct checker *c, struct pass *pass, struct body *body)
 {
     for (uint32_t i = 0; pass->range_count && i < pass->files->count; i++)
         scan_file(c, body, pass->files->list[i].code);
     for (uint32_t i = 0; i < pass->range_count; i++)
         for (size_t k = 0; k < body->count; k++)
-            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], pass->ranges[i].name) &&
-                block_reads_images(pass, body, &body->tokens[k], 0))
-                pass->ranges[i].reads_images = true;
+            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], pass->ranges[i].name))
+                note_block(pass, body, &body->tokens[k], 0, &pass->ranges[i]);
 }
 
 /* Whether the body asks for the length of an array: of a buffer whose count is not fixed by the
@@ -216,7 +215,7 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     pass->shader =
         pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
     pass->minds_group = minds_group(pass->files);
-    note_images(c, pass, body);
+    note_loops(c, pass, body);
     note_lengths(c, pass, body);
     pass->own_vertices = body_asks_for(pass->files, "VERTEX");
     if (pass->kind == DT_PASS_DRAW_VERTICES && !pass->own_vertices)

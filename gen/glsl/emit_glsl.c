@@ -246,19 +246,20 @@ static void add_metric(struct glsl *glsl, const struct metric *metric)
 {
     struct text function = {0}, *out = &function;
     const char *scale = metric->scale ? metric->scale : "scene_radius";
-    text_add(out, "float %s(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{\n    return %s(pa, na, pb, nb, ",
-             metric->name, metric->normal_term == TERM_DOT ? "metric_dot" : "metric_one_minus_dot");
-    add_weight(&metric->position, out);
-    text_add(out, ", ");
-    add_weight(&metric->normal, out);
     double number;
-    if (!strcmp(scale, "scene_radius")) {
-        text_add(out, ", frame.scene_radius");
-    } else if (sscanf(scale, "%lf", &number) == 1) {
-        text_add(out, ", ");
+    text_add(out, "float %s_position = ", metric->name); /* once per invocation */
+    add_weight(&metric->position, out);
+    text_add(out, " * approximate_reciprocal(");
+    if (sscanf(scale, "%lf", &number) == 1)
         glsl_add_float(number, out);
-    }
-    text_add(out, ");\n}\n\n");
+    else
+        text_add(out, "frame.scene_radius");
+    text_add(out, ");\nfloat %s_normal = ", metric->name);
+    add_weight(&metric->normal, out);
+    text_add(out,
+             ";\n\nfloat %s(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{\n    return %s(pa, na, pb, nb, ",
+             metric->name, metric->normal_term == TERM_DOT ? "metric_dot" : "metric_one_minus_dot");
+    text_add(out, "%s_position, %s_normal);\n}\n\n", metric->name, metric->name);
     const struct pipeline *pipeline = glsl->pipeline;
     for (uint32_t a = 0; a < pipeline->struct_count; a++)
         for (uint32_t b = 0; b < pipeline->struct_count; b++) {

@@ -336,6 +336,38 @@ static void add_first(const struct range *range, struct text *out)
     text_add(out, "    int %s_first = %s;\n", range->name, range->first ? range->first : "0");
 }
 
+/* Writes the body for one element of a rolled loop, whose braces are open. base: as below; `after`
+ * the counter. */
+static void add_turn(const struct loop *loop, const char *base, uint32_t after, struct text *out)
+{
+    const struct range *range = loop->range;
+    char index[96], counter[96];
+    snprintf(counter, sizeof counter, after ? "(%s_k + %u)" : "%s_k", range->name, after);
+    text_add(out, "        int %s_index = %s%s;\n", range->name, base, counter);
+    snprintf(index, sizeof index, "%s_index", range->name);
+    add_element(loop, range_is_shared(range) ? counter : index, out);
+    add_body(loop, out);
+}
+
+/* A loop with `turn` elements per turn, for a number of elements that it divides. */
+static void add_rolled(const struct loop *loop, uint32_t count, const char *base, struct text *out)
+{
+    const char *name = loop->range->name;
+    uint32_t turn = loop->range->turn;
+    if (turn == 1) {
+        text_add(out, "    for (int %s_k = 0; %s_k < %u; ++%s_k) {\n", name, name, count, name);
+        add_turn(loop, base, 0, out);
+        return;
+    }
+    text_add(out, "    for (int %s_k = 0; %s_k < %u; %s_k += %u) {\n", name, name, count, name,
+             turn);
+    for (uint32_t i = 0; i < turn; i++) {
+        text_add(out, "    {\n");
+        add_turn(loop, base, i, out);
+    }
+    text_add(out, "    }\n");
+}
+
 /* Writes the body for `count` elements. base: text before the index, "" for the start of the
  * range. */
 static void add_elements(const struct loop *loop, uint32_t count, const char *base,
@@ -343,16 +375,10 @@ static void add_elements(const struct loop *loop, uint32_t count, const char *ba
 {
     const struct range *range = loop->range;
     char index[96];
-    if (range->loop != LOOP_UNROLL) {
-        text_add(out, "    for (int %s_k = 0; %s_k < %u; ++%s_k) {\n", range->name, range->name,
-                 count, range->name);
-        text_add(out, "        int %s_index = %s%s_k;\n", range->name, base, range->name);
-        snprintf(index, sizeof index, "%s_%s", range->name, range_is_shared(range) ? "k" : "index");
-        add_element(loop, index, out);
-        add_body(loop, out);
-        return;
-    }
-    for (uint32_t i = 0; i < count; i++) {
+    uint32_t rolled = range->loop == LOOP_UNROLL ? 0 : count - count % range->turn;
+    if (rolled)
+        add_rolled(loop, rolled, base, out);
+    for (uint32_t i = rolled; i < count; i++) {
         text_add(out, "    {\n        %sint %s_index = %s%u;\n", *base ? "" : "const ", range->name,
                  base, i);
         snprintf(index, sizeof index, "%s%u", range_is_shared(range) ? "" : base, i);

@@ -203,7 +203,9 @@ struct range {
     enum storage_class storage;
     enum loop_shape loop;
     bool reads_images; /* check: a loop over it reads images */
+    int32_t words;     /* check: identifiers in its loops, with those of called functions */
     uint32_t chunk;    /* plan: elements per copy and per unrolled block */
+    uint32_t turn;     /* plan: elements per turn of a rolled loop over a chunk; else 1 */
     bool counted;      /* plan: the shader reads the count, so all counts share one shader */
 };
 

@@ -237,6 +237,10 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
 /* Elements of an unrolled block. */
 enum { UNROLLED_BLOCK = 32 };
 
+/* On GPUs: identifiers in the unrolled loops of a pass, and in a turn of a rolled loop. The compilers
+ * of AMD's chips make up to 5.7 bytes of each; an instruction cache has 32 KB. */
+enum { UNROLLED_WORDS = 5700, TURN_WORDS = 1024, MOST_OF_TURN = 4 };
+
 /* The largest divisor of count in 8..limit, so that all blocks are full; else the limit, with a
  * short last block. */
 static uint32_t chunk_of(uint64_t count, uint32_t limit)
@@ -281,7 +285,7 @@ static uint32_t stride_of(const struct range *range)
 
 /* Chooses what the spec leaves open. CPU drivers read shared memory fast at literal indices and
  * outside of loops only; what is not unrolled they read in place. A GPU reads shared memory as fast
- * in a loop, and long unrolled code only fills its instruction cache. */
+ * in a loop. */
 static void choose_range(struct range *range, bool unrolled, bool gpu)
 {
     if (range->storage == STORAGE_AUTO && (gpu || (unrolled && range->loop != LOOP_ROLL)) &&
@@ -291,7 +295,15 @@ static void choose_range(struct range *range, bool unrolled, bool gpu)
         range->loop = unrolled ? LOOP_UNROLL : LOOP_ROLL;
 }
 
-static void plan_chunk(struct range *range)
+/* On a GPU, a turn has up to four elements: their reads are under way together. */
+static uint32_t turn_of(const struct range *range)
+{
+    uint32_t most = range->words ? TURN_WORDS / (uint32_t)range->words : MOST_OF_TURN;
+
+    return most < 1 ? 1 : most > MOST_OF_TURN ? MOST_OF_TURN : most;
+}
+
+static void plan_chunk(struct range *range, bool gpu)
 {
     uint32_t limit = range->loop == LOOP_ROLL ? 2 * UNROLLED_BLOCK : UNROLLED_BLOCK;
     uint32_t stride = stride_of(range);
@@ -301,6 +313,7 @@ static void plan_chunk(struct range *range)
         limit = limit ? limit : 1;
     }
     range->chunk = chunk_of(count_of(range), limit);
+    range->turn = gpu && range->loop == LOOP_ROLL ? turn_of(range) : 1;
     range->counted = range->loop == LOOP_ROLL && range->storage != STORAGE_SHARED &&
                      !expr_is_literal(range->count);
 }
@@ -354,15 +367,31 @@ static struct range *next_range(struct pass *pass)
     return next;
 }
 
-/* Whether to unroll a range. others: elements of long ranges that are unrolled already. Code that
- * reads an image is long, and CPU drivers take several times as long to compile it as arithmetic. */
-static bool may_unroll(const struct range *range, uint64_t others, bool gpu)
+struct unrolled {      /* of a pass, so far */
+    uint64_t elements; /* of long ranges */
+    uint64_t words;    /* identifiers of all loops */
+};
+
+/* Whether to unroll a range. On a GPU, while the code fits an instruction cache. On a CPU, code that
+ * reads an image is long, and drivers take several times as long to compile it as arithmetic. */
+static bool may_unroll(const struct range *range, const struct unrolled *others, bool gpu)
 {
     uint64_t count = count_of(range);
 
     if (gpu)
-        return count <= 2 * UNROLLED_BLOCK;
-    return count <= UNROLLED_BLOCK || (!range->reads_images && count + others <= UNROLLED_LIMIT);
+        return count <= 2 * UNROLLED_BLOCK &&
+               count * (uint64_t)range->words + others->words <= UNROLLED_WORDS;
+    return count <= UNROLLED_BLOCK ||
+           (!range->reads_images && count + others->elements <= UNROLLED_LIMIT);
+}
+
+static void add_unrolled(struct unrolled *unrolled, const struct range *range)
+{
+    if (range->loop != LOOP_UNROLL)
+        return;
+    unrolled->words += count_of(range) * (uint64_t)range->words;
+    if (count_of(range) > UNROLLED_BLOCK)
+        unrolled->elements += count_of(range);
 }
 
 /* CPU drivers run unrolled ranges several times as fast. The shortest are unrolled first. Under --sanitize, which makes each
@@ -370,7 +399,7 @@ static bool may_unroll(const struct range *range, uint64_t others, bool gpu)
 static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, bool sanitize,
                         struct diag *diag)
 {
-    uint64_t unrolled = 0;
+    struct unrolled unrolled = {0};
     struct range *range;
 
     plan_local(pass, pipeline);
@@ -381,11 +410,10 @@ static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, bool
             range->storage = range->storage == STORAGE_SHARED ? STORAGE_AUTO : range->storage;
             range->loop = LOOP_ROLL;
         } else {
-            choose_range(range, may_unroll(range, unrolled, pipeline->gpu), pipeline->gpu);
+            choose_range(range, may_unroll(range, &unrolled, pipeline->gpu), pipeline->gpu);
         }
-        plan_chunk(range);
-        if (range->loop == LOOP_UNROLL && count_of(range) > UNROLLED_BLOCK)
-            unrolled += count_of(range);
+        plan_chunk(range, pipeline->gpu);
+        add_unrolled(&unrolled, range);
     }
     check_shared(pass, diag);
 }

@@ -194,10 +194,9 @@ static const struct body_name function_names[] = {
     {"tile_gather(q, size, tile)", "any", "`NAME_gather` of any tile."},
     {"tile_class_size(class_index, size, tile)", "any", "`NAME_class_size` of any tile."},
     {"tile_offset(class_index, tile)", "any", "First pixel of a class."},
-    {"metric_one_minus_dot(pa, na, pb, nb, position, normal, scale)", "any",
-     "A metric of any weights; the term of normals is 1 - max(na . nb, 0)."},
-    {"metric_dot(pa, na, pb, nb, position, normal, scale)", "any",
-     "The same with max(na . nb, 0)."},
+    {"metric_one_minus_dot(pa, na, pb, nb, position, normal)", "any",
+     "A metric of any weights, `position` per metre; the term of normals is 1 - max(na . nb, 0)."},
+    {"metric_dot(pa, na, pb, nb, position, normal)", "any", "The same with max(na . nb, 0)."},
     {0},
 };
 
@@ -211,6 +210,10 @@ static const struct body_name approximate_names[] = {
     {"approximate_inversesqrt(x)", "any", "Within 2 ulp, for float and vectors."},
     {"approximate_sqrt(x)", "any", "Within 2 ulp, for float and vectors."},
     {"approximate_normalize(v)", "any", "Unit vector, within 4 ulp."},
+    {"float approximate_max(float x, float least)", "any",
+     "max(x, least), for x that is no NaN and least from 0 on."},
+    {"float approximate_clamp(float x, float most)", "any", "clamp(x, 0.0, most) for the same."},
+    {"int approximate_int(float x)", "any", "int(x) for whole numbers up to 2^22."},
     {0},
 };
 
@@ -242,9 +245,10 @@ static const struct body_group groups[] = {
      "NAME is the resource's, or what the pass calls it with `as`. A pass sees what it lists.",
      resource_names},
     {"Point sets, metrics, interleaves", "Those that the pass lists in `uses`.", function_names},
-    {"Cheap division and roots",
-     "For loops that need no last bit: the same bits on every device, at less than half of the "
-     "operations of `/` and `sqrt`, which round correctly. With `exactness: fast`, the device's.",
+    {"Cheap functions",
+     "For loops that need no last bit, or whose arguments lie in known ranges: the same bits on "
+     "every device, at less than half of the operations of `/` and `sqrt`, which round correctly, "
+     "and of `max`, `clamp` and `int`. With `exactness: fast`, the device's.",
      approximate_names},
     {"Parameters, constants, structs and macros",
      "Parameters and constants are there by their names, of the type that the spec gives them; a "

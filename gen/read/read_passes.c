@@ -291,7 +291,8 @@ static int read_dispatch(struct reader *reader, const struct fields *fields, str
 static void read_local(struct reader *reader, const struct fields *fields, struct pass *pass,
                        int dimensions)
 {
-    struct fy_node *node = field_node(fields, "local");
+    struct fy_node *own = reader->model->pipeline.gpu ? field_node(fields, "gpu_local") : NULL;
+    struct fy_node *node = own ? own : field_node(fields, "local");
     pass->local[0] = node ? 1 : dimensions == 1 ? 64 : 8;
     pass->local[1] = node || dimensions == 1 ? 1 : 8;
     pass->local[2] = 1;
@@ -302,10 +303,11 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
 static void refuse_others(struct reader *reader, const struct fields *fields,
                           const struct pass *pass)
 {
-    static const char *const scene[] = {"local", "ranges", NULL};
-    static const char *const fullscreen[] = {
-        "local", "ranges", "indirect", "view", "layers", "indices", "cull", "clip_distances", NULL};
-    static const char *const vertices[] = {"local", "ranges", "view", "indices", NULL};
+    static const char *const scene[] = {"local", "gpu_local", "ranges", NULL};
+    static const char *const fullscreen[] = {"local",          "gpu_local", "ranges",  "indirect",
+                                             "view",           "layers",    "indices", "cull",
+                                             "clip_distances", NULL};
+    static const char *const vertices[] = {"local", "gpu_local", "ranges", "view", "indices", NULL};
     static const char *const dispatch[] = {
         "view",  "layers",         "indices",  "cull",    "depth",      "depth_write",
         "blend", "clip_distances", "viewport", "scissor", "depth_bias", NULL};

@@ -575,6 +575,10 @@ const struct key table_keys[] = {
      "[64, 1, 1], or [8, 8, 1] in two dimensions; with ranges on CPU drivers 256 "
      "invocations",
      "Size of a workgroup; at most 1024 invocations.", "[8, 8, 1]"},
+    {SECTION_PASS, "gpu_local", KEY_EXPRS, SECTION_NONE, NULL, OPTIONAL, "`local`",
+     "Size of a workgroup in the plan for GPUs. For a body that gives the same result with "
+     "workgroups of any size.",
+     "256"},
     {SECTION_PASS, "view", KEY_CHOICE, SECTION_NONE, "camera|light", OPTIONAL, "camera",
      "draw: scene: what `view` is in the body.", "light"},
     {SECTION_PASS, "layers", KEY_EXPR, SECTION_NONE, NULL, OPTIONAL, "not layered",
@@ -733,9 +737,11 @@ const struct key table_keys[] = {
      "buffer.",
      "shared"},
     {SECTION_RANGE, "loop", KEY_CHOICE, SECTION_NONE, "auto|unroll|roll", OPTIONAL, "auto",
-     "How the loop is written. `auto` unrolls up to 32 elements (on a GPU: 64) and rolls "
-     "longer loops. On CPU drivers longer loops that read no image are unrolled, too, the "
-     "shortest first, as long as they have at most 256 elements together.",
+     "How the loop is written. `auto` unrolls up to 32 elements and rolls longer loops. On CPU "
+     "drivers longer loops that read no image are unrolled, too, the shortest first, as long as "
+     "they have at most 256 elements together. On a GPU up to 64 elements are unrolled, as long as "
+     "the code of all loops of the pass fits an instruction cache of 32 KB, as far as the length "
+     "of the bodies tells.",
      "unroll"},
 
     /* assertions, contracts, output */

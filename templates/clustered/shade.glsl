@@ -5,10 +5,10 @@
  * surface lies before the receiver, as the difference of inverse reaches. */
 bool sees(ClusterView e, int layer, vec3 d, vec3 n, vec2 shift, float closest, out float apart)
 {
-    float bias = visibility_bias * (2.28 / float(map_size));
+    float bias = visibility_bias * (2.28 * approximate_reciprocal(float(map_size)));
     vec2 middle = vec2(0.5 * float(map_size)) + shift;
     Sight s = sight(d, e.tangent, e.bitangent, e.normal, middle);
-    float seen = map_reach(ivec3(s.texel, layer)).r;
+    float seen = map_reach(ivec3(texel_of(s), layer)).r;
     apart = approximate_reciprocal(max(seen, 0.1 * s.reach)) - approximate_reciprocal(s.reach);
     return is_seen(s, e.tangent, e.bitangent, e.normal, n, seen, bias);
 }

@@ -1,11 +1,43 @@
-/* Cheap division and roots, for loops that need no last bit: as many operations as a device's own, and
- * the same bits on every device. Errors in units in the last place (ulp), for normal operands and
- * results and |y| up to 2^64. With `exactness: fast` these are the device's own. */
+/* Cheap functions for hot loops: division and roots that need no last bit, and functions of arguments in
+ * known ranges. As many operations as a device's own, and the same bits on every device. Errors in
+ * units in the last place (ulp), for normal operands and results and |y| up to 2^64. With
+ * `exactness: fast` these are the device's own. */
 
 #define approximate_each(f) \
 vec2 f(const vec2 x) { return vec2(f(x.x), f(x.y)); } \
 vec3 f(const vec3 x) { return vec3(f(x.x), f(x.y), f(x.z)); } \
 vec4 f(const vec4 x) { return vec4(f(x.x), f(x.y), f(x.z), f(x.w)); }
+
+/* max(x, least) for x that is no NaN and least that is not negative: numbers from 0 on are ordered as
+ * their bits are. */
+float approximate_max(const float x, const float least)
+{
+#ifdef EXACT
+    return intBitsToFloat(max(floatBitsToInt(x), floatBitsToInt(least)));
+#else
+    return max(x, least);
+#endif
+}
+
+/* clamp(x, 0.0, most) for the same. */
+float approximate_clamp(const float x, const float most)
+{
+#ifdef EXACT
+    return intBitsToFloat(clamp(floatBitsToInt(x), 0, floatBitsToInt(most)));
+#else
+    return clamp(x, 0.0, most);
+#endif
+}
+
+/* int(x) for whole numbers up to 2^22: a sum with 1.5 * 2^23 has them in its lowest bits. */
+int approximate_int(const float x)
+{
+#ifdef EXACT
+    return floatBitsToInt(x + 12582912.0) - 0x4b400000;
+#else
+    return int(x);
+#endif
+}
 
 /* 1 / y within 3e-6, for normal |y| up to 2^64: an integer subtraction estimates it (Moroz et al.
  * 2018), a polynomial in y r refines it. */

@@ -44,13 +44,13 @@ float decode_light(const float light)
     float d = light * r * r;
     r = r * (2.102354969 - d * (1.760928667 - d * 0.6631531635));
     float u = light * r;
-    float fit = ((((0.41563907 * u - 1.3546827) * u + 1.7751776) * u - 1.2969983) * u + 1.5002971) * u
-        - 0.03925529;
-    float code = roundEven(255.0 * mix(fit, 12.92 * light, light <= 0.0031308)) * 0.00392156862745;
+    float fit = ((((105.98796 * u - 345.44409) * u + 452.67029) * u - 330.73457) * u + 382.57576) * u - 10.010099;
+    bool straight = light <= 0.0031308; /* codes up to 10 */
+    float code = roundEven(mix(fit, 3294.6 * light, straight)) * 0.00392156862745;
     float slope = (((((0.138861712 * code - 0.393694139) * code + 0.48188816) * code - 0.394731246) * code
         + 0.481365721) * code + 0.963586398) * code + 0.999152309;
     float decoded = (code - 1.0) * slope + 1.0;
-    return mix(decoded, code * 0.0773993808050, code <= 0.04045);
+    return mix(decoded, code * 0.0773993808050, straight);
 }
 
 vec4 decode_srgb(const vec4 texel)

@@ -13,7 +13,7 @@ void main()
     vec3 sum = vec3(0.0);
     for (ClassVpl v : all_lights) {
         Sight s = sight(x - v.eye, v.tangent, v.bitangent, v.axis, middle);
-        float seen = map_reach(ivec3(s.texel, v.layer)).r;
+        float seen = map_reach(ivec3(texel_of(s), v.layer)).r;
         bool lit = is_seen(s, v.tangent, v.bitangent, v.axis, n, seen, bias);
         float geometry = geometry_term(x - v.position, v.normal, v.disk, n, closest);
         sum += v.flux * (lit ? geometry : 0.0);

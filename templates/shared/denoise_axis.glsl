@@ -20,7 +20,7 @@ vec4 filter_axis(ivec2 p, ivec2 size, ivec2 axis, int tile_length)
         vec4 x = gbuffer_position(q);
         float off_plane = abs(dot(n, x.xyz - centre.xyz)) * inverse_depth;
         float alike = (dot(n, gbuffer_normal(q).xyz) - denoise_normal) * inverse_normal;
-        float weight = clamp(alike, 0.0, 1.0) * clamp(2.0 - off_plane, 0.0, 1.0);
+        float weight = approximate_clamp(alike, 1.0) * approximate_clamp(2.0 - off_plane, 1.0);
         weight *= x.w > 0.0 ? float(radius - abs(i)) : 0.0;
         sum += SOURCE(q).rgb * weight;
         weights += weight;

@@ -12,7 +12,8 @@ void main()
     albedo = vec4(0.0);
     if (triangle == 0u)
         return;
-    vec2 texel = 2.0 / vec2(number_size());
+    vec2 size = vec2(number_size());
+    vec2 texel = 2.0 * vec2(approximate_reciprocal(size.x), approximate_reciprocal(size.y));
     Surface s =
         surface_at(triangle - 1u, (vec2(p) + 0.5) * texel - 1.0, texel, camera.view_projection);
     vec3 to_eye = camera.position - s.hit_position;

@@ -6,7 +6,7 @@
 float spot_falloff(float cosine)
 {
     float width = max(frame.light.cos_inner - frame.light.cos_outer, 1e-6);
-    float t = clamp((cosine - frame.light.cos_outer) * reciprocal_close(width), 0.0, 1.0);
+    float t = approximate_clamp((cosine - frame.light.cos_outer) * reciprocal_close(width), 1.0);
     return t * t * (3.0 - 2.0 * t);
 }
 
@@ -21,7 +21,7 @@ vec3 to_light(vec3 x)
 vec3 unshadowed_irradiance(vec3 x, vec3 n)
 {
     vec3 l = to_light(x);
-    float cosine = max(dot(n, l), 0.0);
+    float cosine = approximate_max(dot(n, l), 0.0);
     if (frame.light.kind == 0)
         return frame.light.color * cosine;
     vec3 d = frame.light.position - x;

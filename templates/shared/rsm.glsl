@@ -12,7 +12,7 @@ void main()
         return;
     uint triangle = number(p).x;
     bool lit = triangle > 0u;
-    vec2 texel = vec2(2.0 / float(rsm_size));
+    vec2 texel = vec2(2.0 * approximate_reciprocal(float(rsm_size)));
     Surface s = surface_at(max(triangle, 1u) - 1u, (vec2(p) + 0.5) * texel - 1.0, texel,
                            light_view.view_projection);
     rsm_position_store(p, lit ? vec4(s.hit_position, 1.0) : vec4(0.0));

@@ -13,7 +13,7 @@ vec2 light_texel(vec3 x, out bool inside)
         : max(frame.light.cos_outer, 0.05) * sqrt_estimate(dot(way, way));
     vec2 ndc = clip.xy * reciprocal_close(max(clip.w, max(floor_w, 1e-12)));
     inside = clip.w > 0.0 && abs(ndc.x) < 1.0 && abs(ndc.y) < 1.0;
-    return clamp(ndc * 0.5 + 0.5, 0.0, 1.0) * float(rsm_size);
+    return vec2(approximate_clamp(ndc.x * 0.5 + 0.5, 1.0), approximate_clamp(ndc.y * 0.5 + 0.5, 1.0)) * float(rsm_size);
 }
 
 /* 0 if the surface in one texel lies before the tangent plane of the receiver, so between it and
@@ -39,12 +39,13 @@ float light_visibility(vec3 x, vec3 n)
     vec2 p = light_texel(x, inside);
     if (!inside)
         return 0.0; /* the map covers all that the light reaches */
-    float along = max(dot(x - frame.light.position, frame.light.direction), 0.0);
+    float along = approximate_max(dot(x - frame.light.position, frame.light.direction), 0.0);
     float depth = frame.light.kind == 0 ? 1.0 : along;
     float bias = shadow_bias * depth * sqrt_estimate(frame.light.area) *
                  reciprocal_estimate(float(rsm_size));
-    ivec2 middle = ivec2(floor(p));
-    vec2 f = p - (vec2(middle) + 0.5);
+    vec2 low = floor(p);
+    ivec2 middle = ivec2(approximate_int(low.x), approximate_int(low.y));
+    vec2 f = p - (low + 0.5);
     vec3 wx = spline(f.x), wy = spline(f.y);
     float sum = 0.0;
     for (int dy = -1; dy <= 1; dy++)

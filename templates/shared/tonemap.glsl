@@ -12,7 +12,8 @@ void main()
     float luminance = dot(colour, vec3(0.2126, 0.7152, 0.0722));
     float whitest = reciprocal_close(white * white);
     colour *= (1.0 + luminance * whitest) * reciprocal_close(1.0 + luminance);
-    colour = clamp(colour, 0.0, 1.0);
-    vec3 codes = floor(vec3(srgb(colour.r), srgb(colour.g), srgb(colour.b)) * 255.0 + 0.5);
+    vec3 codes = vec3(srgb(approximate_clamp(colour.r, 1.0)), srgb(approximate_clamp(colour.g, 1.0)),
+                      srgb(approximate_clamp(colour.b, 1.0)));
+    codes = floor(codes * 255.0 + 0.5);
     display_store(p, vec4(codes * (1.0 / 255.0), 1.0));
 }

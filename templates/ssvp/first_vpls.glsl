@@ -15,7 +15,7 @@ void main()
     ivec2 texel = min(ivec2(floor(p)), ivec2(rsm_size - 1));
     uint triangle = number(texel).x;
     bool lit = triangle > 0u; /* no surface: no light */
-    vec2 size = vec2(2.0 / float(rsm_size));
+    vec2 size = vec2(2.0 * approximate_reciprocal(float(rsm_size)));
     Surface s = surface_at(max(triangle, 1u) - 1u, (vec2(texel) + 0.5) * size - 1.0, size,
                            light_view.view_projection);
     vec3 normal = facing_normal(s.hit_normal, s.geometric, to_light(s.hit_position));

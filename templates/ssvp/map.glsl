@@ -15,6 +15,6 @@ float reach_of(vec3 local)
 /* Through the centre of a texel, of reach 1. */
 vec3 texel_ray(vec2 centre)
 {
-    vec2 p = centre * (2.0 / float(map_size)) - 1.0;
+    vec2 p = centre * (2.0 * approximate_reciprocal(float(map_size))) - 1.0;
     return vec3(p, (1.0 - max(abs(p.x), abs(p.y))) * (1.0 / SLANT));
 }

@@ -60,7 +60,7 @@ DiskSample share_by_flux(int k, float all)
 /* The map's texel in a direction of the hemisphere. */
 ivec2 map_texel(vec3 local)
 {
-    vec2 p = local.xy / reach_of(local);
+    vec2 p = approximate_divide(local.xy, reach_of(local));
     ivec2 texel = ivec2(floor((p * 0.5 + 0.5) * float(map_size)));
     return clamp(texel, ivec2(0), ivec2(map_size - 1));
 }
@@ -72,7 +72,7 @@ ivec2 map_texel(vec3 local)
 float samples_per_area(int c, float samples, float s, float square, float cosine)
 {
     float spread = max(PI * square, views[c].area);
-    return samples * (1.0 + s) * (1.0 + s) * max(cosine, 0.1) / (4.0 * spread);
+    return approximate_divide(samples * (1.0 + s) * (1.0 + s) * max(cosine, 0.1), 4.0 * spread);
 }
 
 /* Samples per m2 around x of the cluster c, which has `samples` in all. 0 if the cluster's map has
@@ -81,12 +81,13 @@ float samples_around(int c, float samples, vec3 x, vec3 n)
 {
     vec3 d = x - views[c].position;
     float square = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
-    float far = sqrt(square);
+    float inverse = approximate_inversesqrt(square);
+    float far = square * inverse;
     float ahead = dot(d, views[c].normal);
     vec3 local = vec3(dot(d, views[c].tangent), dot(d, views[c].bitangent), max(ahead, 1e-6 * far));
-    vec2 p = local.xy / (far + local.z);
+    vec2 p = approximate_divide(local.xy, far + local.z);
     float seen = reach(ivec3(map_texel(local), c)).x;
-    float cosine = -dot(n, d) / far;
+    float cosine = -dot(n, d) * inverse;
     bool sees = seen < 1e29 && ahead > 0.0 && cosine > 0.0 && seen > 0.97 * reach_of(local);
     return sees ? samples_per_area(c, samples, min(dot(p, p), 1.0), square, cosine) : 0.0;
 }
@@ -96,10 +97,10 @@ float samples_around(int c, float samples, vec3 x, vec3 n)
 float area_of(int own_cluster, float own, float all, vec3 x, vec3 n)
 {
     float sum = own;
+    float per_power = approximate_divide(float(second_total), max(all, 1e-30));
     for (int c = 0; c < clusters; c++) {
         float power_here = views[c].power;
-        float samples = second_by_flux == 1 ? float(second_total) * (power_here / max(all, 1e-30))
-                                            : float(second_per_cluster);
+        float samples = second_by_flux == 1 ? power_here * per_power : float(second_per_cluster);
         bool another = c != own_cluster && power_here > 0.0;
         sum += another ? samples_around(c, samples, x, n) : 0.0;
     }
@@ -122,7 +123,7 @@ void main()
     vec3 flux = seen.albedo * views[c].flux * weight;
     vec3 d = views[c].position - seen.position;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
-    float own = samples_per_area(c, drawn.per_cluster, s, far, dot(seen.normal, d) * inversesqrt(far));
+    float own = samples_per_area(c, drawn.per_cluster, s, far, dot(seen.normal, d) * approximate_inversesqrt(far));
     second_vpl[k].position = seen.position;
     second_vpl[k].area = area_of(c, own, all, seen.position, seen.normal);
     second_vpl[k].normal = seen.normal;

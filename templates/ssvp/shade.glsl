@@ -12,9 +12,9 @@ void main()
     /* Each class looks up the maps at a small offset. The filter over the tile turns this into
      * percentage-closer filtering, visibility_blur texels wide. */
     vec2 stratum = vec2(interleave_class() % tile.x, interleave_class() / tile.x) + 0.5;
-    vec2 middle = 0.5 * float(map_size) + visibility_blur * (stratum / vec2(tile) - 0.5);
+    vec2 middle = 0.5 * float(map_size) + visibility_blur * (stratum * (1.0 / vec2(tile)) - 0.5);
     /* Half the diagonal of a texel, in radians, where texels are largest. */
-    float bias = visibility_bias * (2.28 / float(map_size));
+    float bias = visibility_bias * (2.28 * approximate_reciprocal(float(map_size)));
     vec3 sum = vec3(0.0);
 
     /* Each barrier() keeps the code small: Mesa's CPU drivers run all invocations of a workgroup up to
@@ -28,7 +28,7 @@ void main()
     int k = 0;
     for (Eye e : first_eye_range) {
         Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
-        float seen = first_reach(ivec3(s.texel, e.layer)).r;
+        float seen = first_reach(ivec3(texel_of(s), e.layer)).r;
         bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
         first_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
     }
@@ -36,7 +36,7 @@ void main()
     for (ClassVpl v : first_range) {
         vec3 d = x - v.position;
         float geometry = geometry_term(d, v.normal, v.disk, n, closest);
-        bool open = dot(d, d) < max(first_open[v.eye], v.near_square);
+        bool open = dot(d, d) < approximate_max(first_open[v.eye], v.near_square);
         sum += v.flux * (open ? geometry : 0.0);
     }
     barrier();
@@ -44,7 +44,7 @@ void main()
     k = 0;
     for (Eye e : second_eye_range) {
         Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
-        float seen = second_reach(ivec3(s.texel, e.layer)).r;
+        float seen = second_reach(ivec3(texel_of(s), e.layer)).r;
         bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
         second_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
     }
@@ -52,7 +52,7 @@ void main()
     for (ClassVpl v : second_range) {
         vec3 d = x - v.position;
         float geometry = geometry_term(d, v.normal, v.disk, n, closest);
-        bool open = second_visibility == 0 || dot(d, d) < max(second_open[v.eye], v.near_square);
+        bool open = second_visibility == 0 || dot(d, d) < approximate_max(second_open[v.eye], v.near_square);
         sum += v.flux * (open ? geometry : 0.0);
     }
 

@@ -13,9 +13,9 @@
  * the surface edge-on, and no receiver gets a bright spot. */
 float geometry_term(vec3 d, vec3 normal, float disk, vec3 n, float closest)
 {
-    float square = max(dot(d, d), closest);
-    float leaving = max(dot(normal, d), 0.0);
-    float arriving = max(0.0, -dot(n, d));
+    float square = approximate_max(dot(d, d), closest);
+    float leaving = approximate_max(dot(normal, d), 0.0);
+    float arriving = approximate_max(dot(-n, d), 0.0);
     float below = square * square + disk * leaving * sqrt_estimate(square);
     return leaving * arriving * reciprocal_estimate(below);
 }
@@ -24,7 +24,7 @@ float geometry_term(vec3 d, vec3 normal, float disk, vec3 n, float closest)
 struct Sight {
     vec3 from_eye;
     float reach, inverse_reach;
-    ivec2 texel; /* of the map */
+    vec2 texel; /* of the map */
 };
 
 /* `middle`: centre of the map in texels. A receiver behind the horizon of the map uses a texel
@@ -34,12 +34,18 @@ Sight sight(vec3 from_eye, vec3 tangent, vec3 bitangent, vec3 axis, vec2 middle)
     Sight s;
     s.from_eye = from_eye;
     vec3 local =
-        vec3(dot(from_eye, tangent), dot(from_eye, bitangent), max(dot(from_eye, axis), 0.0));
-    s.reach = max(reach_of(local), 1e-4 * frame.scene_radius);
+        vec3(dot(from_eye, tangent), dot(from_eye, bitangent), approximate_max(dot(from_eye, axis), 0.0));
+    s.reach = approximate_max(reach_of(local), 1e-4 * frame.scene_radius);
     s.inverse_reach = reciprocal_estimate(s.reach);
     vec2 place = local.xy * (0.5 * float(map_size) * s.inverse_reach) + middle;
-    s.texel = clamp(ivec2(place), ivec2(0), ivec2(map_size - 1));
+    float last = float(map_size - 1);
+    s.texel = vec2(floor(approximate_clamp(place.x, last)), floor(approximate_clamp(place.y, last)));
     return s;
+}
+
+ivec2 texel_of(Sight s)
+{
+    return ivec2(approximate_int(s.texel.x), approximate_int(s.texel.y));
 }
 
 /* Whether the map's surface in the texel's direction, of reach `seen`, hides the receiver: it lies
@@ -48,7 +54,7 @@ Sight sight(vec3 from_eye, vec3 tangent, vec3 bitangent, vec3 axis, vec2 middle)
 bool is_seen(Sight s, vec3 tangent, vec3 bitangent, vec3 axis, vec3 n, float seen, float bias)
 {
     float height = -dot(n, s.from_eye);
-    vec3 ray = texel_ray(vec2(s.texel) + 0.5);
+    vec3 ray = texel_ray(s.texel + 0.5);
     float across = dot(n, tangent) * ray.x + dot(n, bitangent) * ray.y + dot(n, axis) * ray.z;
     float allowed = bias * s.reach;
     float plane = height - allowed + seen * across;
@@ -60,6 +66,6 @@ bool is_seen(Sight s, vec3 tangent, vec3 bitangent, vec3 axis, vec3 n, float see
 /* Square of the distance from the receiver to the map's surface in the texel's direction, m2. */
 float square_to_surface(Sight s, float seen)
 {
-    float part = max(1.0 - seen * s.inverse_reach, 0.0);
+    float part = approximate_max(1.0 - seen * s.inverse_reach, 0.0);
     return dot(s.from_eye, s.from_eye) * (part * part);
 }

@@ -8,7 +8,7 @@ import yaml
 
 NAME = re.compile(r"[A-Za-z_]\w*(?:\.\w+)*")
 REFERENCES = ("indirect", "indices", "interleave")
-EXPRESSIONS = ("count", "size", "layers", "mips", "mip", "layer", "when", "groups", "dispatch", "local", "viewport", "scissor",
+EXPRESSIONS = ("count", "size", "layers", "mips", "mip", "layer", "when", "groups", "dispatch", "local", "gpu_local", "viewport", "scissor",
                "value", "that")
 CULL = "cull/cull.yaml"
 

@@ -556,6 +556,7 @@ static void test_range_shapes(void **state)
         f->ranges[0].storage = cases[i].storage;
         f->ranges[0].loop = cases[i].loop;
         f->ranges[0].chunk = cases[i].chunk;
+        f->ranges[0].turn = 1;
         set_body(f, SHADE, "shade.glsl", body);
         struct shader shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
         assert_int_equal(occurrences(shader.glsl.data, "result_store(ivec2(v.kind)"),
@@ -576,6 +577,15 @@ static void test_range_shapes(void **state)
     assert_int_equal(occurrences(shader.glsl.data, "result_store(ivec2(v.kind)"), 3);
     assert_int_equal(occurrences(shader.glsl.data, "for ("), 1);
     shader_free(&shader);
+    f->ranges[0].loop = LOOP_ROLL; /* a loop with two per turn, then the last */
+    f->ranges[0].chunk = 5;
+    f->ranges[0].turn = 2;
+    shader = build(f, SHADE, BACKEND_VK, STAGE_IS_COMPUTE);
+    assert_int_equal(occurrences(shader.glsl.data, "result_store(ivec2(v.kind)"), 3);
+    assert_int_equal(occurrences(shader.glsl.data, "for (int subset_k = 0; subset_k < 4;"), 1);
+    assert_int_equal(occurrences(shader.glsl.data, "subset_kind[(subset_k + 1)]"), 1);
+    assert_int_equal(occurrences(shader.glsl.data, "subset_kind[4]"), 1);
+    shader_free(&shader);
 }
 
 /* The shader reads the number of elements, so the shader has no literal of this number. */
@@ -586,6 +596,7 @@ static void test_counted_range(void **state)
     f->params[0].offset = 4; /* behind the live one */
     f->ranges[0].storage = STORAGE_BUFFER;
     f->ranges[0].loop = LOOP_ROLL;
+    f->ranges[0].turn = 1;
     f->ranges[0].counted = true;
     f->ranges[0].count = expression(f, "nearest + 2");
     set_body(f, SHADE, "shade.glsl",

@@ -58,7 +58,7 @@ def without_comments(text):
 def supplied_names():
     """Names that bodies may use: arguments of glsl_uses in the emitters, names that are taken because the generator declares
     them, and definitions of templates/glsl. Leaves out names for the generator's own use."""
-    own = {"NAME", "NAME_quads", "NAME_at", "NAME_length", "NAME_texels", "utextureBuffer", "Frame", "Live", "tile_gather_axis", "approximate_root_value", "f"}
+    own = {"NAME", "NAME_quads", "NAME_at", "NAME_length", "NAME_texels", "utextureBuffer", "Frame", "Live", "tile_gather_axis", "approximate_root_value", "metric_length", "f"}
     names = set()
     for path in glob.glob("gen/*/*.c"):
         with open(path, encoding="utf-8") as file:

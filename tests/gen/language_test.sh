@@ -107,6 +107,13 @@ defines() { # line...
 }
 check "a pass's macros stand before its body" defines
 check "--set of a macro" says 'BIAS' "$gen" --check tests/specs/features.yaml --set passes.mark.defines.BIAS=frame.width
+# gpu_local is the workgroup in the plan for GPUs alone: 32 times the 8 words of a chunk.
+# shellcheck disable=SC2317
+workgroups() { # target width
+    "$gen" tests/specs/cull.yaml --set "target=$1" -o "$work/cull.$1" && grep -q "(local_size_x = $2," "$work/cull.$1/vk/cull.slice.turn.comp"
+}
+check "a pass has another workgroup on GPUs" workgroups gpu 256
+check "... and its own on CPU drivers" workgroups software 8
 # A pass samples one mip and updates another: texel reads are of the updated mip.
 # shellcheck disable=SC2317
 reads_updated() {

@@ -529,7 +529,7 @@ def equal_expressions(pipeline):
         size = ["frame.width", "frame.height"] if image["size"] == "frame" else image["size"]
         image["size"] = [equal(value) for value in size]
     for entry in pipeline.passes():
-        for key in ("dispatch", "groups", "local"):
+        for key in ("dispatch", "groups", "local", "gpu_local"):
             if key in entry and str(entry[key]) not in spec["images"]:
                 entry[key] = [equal(value) for value in as_list(entry[key])]
         if "when" in entry:
@@ -778,7 +778,7 @@ def redundant_when(pipeline):
         entry["when"] = f"always == 3 && ({entry.get('when', 'true')})"
 
 
-# The metric by its formula in the reference: position * |pa - pb| / scale + normal * (1 - max(na.nb, 0)).
+# The metric by its formula in the reference: position * |pa - pb| / scale + normal * (1 - max(na.nb, 0)), with the length of metric.glsl.
 @rewrite("metrics written out in the bodies", "ssvp", "features")
 def metrics_by_hand(pipeline):
     body_per_pass(pipeline)
@@ -787,8 +787,11 @@ def metrics_by_hand(pipeline):
                             for weight in (metric["position"], metric["normal"]))
         scale = metric.get("scale", "scene_radius")
         formula = (f"float {name}(vec3 pa, vec3 na, vec3 pb, vec3 nb)\n{{\n"
-                   f"    return {position} * (length(pa - pb) / "
-                   f"{'frame.scene_radius' if scale == 'scene_radius' else float(scale)}) + "
+                   "    float square = approximate_max(dot(pa - pb, pa - pb), 1.17549435e-38);\n"
+                   "    float r = approximate_root_estimate(square);\n"
+                   "    float apart = square * r + square * r * (0.5 * (1.0 - square * r * r));\n"
+                   f"    return {position} * approximate_reciprocal("
+                   f"{'frame.scene_radius' if scale == 'scene_radius' else float(scale)}) * apart + "
                    f"{normal} * (1.0 - max(dot(na, nb), 0.0));\n}}\n")
         for entry in pipeline.passes():
             if name in entry.get("uses", []):

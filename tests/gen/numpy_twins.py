@@ -69,6 +69,12 @@ def root_estimate(x):
     return r * (F(2.102354969) - d * (F(1.760928667) - d * F(0.6631531635)))
 
 
+def approximate_reciprocal(y):
+    """Of normal numbers."""
+    r = reciprocal_estimate(y)
+    return r + r * (F(1) - y * r)
+
+
 def approximate_inversesqrt(x):
     """Of positive normal numbers."""
     r = root_estimate(x)
@@ -229,8 +235,10 @@ class Lloyd:
     """k-means: names are those of the GLSL."""
 
     def __init__(self, params, points, centres, scale):
-        self.points, self.scale = points, F(scale)
-        self.weights = F(params["position_weight"]), F(params["normal_weight"])
+        self.points, self.radius = points, F(scale)
+        self.metre = F(params["position_weight"]) * approximate_reciprocal(self.radius)
+        self.normal_weight = F(params["normal_weight"])
+        self.one = minimum(F(536870912) * approximate_reciprocal(F(len(points))), F(1048576))
         flux = points["flux"]
         self.power = flux[:, 0] + flux[:, 1] + flux[:, 2]
         self.lives = self.power > 0
@@ -259,10 +267,12 @@ class Lloyd:
     def distance(self, c):
         """metric_one_minus_dot"""
         d = self.points["position"] - self.centre_position[c]
-        apart = np.sqrt(dot(d, d))
+        square = maximum(dot(d, d), F(1.17549435e-38))
+        r = root_estimate(square)
+        apart = square * r
+        apart = apart + apart * (F(0.5) * (F(1) - apart * r))
         agreement = maximum(dot(self.points["normal"], self.centre_normal[c]), F(0))
-        position, normal = self.weights
-        return position * (apart / self.scale) + normal * (F(1) - agreement)
+        return self.metre * apart + self.normal_weight * (F(1) - agreement)
 
     def assign(self):
         distances = np.stack([self.distance(c) for c in range(self.count)], 1)
@@ -278,15 +288,16 @@ class Lloyd:
         members = np.flatnonzero(self.label == c)
         if not len(members):
             return 0
-        position, normal = self.points["position"][members[0]], self.points["normal"][members[0]]
-        for k in members[1:]:
-            position = position + self.points["position"][k]
-            normal = normal + self.points["normal"][k]
+        scale = self.one * approximate_reciprocal(self.radius)
+        position = np.rint((self.points["position"][members] - self.centre_position[c]) * scale).astype(I).sum(0)
+        normal = np.rint(self.points["normal"][members] * self.one).astype(I).sum(0)
+        normal = normal.astype(F) * approximate_reciprocal(self.one)
         brightest = members[self.power[members].argmax()]
         count = F(len(members))
         if dot(normal, normal) < F(1e-4) * count * count:
             normal = self.points["normal"][brightest]
-        self.mean_position[c] = position / count
+        mean = position.astype(F) * (self.radius * approximate_reciprocal(self.one * count))
+        self.mean_position[c] = self.centre_position[c] + mean
         self.mean_normal[c] = unit_or(normal, self.centre_normal[c])
         return len(members)
 

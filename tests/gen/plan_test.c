@@ -524,6 +524,42 @@ static void test_a_range_follows_the_spec(void **state)
     assert_int_equal(range.loop, LOOP_ROLL);
 }
 
+/* On a GPU, what a pass unrolls fits an instruction cache. What does not is a loop, with several
+ * elements per turn while they are short. */
+static void test_unrolled_code_fits_the_cache_of_a_gpu(void **state)
+{
+    static const struct {
+        int64_t count;
+        int32_t words;
+        enum loop_shape loop;
+        uint32_t turn;
+    } cases[] = {{8, 610, LOOP_UNROLL, 1}, /* 4880 */
+                 {16, 70, LOOP_ROLL, 4},   /* 1120 more */
+                 {17, 30, LOOP_UNROLL, 1}, /* 510 more */
+                 {32, 251, LOOP_ROLL, 4},  {64, 400, LOOP_ROLL, 2},
+                 {65, 1, LOOP_ROLL, 4}}; /* many turns */
+    struct fixture *f = *state;
+    struct resource *a = buffer(f, "a", "512");
+    struct pass *w = pass(f, "w", DT_PASS_DISPATCH), *p = pass(f, "p", DT_PASS_DISPATCH);
+    struct range ranges[sizeof cases / sizeof *cases];
+    struct access *access;
+
+    touch(w, a, MODE_WRITE);
+    access = touch(p, a, MODE_READ);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        ranges[i] = (struct range){
+            .name = "r", .count_value = cases[i].count, .access = access, .words = cases[i].words};
+    }
+    p->ranges = ranges;
+    p->range_count = sizeof cases / sizeof *cases;
+    f->model.pipeline.gpu = true;
+    assert_true(plan(f));
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        assert_int_equal(ranges[i].loop, cases[i].loop);
+        assert_int_equal(ranges[i].turn, cases[i].turn);
+    }
+}
+
 /* ---- Barriers -------------------------------------------------------------------------------- */
 
 static void test_draw_then_load_then_load(void **state)
@@ -976,6 +1012,8 @@ int main(void)
         cmocka_unit_test_setup_teardown(test_shortest_ranges_are_unrolled, setup, teardown),
         cmocka_unit_test_setup_teardown(test_long_range_is_rolled_in_place, setup, teardown),
         cmocka_unit_test_setup_teardown(test_a_range_follows_the_spec, setup, teardown),
+        cmocka_unit_test_setup_teardown(test_unrolled_code_fits_the_cache_of_a_gpu, setup,
+                                        teardown),
         cmocka_unit_test_setup_teardown(test_draw_then_load_then_load, setup, teardown),
         cmocka_unit_test_setup_teardown(test_conditional_dispatch_may_clear, setup, teardown),
         cmocka_unit_test_setup_teardown(test_layout_changes_between_readers, setup, teardown),

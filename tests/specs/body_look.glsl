@@ -12,6 +12,7 @@ float cheap(float x)
 {
     vec3 unit = approximate_normalize(vec3(x, 2.0, 3.0));
     float sum = approximate_reciprocal_estimate(x) + approximate_reciprocal(x) + approximate_divide(unit, x).x;
+    sum += approximate_max(x, 0.0) + approximate_clamp(x, 1.0) + float(approximate_int(floor(x)));
     return sum + approximate_root_estimate(x) + approximate_inversesqrt(x) + approximate_sqrt(unit).y;
 }
 
@@ -32,8 +33,8 @@ void main()
     p.facing *= float(o.first_index + o.index_count + o.material + o.mesh + uint(scene_objects.length()));
     vec4 texel = textureLod(scene_textures, vec3(v.u, v.v, 0.0), 0.0) * scene_materials[v.material].alpha_cutoff;
     float apart = near(p, p) + near(p.place, p.facing, vec3(0.0), vec3(1.0, 0.0, 0.0));
-    apart += metric_dot(p.place, p.facing, vec3(0.0), vec3(1.0), 0.5, 0.5, 1.0);
-    apart += metric_one_minus_dot(p.place, p.facing, vec3(0.0), vec3(1.0), 0.5, 0.5, 1.0);
+    apart += metric_dot(p.place, p.facing, vec3(0.0), vec3(1.0), 0.5, 0.5);
+    apart += metric_one_minus_dot(p.place, p.facing, vec3(0.0), vec3(1.0), 0.5, 0.5);
     vec2 spot = spots(i) + spots_map(vec2(0.25)) + hammersley(i, spots_count);
     spot += polar_disk(vec2(0.5)) + concentric_disk(vec2(0.5));
     corners[i] = vec4(spot, apart, of_frame()) + texel;

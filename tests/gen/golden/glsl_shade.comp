@@ -24,6 +24,52 @@ struct Cell {
     vec3 normal;
 };
 
+/* max(x, least) for x that is no NaN and least that is not negative: numbers from 0 on are ordered as
+ * their bits are. */
+float approximate_max(const float x, const float least)
+{
+#ifdef EXACT
+    return intBitsToFloat(max(floatBitsToInt(x), floatBitsToInt(least)));
+#else
+    return max(x, least);
+#endif
+}
+
+/* 1 / y within 3e-6, for normal |y| up to 2^64: an integer subtraction estimates it (Moroz et al.
+ * 2018), a polynomial in y r refines it. */
+float approximate_reciprocal_estimate(const float y)
+{
+#ifdef EXACT
+    float r = uintBitsToFloat(0x7eb50500u - floatBitsToUint(y));
+    float d = y * r;
+    return r * (4.17971835 - d * (5.82303075 - d * 2.70399363));
+#else
+    return 1.0 / y;
+#endif
+}
+
+/* 1 / y within 2 ulp; of zero and infinity: infinity and zero. */
+float approximate_reciprocal(const float y)
+{
+    float r = approximate_reciprocal_estimate(y);
+    float error = 1.0 - y * r;
+    r += r * error;
+    float end = uintBitsToFloat((floatBitsToUint(y) ^ 0x7f800000u) & 0xff800000u);
+    return abs(y) < 1.17549435e-38 || abs(y) > 3.40282347e38 ? end : r;
+}
+
+/* 1 / sqrt(x) within 2e-5, for positive normal x. */
+float approximate_root_estimate(const float x)
+{
+#ifdef EXACT
+    float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(x) >> 1));
+    float d = x * r * r;
+    return r * (2.102354969 - d * (1.760928667 - d * 0.6631531635));
+#else
+    return inversesqrt(x);
+#endif
+}
+
 /* What is new in every frame: struct dt_frame of diptych.h, std140. */
 struct View {
     mat4 view;
@@ -87,15 +133,19 @@ vec2 concentric_disk(vec2 u)
     return vec2(r * cos(phi), r * sin(phi));
 }
 
-/* Distance of two surface points for clustering: a weighted sum of how far they are apart, in
- * units of `scale`, and of a term of their unit normals. Dong et al. 2009 use a dissimilarity of
- * normals; Equation 2 of Aranha et al. 2020, as printed, adds their agreement. */
-float metric_one_minus_dot(vec3 pa, vec3 na, vec3 pb, vec3 nb, float position, float normal, float scale)
+/* Within 2 ulp, from 1e-19 on. */
+float metric_length(vec3 d)
 {
-    vec3 d = pa - pb;
-    float apart = sqrt(d.x * d.x + d.y * d.y + d.z * d.z);
-    float agreement = max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
-    return position * (apart / scale) + normal * (1.0 - agreement);
+    float square = approximate_max(d.x * d.x + d.y * d.y + d.z * d.z, 1.17549435e-38);
+    float r = approximate_root_estimate(square);
+    float apart = square * r;
+    return apart + apart * (0.5 * (1.0 - apart * r));
+}
+
+float metric_one_minus_dot(vec3 pa, vec3 na, vec3 pb, vec3 nb, float position, float normal)
+{
+    float agreement = approximate_max(na.x * nb.x + na.y * nb.y + na.z * nb.z, 0.0);
+    return position * metric_length(pa - pb) + normal * (1.0 - agreement);
 }
 
 /* Interleaved sampling (Keller, Heidrich 2001; Segovia et al. 2006): pixel p belongs to class
@@ -145,9 +195,12 @@ vec2 points(int k)
     return concentric_disk(hammersley(k, points_count));
 }
 
+float apart_position = 0.6 * approximate_reciprocal(frame.scene_radius);
+float apart_normal = 0.4;
+
 float apart(vec3 pa, vec3 na, vec3 pb, vec3 nb)
 {
-    return metric_one_minus_dot(pa, na, pb, nb, 0.6, 0.4, frame.scene_radius);
+    return metric_one_minus_dot(pa, na, pb, nb, apart_position, apart_normal);
 }
 
 float apart(Light2 a, Light2 b)
