@@ -46,7 +46,6 @@ static const struct {
     {COST_CODE, "Code Size"}, /* NVK */
     {COST_INSTRUCTIONS, "Instruction count"},
     {COST_VGPRS, "Register Count"}, /* NVIDIA */
-    {COST_CODE, "Binary Size"},
 };
 
 /* ---- RADV ------------------------------------------------------------------------------------ */
