@@ -1,0 +1,50 @@
+/* How much the light has changed since the last frame, from an even grid of 16x16 places of its map:
+ * their irradiance then and now, with shadow. The mean over frames is shortened so that it is at most
+ * accumulate_lag behind: the mean of N frames that change by c each is c (N - 1) / 2 behind. */
+#include "space.glsl"
+#include "facing.glsl"
+#include "shadow.glsl"
+#include "triangle.glsl"
+
+shared float changed[256];
+shared float sent[256];
+
+float irradiance_at(vec3 x, vec3 n)
+{
+    vec3 e = unshadowed_irradiance(x, n) * light_visibility(x, n);
+    return e.r + e.g + e.b;
+}
+
+void main()
+{
+    int lane = int(gl_LocalInvocationIndex);
+    float then = settled_light[lane].arriving;
+    float now = then > 0.0 ? irradiance_at(settled_light[lane].position, settled_light[lane].normal) : 0.0;
+    changed[lane] = abs(now - then);
+    sent[lane] = max(now, then);
+
+    ivec2 texel = (ivec2(lane % 16, lane / 16) * 2 + 1) * rsm_size / 32;
+    uint triangle = rsm_triangle(texel).x;
+    vec3 x = rsm_position(texel).xyz;
+    Triangle t = triangle_of(max(triangle, 1u) - 1u);
+    vec3 origin = corner_position(t.a);
+    vec3 geometric = cross(corner_position(t.b) - origin, corner_position(t.c) - origin);
+    vec3 n = facing_normal(geometric, geometric, to_light(x));
+    settled_light[lane].position = x;
+    settled_light[lane].normal = n;
+    settled_light[lane].arriving = triangle > 0u ? irradiance_at(x, n) : 0.0;
+    barrier();
+    for (int stride = 128; stride > 0; stride /= 2) {
+        if (lane < stride) {
+            changed[lane] += changed[lane + stride];
+            sent[lane] += sent[lane + stride];
+        }
+        barrier();
+    }
+    if (lane == 0) {
+        float change = sent[0] > 0.0 ? changed[0] / sent[0] : 0.0;
+        float most = float(accumulate);
+        float frames = 1.0 + 2.0 * accumulate_lag / max(change, 1e-6);
+        mean_frames[0] = clamp(frames, 1.0, most);
+    }
+}
