@@ -4,26 +4,34 @@
 #include "estimate.glsl"
 
 /* Mean of the last frame at x, with the unit normal n; alpha: number of its frames, 0 where x was
- * not seen. `tolerance`: distance off the tangent plane, m. */
+ * not seen. A texel at depth z along the last frame's view has the distance
+ * away + z dot(slope, (ndc, 1)) from the tangent plane, at most `tolerance`; m. */
 vec4 mean_before(vec3 x, vec3 n, float tolerance)
 {
+    View last = frame.previous_camera;
     ivec2 size = settled_size();
-    vec4 clip = transform_point(frame.previous_camera.view_projection, x);
+    vec4 clip = transform_point(last.view_projection, x);
     vec2 ndc = clip.xy * reciprocal_close(max(clip.w, 1e-12));
     if (clip.w <= 0.0 || any(greaterThan(abs(ndc), vec2(1.0))))
         return vec4(0.0);
     vec2 place = (ndc * 0.5 + 0.5) * vec2(size) - 0.5;
     ivec2 corner = ivec2(floor(place));
     vec2 f = place - vec2(corner);
+    vec3 turned = last.view[0].xyz * n.x + last.view[1].xyz * n.y + last.view[2].xyz * n.z;
+    vec2 slope = turned.xy * vec2(reciprocal_close(last.projection[0].x),
+                                  reciprocal_close(last.projection[1].y));
+    float away = dot(n, last.position - x);
+    vec2 texel = vec2(reciprocal_close(float(size.x)), reciprocal_close(float(size.y)));
     vec4 sum = vec4(0.0);
     float weights = 0.0;
     for (int k = 0; k < 4; k++) {
         ivec2 o = ivec2(k & 1, k >> 1);
         ivec2 q = clamp(corner + o, ivec2(0), size - 1);
-        vec4 y = settled_position(q);
+        float z = settled_depth(q).x;
+        vec2 at = (2.0 * vec2(q) + 1.0) * texel - 1.0;
+        float off_plane = abs(away + z * (dot(slope, at) - turned.z));
         float weight = (o.x == 1 ? f.x : 1.0 - f.x) * (o.y == 1 ? f.y : 1.0 - f.y);
-        bool same = y.w > 0.0 && abs(dot(n, y.xyz - x)) < tolerance;
-        weight = same ? weight : 0.0;
+        weight = z > 0.0 && off_plane < tolerance ? weight : 0.0;
         sum += settled(q) * weight;
         weights += weight;
     }
@@ -38,9 +46,7 @@ void main()
     vec4 x = gbuffer_position(p);
     vec3 n = gbuffer_normal(p).xyz;
     /* Half a pixel, at the depth of x. */
-    mat4 projection = frame.camera.projection;
-    float w = projection[2].w * -x.w + projection[3].w;
-    float half_pixel = w * reciprocal_close(projection[1].y * float(irradiance_size().y));
+    float half_pixel = x.w * reciprocal_close(frame.camera.projection[1].y * float(irradiance_size().y));
     vec4 before = x.w > 0.0 ? mean_before(x.xyz, n, half_pixel) : vec4(0.0);
     float frames = min(before.a + 1.0, mean_frames[0]);
     vec3 mean = before.rgb + (irradiance(p).rgb - before.rgb) * reciprocal_close(frames);
