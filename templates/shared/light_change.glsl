@@ -1,6 +1,7 @@
 /* How much the light has changed since the last frame, from an even grid of 16x16 places of its map:
  * their irradiance then and now, with shadow. The mean over frames is shortened so that it is at most
- * accumulate_lag behind: the mean of N frames that change by c each is c (N - 1) / 2 behind. */
+ * accumulate_lag behind: the mean of N frames that change by c each is c (N - 1) / 2 behind. When
+ * half of the light is another, it starts anew. */
 #include "space.glsl"
 #include "facing.glsl"
 #include "shadow.glsl"
@@ -43,8 +44,7 @@ void main()
     }
     if (lane == 0) {
         float change = sent[0] > 0.0 ? changed[0] / sent[0] : 0.0;
-        float most = float(accumulate);
-        float frames = 1.0 + 2.0 * accumulate_lag / max(change, 1e-6);
-        mean_frames[0] = clamp(frames, 1.0, most);
+        float frames = 1.0 + 2.0 * accumulate_lag * max(1.0 / max(change, 1e-6) - 2.0, 0.0);
+        mean_frames[0] = min(frames, float(accumulate));
     }
 }
