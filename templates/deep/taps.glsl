@@ -1,4 +1,4 @@
-/* Directions of a spiral: multiples of the golden angle. */
+/* Directions of a spiral: multiples of the golden angle. Each frame turns it. */
 #include "../ssvp/reuse.glsl"
 
 void main()

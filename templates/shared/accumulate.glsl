@@ -1,11 +1,11 @@
-/* Mean of indirect light over frames: reprojection by the last frame's camera, bilinear among texels
- * that show the same plane. A surface that the last frame did not show starts anew. */
+/* Mean of indirect light over frames: reprojection by the last frame's camera, bilinear among
+ * texels that show the same plane. A surface that the last frame did not show starts anew. */
 #include "space.glsl"
 #include "estimate.glsl"
 
 /* Mean of the last frame at x, with the unit normal n; alpha: number of its frames, 0 where x was
- * not seen. A texel at depth z along the last frame's view has the distance
- * away + z dot(slope, (ndc, 1)) from the tangent plane, at most `tolerance`; m. */
+ * not seen. Texels count that are at most `tolerance` off the tangent plane, in m. A texel at NDC p
+ * and depth z is away + z (slope . p - turned.z) off it, where `turned` is n in the last view. */
 vec4 mean_before(vec3 x, vec3 n, float tolerance)
 {
     View last = frame.previous_camera;
@@ -46,7 +46,8 @@ void main()
     vec4 x = gbuffer_position(p);
     vec3 n = gbuffer_normal(p).xyz;
     /* Half a pixel, at the depth of x. */
-    float half_pixel = x.w * reciprocal_close(frame.camera.projection[1].y * float(irradiance_size().y));
+    float height = float(irradiance_size().y);
+    float half_pixel = x.w * reciprocal_close(frame.camera.projection[1].y * height);
     vec4 before = x.w > 0.0 ? mean_before(x.xyz, n, half_pixel) : vec4(0.0);
     float frames = min(before.a + 1.0, mean_frames[0]);
     vec3 mean = before.rgb + (irradiance(p).rgb - before.rgb) * reciprocal_close(frames);

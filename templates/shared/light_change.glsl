@@ -1,7 +1,8 @@
-/* How much the light has changed since the last frame, from an even grid of 16x16 places of its map:
- * their irradiance then and now, with shadow. The mean over frames is shortened so that it is at most
- * accumulate_lag behind: the mean of N frames that change by c each is c (N - 1) / 2 behind. When
- * half of the light is another, it starts anew. */
+/* How much the light has changed since the last frame, from an even grid of 16x16 places of its
+ * map: their irradiance then and now, with shadow. The mean over frames is shortened so that it is at
+ * most accumulate_lag behind: the mean of N frames that change by c each is c (N - 1) / 2 behind.
+ * When half of the light is another, it starts anew; and so it does after frames without a mean, or
+ * with another number of bounces. */
 #include "space.glsl"
 #include "facing.glsl"
 #include "shadow.glsl"
@@ -19,18 +20,20 @@ float irradiance_at(vec3 x, vec3 n)
 void main()
 {
     int lane = int(gl_LocalInvocationIndex);
+    vec3 x = settled_light[lane].position;
+    vec3 n = settled_light[lane].normal;
     float then = settled_light[lane].arriving;
-    float now = then > 0.0 ? irradiance_at(settled_light[lane].position, settled_light[lane].normal) : 0.0;
+    float now = then > 0.0 ? irradiance_at(x, n) : 0.0;
     changed[lane] = abs(now - then);
     sent[lane] = max(now, then);
 
     ivec2 texel = (ivec2(lane % 16, lane / 16) * 2 + 1) * rsm_size / 32;
     uint triangle = rsm_triangle(texel).x;
-    vec3 x = rsm_position(texel).xyz;
+    x = rsm_position(texel).xyz;
     Triangle t = triangle_of(max(triangle, 1u) - 1u);
     vec3 origin = corner_position(t.a);
     vec3 geometric = cross(corner_position(t.b) - origin, corner_position(t.c) - origin);
-    vec3 n = facing_normal(geometric, geometric, to_light(x));
+    n = facing_normal(geometric, geometric, to_light(x));
     settled_light[lane].position = x;
     settled_light[lane].normal = n;
     settled_light[lane].arriving = triangle > 0u ? irradiance_at(x, n) : 0.0;
@@ -43,8 +46,12 @@ void main()
         barrier();
     }
     if (lane == 0) {
-        float change = sent[0] > 0.0 ? changed[0] / sent[0] : 0.0;
+        bool goes_on =
+            settled_at[0].frame + 1u == frame.index && settled_at[0].bounces == bounces;
+        settled_at[0].frame = frame.index;
+        settled_at[0].bounces = bounces;
+        float change = sent[0] > 0.0 ? changed[0] / sent[0] : 1.0;
         float frames = 1.0 + 2.0 * accumulate_lag * max(1.0 / max(change, 1e-6) - 2.0, 0.0);
-        mean_frames[0] = min(frames, float(accumulate));
+        mean_frames[0] = goes_on ? min(frames, float(accumulate)) : 1.0;
     }
 }

@@ -1,5 +1,5 @@
 /* Directions over the plane z = 0, as dense as their cosine, and lengths up to 1. Multiples of the
- * golden ratio spread the lengths, whatever the number of samples. */
+ * golden ratio spread the lengths, whatever the number of samples. Each frame shifts both. */
 #include "../ssvp/reuse.glsl"
 
 void main()

@@ -1,6 +1,6 @@
-/* With reuse_pattern all frames use the same sampling patterns, which keeps a sequence coherent
- * (paper, section on temporal coherence). Without, each frame shifts them by its own vector
- * (Cranley, Patterson 1976), to show the effect of the reuse. The vectors are the R2 sequence
+/* Each frame shifts the sampling patterns by its own vector (Cranley, Patterson 1976), for the mean
+ * over frames. With reuse_pattern all frames use the same patterns, which keeps a sequence coherent
+ * without a mean (paper, section on temporal coherence). The vectors are the R2 sequence
  * (Roberts 2018): multiples of the inverse of the plastic number and of its square, as integers of
  * 2^-32, so without rounding errors. The first frame has the zero vector. */
 vec2 pattern_shift()

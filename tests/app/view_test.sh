@@ -13,7 +13,8 @@ cp "$root/scenes/cornell.obj" "$root/scenes/cornell.mtl" "$root/scenes/cornell.y
 spec=$work/templates/ssvp.yaml
 tonemap=$work/templates/shared/tonemap.glsl
 scene=$work/cornell.yaml
-small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32)
+# Without a mean over frames a still scene has a still picture.
+small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32 --set accumulate=0 --set reuse_pattern=1)
 cd "$work" || exit 1 # where screenshots go
 
 exec 3<>display.number
