@@ -1,7 +1,6 @@
-#!/usr/bin/python3
 """Prints the tables of templates/ssvp/README.md as Markdown: errors of indirect irradiance, flicker, and cost.
 
-usage: tests/app/quality.py BUILD FOLDER [--spec SPEC] [--set PATH=VALUE]...
+usage: /usr/bin/python3 tests/app/quality.py BUILD FOLDER [--spec SPEC] [--set PATH=VALUE]...
 
 References stay in FOLDER for the next run. DIPTYCH_SCENES names the folder of the paper's scenes; without it they are left out. Takes
 an hour on two processors, a quarter of it where the references are there. A frame alone: mean of eight frames without history, with
@@ -14,7 +13,8 @@ import subprocess
 SIZE = ["--size", "192x108"]
 INDIRECT = ["--from-bounce", "1", "--quantity", "irradiance"]
 ERRORS = ("relative_mse", "smape", "flip", "ratio", "darker", "brighter")
-MOTIONS = {"cornell": ("cornell_light", "cornell_walk"), "atrium": ("atrium_sun", "atrium_walk")}
+LIGHT, CAMERA = "the light moves", "the camera moves"
+MOTIONS = {"cornell": {"cornell_light": LIGHT, "cornell_walk": CAMERA}, "atrium": {"atrium_sun": LIGHT, "atrium_walk": CAMERA}}
 PAPER = ("sponza", "sibenik", "conference")
 FRAMES, STILL, MOVING = 16, 768, 192  # frames of a motion; samples per pixel for errors, and for flicker
 
@@ -69,7 +69,7 @@ def measure(name):
     alone = render(name, None, 8, "accumulate=0")
     row(name, "a frame alone", errors(still, alone, "--frames", "8"))
     row(name, "still", errors(still, render(name, None, FRAMES) % (FRAMES - 1)))
-    for motion in MOTIONS.get(name, ()):
+    for motion, title in MOTIONS.get(name, {}).items():
         last = truth(name, motion, FRAMES - 1, STILL)
         for frame in range(FRAMES):
             truth(name, motion, frame, MOVING)
@@ -77,7 +77,7 @@ def measure(name):
         told = run("flicker", *scene(name, motion), "--test", ours, "--reference",
                    f"{options.folder}/{motion}.{MOVING}.%02d.exr", "--block", "8")
         steps = [step["relative_flicker"] for step in told["per_frame"]]
-        row(name, motion, errors(last, ours % (FRAMES - 1)),
+        row(name, title, errors(last, ours % (FRAMES - 1)),
             f"{100 * told['relative_flicker']:.1f} % | {100 * sum(steps[-5:]) / 5:.1f} %")
 
 

@@ -446,7 +446,8 @@ check "... and replays" "$diptych" replay diptych-000-case --backend gl
 click 60 393 # taps
 sleep 1
 check "a buffer is a table" see table.ppm verdict=red "like=$root/tests/app/view/table.png"
-click 1099 649 # samples: one more, for which the plan is made again
+click 1100 164 # live parameters: closed
+click 1099 229 # samples: one more, for which the plan is made again
 check "another number of samples makes the plan again" says "reloaded in"
 : >view.err
 xdotool key ctrl+z
