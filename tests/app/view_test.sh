@@ -461,7 +461,7 @@ check "its verdict names what compare names" agrees
 # Waves, as the compiler of a GPU finds them.
 if compgen -G '/usr/share/vulkan/icd.d/radeon_icd*.json' >/dev/null; then
     check "waves of a GPU stand beside times" "$diptych" view "${panes[@]}" --backend vk --window 640x360 --frames 2 --gpu navi21 --json view.json
-    check "... of each pass" holds_json 'len(d["waves"]) == 12 and all(n >= 2 for n in d["waves"])'
+    check "... of each pass" holds_json 'len(d["waves"]) == 14 and all(n >= 2 for n in d["waves"])'
     check_status 1 "... of no chip that there is not" "$diptych" view "${panes[@]}" --backend vk --frames 2 --gpu navi99
 else
     skip "waves of a GPU" "RADV is not installed"
