@@ -11,9 +11,15 @@
 shared float changed[256];
 shared float sent[256];
 
+/* Sum of the channels; 0 where the map's texel shows a surface before x. */
 float irradiance_at(vec3 x, vec3 n)
 {
-    vec3 e = unshadowed_irradiance(x, n) * light_visibility(x, n);
+    vec4 clip = transform_point(frame.light_view.view_projection, x);
+    vec2 ndc = clip.xy * reciprocal_close(max(clip.w, 1e-12));
+    if (clip.w <= 0.0 || any(greaterThan(abs(ndc), vec2(1.0))))
+        return 0.0;
+    ivec2 texel = ivec2(floor((ndc * 0.5 + 0.5) * float(rsm_size)));
+    vec3 e = unshadowed_irradiance(x, n) * texel_light(texel, x, n, texel_bias(x));
     return e.r + e.g + e.b;
 }
 
