@@ -8,19 +8,20 @@
  * and depth z is away + z (slope . p - turned.z) off it, where `turned` is n in the last view. */
 vec4 mean_before(vec3 x, vec3 n, float tolerance)
 {
-    View last = frame.previous_camera;
     ivec2 size = settled_size();
-    vec4 clip = transform_point(last.view_projection, x);
+    vec4 clip = transform_point(frame.previous_camera.view_projection, x);
     vec2 ndc = clip.xy * reciprocal_close(max(clip.w, 1e-12));
     if (clip.w <= 0.0 || any(greaterThan(abs(ndc), vec2(1.0))))
         return vec4(0.0);
     vec2 place = (ndc * 0.5 + 0.5) * vec2(size) - 0.5;
     ivec2 corner = ivec2(floor(place));
     vec2 f = place - vec2(corner);
-    vec3 turned = last.view[0].xyz * n.x + last.view[1].xyz * n.y + last.view[2].xyz * n.z;
-    vec2 slope = turned.xy * vec2(reciprocal_close(last.projection[0].x),
-                                  reciprocal_close(last.projection[1].y));
-    float away = dot(n, last.position - x);
+    mat4 to_view = frame.previous_camera.view;
+    mat4 projection = frame.previous_camera.projection;
+    vec3 turned = to_view[0].xyz * n.x + to_view[1].xyz * n.y + to_view[2].xyz * n.z;
+    vec2 slope = turned.xy * vec2(reciprocal_close(projection[0].x),
+                                  reciprocal_close(projection[1].y));
+    float away = dot(n, frame.previous_camera.position - x);
     vec2 texel = vec2(reciprocal_close(float(size.x)), reciprocal_close(float(size.y)));
     vec4 sum = vec4(0.0);
     float weights = 0.0;
