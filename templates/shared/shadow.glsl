@@ -30,19 +30,24 @@ vec3 spline(float f)
     return vec3(0.5 * (0.5 - f) * (0.5 - f), 0.75 - f * f, 0.5 * (0.5 + f) * (0.5 + f));
 }
 
+/* shadow_bias texels of the map at x, in m. */
+float texel_bias(vec3 x)
+{
+    float along = approximate_max(dot(x - frame.light.position, frame.light.direction), 0.0);
+    float depth = frame.light.kind == 0 ? 1.0 : along;
+    return shadow_bias * depth * sqrt_estimate(frame.light.area) *
+           reciprocal_estimate(float(rsm_size));
+}
+
 /* Fraction of the light that reaches x: percentage-closer filtering (Reeves, Salesin, Cook 1987)
- * over 3x3 texels with the weights of a quadratic B-spline, so that it is continuous. bias is in
- * texels of the map at x. */
+ * over 3x3 texels with the weights of a quadratic B-spline, so that it is continuous. */
 float light_visibility(vec3 x, vec3 n)
 {
     bool inside;
     vec2 p = light_texel(x, inside);
     if (!inside)
         return 0.0; /* the map covers all that the light reaches */
-    float along = approximate_max(dot(x - frame.light.position, frame.light.direction), 0.0);
-    float depth = frame.light.kind == 0 ? 1.0 : along;
-    float bias = shadow_bias * depth * sqrt_estimate(frame.light.area) *
-                 reciprocal_estimate(float(rsm_size));
+    float bias = texel_bias(x);
     vec2 low = floor(p);
     ivec2 middle = ivec2(approximate_int(low.x), approximate_int(low.y));
     vec2 f = p - (low + 0.5);
