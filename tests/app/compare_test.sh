@@ -227,7 +227,7 @@ check "a pipeline that is not the same twice" strays
 # ---- Pages -------------------------------------------------------------------------------------------------------------
 
 rsm=("$diptych" compare --scene "$scene" --spec templates/rsm.yaml --size 15x9 --set rsm_size=16 --set samples=4)
-check_status 1 "a fault, with a page and JUnit's XML" "${rsm[@]}" --fault vk:gather:texel --html "$work/page" --junit "$work/junit.xml"
+check_status 1 "a fault, with a page and JUnit's XML" "${rsm[@]}" --fault vk:denoise_columns:texel --html "$work/page" --junit "$work/junit.xml"
 check "... of a pipeline" "$diptych" list --spec templates/rsm.yaml --json "$work/list.json"
 check "... which show it, and no other" /usr/bin/python3 -B tests/app/compare_pages.py "$work/page" "$work/junit.xml" "$work/list.json"
 check "agreement, with a page and JUnit's XML" "${rsm[@]}" --backend gl,vk,gl+glsl --html "$work/agree" --junit "$work/agree.xml"

@@ -79,7 +79,7 @@ fine "it['hdr']['rmse'] > 0" metrics --reference "$work/truth.exr" --test "$work
 fine "it['agree'] == 2 and len(it['runs']) == 2 and {run['verdict'] for run in it['runs']} == {'agree'}" \
     sweep -o "$work/sweep" "${scene[@]}" --size 16x16 --spec "$root/templates/rsm.yaml" --set rsm_size=16 --grid samples=2,4
 check "diptych-gen --check" tells 0 "not errors and it['verb'] == 'check' and it['pipeline'] == 'rsm' and
-    it['passes'] == 12 and any(path.endswith('rsm/gather.glsl') for path in it['inputs'])" check "$root/templates/rsm.yaml"
+    it['passes'] == 14 and any(path.endswith('rsm/gather.glsl') for path in it['inputs'])" check "$root/templates/rsm.yaml"
 
 cp -r "$root/templates" "$work/templates"
 wrong=$work/templates/rsm.yaml

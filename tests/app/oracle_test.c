@@ -738,9 +738,11 @@ static void culling_changes_no_texel(void **state)
 static void clusters_begin_anew_unless_reused(void **state)
 {
     (void)state;
-    static const char *const runs[] = {"--set kmeans_iterations=1",
-                                       "--set kmeans_iterations=1 --frames 3 --set reuse_centres=0",
-                                       "--set kmeans_iterations=1 --frames 3"};
+    static const char *const runs[] = {
+        "--set kmeans_iterations=1",
+        "--set kmeans_iterations=1 --frames 3 --set reuse_centres=0 "
+        "--set reuse_pattern=1",
+        "--set kmeans_iterations=1 --frames 3 --set reuse_pattern=1"};
     float means[3][CLUSTERS][3];
     for (int i = 0; i < 3; ++i) {
         struct dump dump;

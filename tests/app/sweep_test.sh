@@ -38,7 +38,7 @@ if [ -n "$long" ]; then
         agree rsm 50 $seed 64
     done
 else
-    agree ssvp 5 5 12
+    agree ssvp 5 7 12
     agree rsm 12 4 12
     for pipeline in ssdo deep clustered taa; do
         agree $pipeline 1 1 12
