@@ -69,7 +69,7 @@ check_status 1 "a barrier that the frame does not have is an error" render --dro
 check_status 2 "OpenGL has no barrier to drop" \
     "$diptych" render --scene "$root/scenes/cornell.yaml" --size 24x16 --backend gl --drop-barrier 1 -o "$work/gl.png"
 # What differs nowhere here is told as what would break elsewhere.
-compare=("$diptych" compare --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk,gl --debug
+compare=("$diptych" compare --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend "vk,gl" --debug
     --json "$work/told.json")
 check "compare --debug finds all barriers" "${compare[@]}"
 check_status 1 "... and tells one that is missing though both backends agree" "${compare[@]}" --drop-barrier 13
