@@ -157,10 +157,15 @@ vec3 brightest_normal(int c)
 {
     float most = 0.0;
     int brightest = -1;
-    for (int k = 0; k < points_count; k++) {
-        float power = label[k] == c ? power_of(k) : 0.0;
-        brightest = power > most ? k : brightest;
-        most = power > most ? power : most;
+    for (int first = 0; first < points_count; first += kmeans_block) {
+        for (int j = 0; j < kmeans_block; j++) {
+            int k = first + j;
+            if (k < points_count && label[k] == c) {
+                float power = power_of(k);
+                brightest = power > most ? k : brightest;
+                most = power > most ? power : most;
+            }
+        }
     }
     return brightest < 0 ? centre_normal[c] : points[brightest].normal;
 }
