@@ -363,6 +363,15 @@ static bool add_functions(struct model *model, struct shader *shader,
     return changed;
 }
 
+/* The word of the body that another name stands for, because the generator or GLSL has it; NULL: the name is the body's. */
+static const char *own_word(const struct shader *shader, const char *name)
+{
+    for (uint32_t i = 0; i < shader->own_count && !strncmp(name, "body_", 5); i++)
+        if (!strcmp(shader->own_names[i], name + 5))
+            return name + 5;
+    return NULL;
+}
+
 bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *shader,
                 const char *log)
 {
@@ -374,8 +383,8 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
             continue;
         if (is_redefinition(model, &message, &name)) {
             declared_at(&model->pipeline, pass, name, &what);
-            changed |=
-                !what && *name && add_word(model, &shader->own_names, &shader->own_count, name);
+            changed |= !what && *name && !own_word(shader, name) &&
+                       add_word(model, &shader->own_names, &shader->own_count, name);
         } else if (says(&message, "overloaded functions must have the same")) {
             changed |= add_functions(model, shader, &message); /* of GLSL's own names */
         } else if (says(&message, "undeclared identifier") ||
@@ -541,6 +550,12 @@ static bool report_author(struct model *model, const struct pass *pass,
             "the body has a function `%s` of its own, which hides GLSL's forms of it; rename "
             "the body's",
             name + 5);
+    else if (is_redefinition(model, message, &name) && !strncmp(name, "body_", 5) &&
+             glsl_find_in_line(&loc, name + 5, strlen(name + 5)))
+        diag_error(diag, loc,
+                   "the body declares `%s` twice; a file that is included twice needs a guard "
+                   "(#ifndef)",
+                   name + 5);
     else if (tool)
         diag_error(diag, message->loc, "the pass `%s` uses `%s` but does not list it in uses",
                    pass->name, tool);

@@ -1,0 +1,4 @@
+float doubled(float x)
+{
+    return 2.0 * x;
+}
