@@ -194,11 +194,10 @@ static bool names(const char *message, const char *name)
 
 static bool is_listed(const struct elsewhere *elsewhere, const char *message)
 {
-    const cJSON *item;
-    cJSON_ArrayForEach(item, elsewhere->list) if (!strcmp(cJSON_GetStringValue(
-                                                              cJSON_GetObjectItem(item, "message")),
-                                                          message)) return true;
-    return false;
+    const cJSON *item = elsewhere->list ? elsewhere->list->child : NULL;
+    while (item && strcmp(cJSON_GetStringValue(cJSON_GetObjectItem(item, "message")), message) != 0)
+        item = item->next;
+    return item;
 }
 
 static void add_barrier(struct hearing *hearing, const char *message)

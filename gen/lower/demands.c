@@ -67,19 +67,6 @@ static uint64_t locations_of(const struct spirv *module, uint32_t id)
     }
 }
 
-/* The value of a decoration of an id; UINT32_MAX: it has none. */
-static uint32_t decoration(const struct spirv *module, uint32_t id, SpvDecoration wanted)
-{
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    {
-        const uint32_t *instruction = module->words + at;
-        if (spirv_is(instruction, SpvOpDecorate) && instruction[1] == id &&
-            instruction[2] == (uint32_t)wanted)
-            return *instruction >> 16 > 3 ? instruction[3] : 0;
-    }
-    return UINT32_MAX;
-}
-
 /* Whether a variable is a storage buffer or a storage image. */
 static bool is_storage(const struct spirv *module, const uint32_t *variable, uint32_t pointee)
 {
@@ -88,14 +75,14 @@ static bool is_storage(const struct spirv *module, const uint32_t *variable, uin
         return spirv_is(type, SpvOpTypeImage) && type[7] == 2 && type[3] != SpvDimBuffer;
     return variable[3] == SpvStorageClassStorageBuffer ||
            (variable[3] == SpvStorageClassUniform &&
-            decoration(module, pointee, SpvDecorationBufferBlock) != UINT32_MAX);
+            spirv_decoration(module, pointee, SpvDecorationBufferBlock) != UINT32_MAX);
 }
 
 static void add_variable(const struct spirv *module, enum stage stage, const uint32_t *variable,
                          uint64_t demands[DT_LIMITS])
 {
     uint32_t pointee = spirv_definition(module, variable[1])[3];
-    uint32_t location = decoration(module, variable[2], SpvDecorationLocation);
+    uint32_t location = spirv_decoration(module, variable[2], SpvDecorationLocation);
     uint64_t end = location == UINT32_MAX ? 0 : 4 * (location + locations_of(module, pointee));
     if (variable[3] == SpvStorageClassWorkgroup)
         demands[DT_LIMIT_SHARED_BYTES] += type_bytes(module, pointee);

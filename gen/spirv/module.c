@@ -238,6 +238,17 @@ uint32_t spirv_glsl(const struct spirv *module)
     return 0;
 }
 
+uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what)
+{
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpDecorate) && i[1] == id && i[2] == what)
+            return spirv_length(i) > 3 ? i[3] : 0;
+    }
+    return UINT32_MAX;
+}
+
 uint32_t spirv_entry(const struct spirv *module)
 {
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)

@@ -79,6 +79,8 @@ const struct spirv_function *spirv_find_function(const struct spirv *module, con
 char spirv_letter(const uint32_t *type);
 /* The id of the extended instructions GLSL.std.450; 0: not imported. */
 uint32_t spirv_glsl(const struct spirv *module);
+/* The number behind a decoration of an id, 0: one without a number; UINT32_MAX: it has none. */
+uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what);
 /* The function of the entry point. */
 uint32_t spirv_entry(const struct spirv *module);
 

@@ -81,8 +81,8 @@ struct functions {
     uint32_t instance, base; /* variables, 0: none */
 };
 
-/* Copies a function behind all that it calls: NVIDIA's linker recurses without end in a call of a
- * function that follows and ends in a branch (580.159, seen with fragment shaders). */
+/* Copies a function behind all that it calls: NVIDIA's linker may recurse without end in a call
+ * of a function that follows (580.159, seen with a fragment shader of 42 KB). */
 static void copy_function(struct functions *functions, uint32_t id)
 {
     struct spirv_edit *edit = functions->edit;

@@ -81,18 +81,6 @@ uint64_t spirv_formats(const struct pass *pass)
 
 /* ---- Images ---------------------------------------------------------------------------------- */
 
-/* A number that decorates an id; -1: none. */
-static int decorated_with(const struct spirv *from, uint32_t id, uint32_t kind)
-{
-    SPIRV_EACH(from, at, from->annotations, from->declarations)
-    {
-        const uint32_t *i = from->words + at;
-        if (spirv_is(i, SpvOpDecorate) && i[1] == id && i[2] == kind)
-            return (int)i[3];
-    }
-    return -1;
-}
-
 static int format_of_image(const struct values *values, uint32_t image);
 
 /* Of what all callers give for a parameter. */
@@ -125,7 +113,8 @@ static int format_of_image(const struct values *values, uint32_t image)
     const uint32_t *i = spirv_definition(values->from, image);
     switch (spirv_opcode(i)) {
     case SpvOpVariable:
-        return format_at(values->pass, decorated_with(values->from, image, SpvDecorationBinding));
+        return format_at(values->pass,
+                         (int)spirv_decoration(values->from, image, SpvDecorationBinding));
     case SpvOpFunctionParameter:
         return format_of_parameter(values, image);
     case SpvOpLoad:
@@ -213,15 +202,15 @@ static void put_target(struct values *values, const uint32_t *variable)
 {
     struct spirv_edit *edit = &values->edit;
     const struct spirv *from = values->from;
-    int format =
-        format_of_target(values->pass, decorated_with(from, variable[2], SpvDecorationLocation));
+    int format = format_of_target(values->pass,
+                                  (int)spirv_decoration(from, variable[2], SpvDecorationLocation));
     uint32_t type = spirv_definition(from, variable[1])[3];
     const uint32_t *declared = spirv_definition(from, type);
     bool vector = spirv_is(declared, SpvOpTypeVector);
     uint32_t scalar = vector ? declared[2] : type, count = vector ? declared[3] : 1;
     uint32_t function = 0;
     if (spirv_is(declared, SpvOpTypeArray) ||
-        decorated_with(from, variable[2], SpvDecorationComponent) > 0)
+        (int)spirv_decoration(from, variable[2], SpvDecorationComponent) > 0)
         refuse_values(values, "the pass %s declares an array of colour targets, or one in parts, "
                               "which exact passes cannot; give each a variable, or set `exactness: "
                               "fast`");
@@ -257,7 +246,7 @@ static void put_targets(struct values *values)
     {
         const uint32_t *i = from->words + at;
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput &&
-            decorated_with(from, i[2], SpvDecorationLocation) >= 0)
+            spirv_decoration(from, i[2], SpvDecorationLocation) != UINT32_MAX)
             put_target(values, i);
     }
 }

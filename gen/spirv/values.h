@@ -6,7 +6,7 @@
 #include "module.h"
 
 /* Reads of texels get the value of their code, writes and colour targets are rounded to the format's codes, by functions of
- * templates/glsl/values.glsl. False: out of memory; or, with *why (free(), and it is freed before), a function reads images of two formats by one parameter. */
+ * templates/glsl/values.glsl. False: out of memory, or *why says what cannot be exact (free(); a former text is freed). */
 bool spirv_values(struct spirv *module, const struct pass *pass, char **why);
 
 /* A hash of all that spirv_values takes of the pass: equal texts with unequal hashes are not the same shader. */

@@ -1,5 +1,5 @@
 /* Directions of a spiral: multiples of the golden angle. Each frame turns it. */
-#include "../ssvp/reuse.glsl"
+#include "../shared/reuse.glsl"
 
 void main()
 {

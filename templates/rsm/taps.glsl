@@ -2,7 +2,7 @@
  * offsets r (sin, cos) with r uniform, so denser near the middle; weights r^2 compensate, here with
  * the sum 1. polar_disk has the radius sqrt(u), so p |p| has the radius u; over u = k / n the sum
  * of u^2 is (n - 1) (2 n - 1) / (6 n). Each frame turns the pattern. */
-#include "../ssvp/reuse.glsl"
+#include "../shared/reuse.glsl"
 
 void main()
 {

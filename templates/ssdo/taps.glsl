@@ -1,6 +1,6 @@
 /* Directions over the plane z = 0, as dense as their cosine, and lengths up to 1. Multiples of the
  * golden ratio spread the lengths, whatever the number of samples. Each frame shifts both. */
-#include "../ssvp/reuse.glsl"
+#include "../shared/reuse.glsl"
 
 void main()
 {

@@ -4,7 +4,7 @@
 #include "../shared/space.glsl"
 #include "../shared/surface.glsl"
 #include "../shared/lighting.glsl"
-#include "reuse.glsl"
+#include "../shared/reuse.glsl"
 
 void main()
 {

@@ -7,7 +7,7 @@
  * N is the same for all clusters, as in the paper. With second_by_flux N is proportional to the
  * cluster's flux, so that all VPLs carry similar flux: bright clusters get enough VPLs, even if
  * there are many clusters. */
-#include "reuse.glsl"
+#include "../shared/reuse.glsl"
 #include "seen.glsl"
 
 struct DiskSample {
