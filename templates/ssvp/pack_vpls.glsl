@@ -1,6 +1,5 @@
-/* Packs VPLs and the eyes that they use, in the order in which interleave classes shade them. A VPL
- * uses the map of its cluster. So a class has the eyes of all clusters, or one per VPL if it has
- * fewer VPLs than there are clusters. Classes with one VPL less get a VPL of zero flux. */
+/* Packs VPLs and the eyes that they use, in the order in which interleave classes shade them. Classes
+ * with one VPL less get a VPL of zero flux. */
 #include "classes.glsl"
 
 /* Factor on the flux of second-bounce VPLs, so that they carry the light of all further bounces,
@@ -22,26 +21,18 @@ void main()
     if (slot >= shading_count)
         return;
     int class_points = shading_count / class_count;
-    int class_eyes = eyes_count / class_count;
-    int j = slot % class_points;
-    int wanted = class_member(slot / class_points, j);
+    int wanted = class_member(slot / class_points, slot % class_points);
     int k = min(wanted, points_count - 1);
-    int c = max(labels[k], 0);
-    bool all_clusters = class_eyes == views_count;
+    int e = max(nearest[k], 0);
+    vec3 off = points[k].position - eyes[e].position;
     shading[slot].position = points[k].position;
     shading[slot].disk = softness * points[k].area / PI;
     shading[slot].normal = points[k].normal;
-    vec3 off = points[k].position - views[c].position;
     shading[slot].near_square = visibility_near * visibility_near * dot(off, off);
     shading[slot].flux = wanted < points_count ? points[k].flux * further_light() : vec3(0.0);
-    shading[slot].eye = all_clusters ? c : j;
-    if (j >= class_eyes)
-        return;
-    int place = slot / class_points * class_eyes + j;
-    c = all_clusters ? j : c;
-    eyes[place].position = views[c].position;
-    eyes[place].layer = c;
-    eyes[place].tangent = views[c].tangent;
-    eyes[place].bitangent = views[c].bitangent;
-    eyes[place].axis = views[c].normal;
+    shading[slot].layer = e;
+    shading[slot].eye = eyes[e].position;
+    shading[slot].tangent = eyes[e].tangent;
+    shading[slot].bitangent = eyes[e].bitangent;
+    shading[slot].axis = eyes[e].normal;
 }

@@ -19,8 +19,8 @@ struct DiskSample {
 float power_of_all()
 {
     float all = 0.0;
-    for (int c = 0; c < clusters; c++)
-        all += views[c].power;
+    for (int c = 0; c < eyes_count; c++)
+        all += eyes[c].power;
     return all;
 }
 
@@ -43,14 +43,14 @@ DiskSample share_by_flux(int k, float all)
     drawn.cluster = 0;
     float before = 0.0;
     float passed = 0.0;
-    for (int c = 0; c < clusters; c++) {
-        float length_here = views[c].power;
+    for (int c = 0; c < eyes_count; c++) {
+        float length_here = eyes[c].power;
         bool beyond = passed <= place && length_here > 0.0;
         drawn.cluster = beyond ? c : drawn.cluster;
         before = beyond ? passed : before;
         passed += length_here;
     }
-    float share = views[drawn.cluster].power;
+    float share = eyes[drawn.cluster].power;
     float within = share > 0.0 ? clamp((place - before) / share, 0.0, 1.0) : 0.5;
     drawn.place = disk_points_map(vec2(within, hammersley(k, second_total).y));
     drawn.per_cluster = share > 0.0 ? float(second_total) * (share / all) : 1.0;
@@ -71,7 +71,7 @@ ivec2 map_texel(vec3 local)
  * least a tenth. */
 float samples_per_area(int c, float samples, float s, float square, float cosine)
 {
-    float spread = max(PI * square, views[c].area);
+    float spread = max(PI * square, eyes[c].area);
     return approximate_divide(samples * (1.0 + s) * (1.0 + s) * max(cosine, 0.1), 4.0 * spread);
 }
 
@@ -79,12 +79,12 @@ float samples_per_area(int c, float samples, float s, float square, float cosine
  * a surface in front of x. */
 float samples_around(int c, float samples, vec3 x, vec3 n)
 {
-    vec3 d = x - views[c].position;
+    vec3 d = x - eyes[c].position;
     float square = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
     float inverse = approximate_inversesqrt(square);
     float far = square * inverse;
-    float ahead = dot(d, views[c].normal);
-    vec3 local = vec3(dot(d, views[c].tangent), dot(d, views[c].bitangent), max(ahead, 1e-6 * far));
+    float ahead = dot(d, eyes[c].normal);
+    vec3 local = vec3(dot(d, eyes[c].tangent), dot(d, eyes[c].bitangent), max(ahead, 1e-6 * far));
     vec2 p = approximate_divide(local.xy, far + local.z);
     float seen = reach(ivec3(map_texel(local), c)).x;
     float cosine = -dot(n, d) * inverse;
@@ -98,8 +98,8 @@ float area_of(int own_cluster, float own, float all, vec3 x, vec3 n)
 {
     float sum = own;
     float per_power = approximate_divide(float(second_total), max(all, 1e-30));
-    for (int c = 0; c < clusters; c++) {
-        float power_here = views[c].power;
+    for (int c = 0; c < eyes_count; c++) {
+        float power_here = eyes[c].power;
         float samples = second_by_flux == 1 ? power_here * per_power : float(second_per_cluster);
         bool another = c != own_cluster && power_here > 0.0;
         sum += another ? samples_around(c, samples, x, n) : 0.0;
@@ -120,13 +120,13 @@ void main()
     Seen seen = surface_of(ivec3(map_texel(vec3(2.0 * p, 1.0 - s)), c));
     float square = (1.0 + s) * (1.0 + s);
     float weight = 4.0 * (1.0 - s) / (square * (1.0 + s) * drawn.per_cluster);
-    vec3 flux = seen.albedo * views[c].flux * weight;
-    vec3 d = views[c].position - seen.position;
+    vec3 flux = seen.albedo * eyes[c].flux * weight;
+    vec3 d = eyes[c].position - seen.position;
     float far = max(dot(d, d), 1e-12 * frame.scene_radius * frame.scene_radius);
     float own = samples_per_area(c, drawn.per_cluster, s, far, dot(seen.normal, d) * approximate_inversesqrt(far));
     second_vpl[k].position = seen.position;
     second_vpl[k].area = area_of(c, own, all, seen.position, seen.normal);
     second_vpl[k].normal = seen.normal;
-    second_vpl[k].arriving = views[c].power / drawn.per_cluster;
+    second_vpl[k].arriving = eyes[c].power / drawn.per_cluster;
     second_vpl[k].flux = seen.surface ? flux : vec3(0.0); /* the light left the scene */
 }

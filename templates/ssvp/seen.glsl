@@ -33,14 +33,14 @@ vec3 albedo_of(Triangle t, vec3 weights, float extent)
 Seen surface_of(ivec3 at)
 {
     Seen seen;
-    uint found = number(at).x;
+    uint found = min(number(at).x, frame.triangle_count); /* of this scene */
     seen.surface = found > 0u;
     Triangle t = triangle_of(max(found, 1u) - 1u);
     vec3 ray = texel_ray(vec2(at.xy) + 0.5);
-    vec3 along = views[at.z].tangent * ray.x + views[at.z].bitangent * ray.y +
-                 views[at.z].normal * ray.z;
+    vec3 along = eyes[at.z].tangent * ray.x + eyes[at.z].bitangent * ray.y +
+                 eyes[at.z].normal * ray.z;
     float far = seen.surface ? reach(at).x : 0.0;
-    seen.position = views[at.z].position + along * far;
+    seen.position = eyes[at.z].position + along * far;
 
     vec3 e = corner_position(t.b) - corner_position(t.a);
     vec3 f = corner_position(t.c) - corner_position(t.a);

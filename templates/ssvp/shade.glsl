@@ -3,56 +3,57 @@
  * times the number of classes. Background pixels have a zero normal, so they get zero. */
 #include "vpl.glsl"
 
+/* A receiver, and how it looks up maps. */
+struct Receiver {
+    vec3 x, n;
+    vec2 middle; /* of a map, in texels */
+    float bias;  /* radians */
+    float closest; /* m2 */
+};
+
+Sight sight_of(ClassVpl v, Receiver r)
+{
+    return sight(r.x - v.eye, v.tangent, v.bitangent, v.axis, r.middle);
+}
+
+/* Whether the map of a VPL's eye lets the receiver see it. `seen`: the map's reach in the direction of
+ * the receiver. What hides the eye cannot hide a VPL that is nearer to the receiver than this. And it
+ * says little about a VPL that is nearer to the receiver than to its eye. */
+bool is_open(ClassVpl v, Receiver r, Sight s, float seen)
+{
+    vec3 d = r.x - v.position;
+    float near = visibility_near > 0.0 ? approximate_max(square_to_surface(s, seen), v.near_square) : 0.0;
+    return is_seen(s, v.tangent, v.bitangent, v.axis, r.n, seen, r.bias) || dot(d, d) < near;
+}
+
 void main()
 {
     ivec2 p = interleave_pixel();
-    vec3 x = gbuffer_position(p).xyz;
-    vec3 n = gbuffer_normal(p).xyz;
-    float closest = 1e-8 * frame.scene_radius * frame.scene_radius;
     /* Each class looks up the maps at a small offset. The filter over the tile turns this into
      * percentage-closer filtering, visibility_blur texels wide. */
     vec2 stratum = vec2(interleave_class() % tile.x, interleave_class() / tile.x) + 0.5;
-    vec2 middle = 0.5 * float(map_size) + visibility_blur * (stratum * (1.0 / vec2(tile)) - 0.5);
-    /* Half the diagonal of a texel, in radians, where texels are largest. */
-    float bias = visibility_bias * (2.28 * approximate_reciprocal(float(map_size)));
+    Receiver r;
+    r.x = gbuffer_position(p).xyz;
+    r.n = gbuffer_normal(p).xyz;
+    r.middle = 0.5 * float(map_size) + visibility_blur * (stratum * (1.0 / vec2(tile)) - 0.5);
+    /* Half the diagonal of a texel, where texels are largest. */
+    r.bias = visibility_bias * (2.28 * approximate_reciprocal(float(map_size)));
+    r.closest = 1e-8 * frame.scene_radius * frame.scene_radius;
     vec3 sum = vec3(0.0);
 
-    /* Each barrier() keeps the code small: Mesa's CPU drivers run all invocations of a workgroup up to
-     * it, and the code of one part fits the processor's cache of instructions.
-     *
-     * All VPLs of a cluster share the map of its eye. It says how far away that is which hides the
-     * eye: VPLs nearer than this are visible. A VPL nearer than its eye is visible, too: what hides
-     * the eye says little about it. */
-    bool some = visibility_near > 0.0;
-    float first_open[first_eyes_length];
-    int k = 0;
-    for (Eye e : first_eye_range) {
-        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
-        float seen = first_reach(ivec3(texel_of(s), e.layer)).r;
-        bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
-        first_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
-    }
-    barrier();
     for (ClassVpl v : first_range) {
-        vec3 d = x - v.position;
-        float geometry = geometry_term(d, v.normal, v.disk, n, closest);
-        bool open = dot(d, d) < approximate_max(first_open[v.eye], v.near_square);
+        Sight s = sight_of(v, r);
+        bool open = is_open(v, r, s, first_reach(ivec3(texel_of(s), v.layer)).r);
+        float geometry = geometry_term(r.x - v.position, v.normal, v.disk, r.n, r.closest);
         sum += v.flux * (open ? geometry : 0.0);
     }
-    barrier();
-    float second_open[second_eyes_length];
-    k = 0;
-    for (Eye e : second_eye_range) {
-        Sight s = sight(x - e.position, e.tangent, e.bitangent, e.axis, middle);
-        float seen = second_reach(ivec3(texel_of(s), e.layer)).r;
-        bool open = is_seen(s, e.tangent, e.bitangent, e.axis, n, seen, bias);
-        second_open[k++] = open ? 1e30 : some ? square_to_surface(s, seen) : 0.0;
-    }
+    /* Mesa's CPU drivers run all invocations of a workgroup up to here, and the code of one part fits
+     * the processor's cache of instructions. */
     barrier();
     for (ClassVpl v : second_range) {
-        vec3 d = x - v.position;
-        float geometry = geometry_term(d, v.normal, v.disk, n, closest);
-        bool open = second_visibility == 0 || dot(d, d) < approximate_max(second_open[v.eye], v.near_square);
+        Sight s = sight_of(v, r);
+        bool open = second_visibility == 0 || is_open(v, r, s, second_reach(ivec3(texel_of(s), v.layer)).r);
+        float geometry = geometry_term(r.x - v.position, v.normal, v.disk, r.n, r.closest);
         sum += v.flux * (open ? geometry : 0.0);
     }
 

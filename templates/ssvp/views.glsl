@@ -2,8 +2,16 @@
  * inputs as `points`, `labels` and `centres`, its output as `views`. A mean can float
  * in the air or lie inside geometry (the paper warns of it). So the eye is the member nearest to
  * the mean by the metric, lifted along that member's normal. The normal is also the map's axis: any
- * other hemisphere would look into the member's own surface. */
+ * other hemisphere would look into the member's own surface. Where maps are kept, later frames take
+ * other members, so that the eyes of several frames spread over a cluster. */
 #include "../shared/space.glsl"
+
+/* A cluster's member with the least rank becomes its eye: 0 to 1, another order in every frame
+ * (multiples of the inverse of the golden ratio, as integers of 2^-32). */
+float random_rank(int k)
+{
+    return float((uint(k) * 2654435769u + frame.index * 3242174889u) >> 8) * (1.0 / 16777216.0);
+}
 
 void main()
 {
@@ -16,13 +24,15 @@ void main()
     float area = 0.0;
     float least = 0.0;
     int member = -1;
+    bool random = eyes_move == 1 && reuse_pattern == 0 && frame.index > 0u;
     for (int k = 0; k < points_count; k++) {
         if (labels[k] != c)
             continue;
         flux += points[k].flux;
         area += points[k].area;
-        float d = vpl_distance(points[k].position, points[k].normal, centres[c].mean,
-                               centres[c].mean_normal);
+        float d = random ? random_rank(k)
+                         : vpl_distance(points[k].position, points[k].normal, centres[c].mean,
+                                        centres[c].mean_normal);
         if (member < 0 || d < least) {
             least = d;
             member = k;

@@ -65,7 +65,8 @@ static int count_wrong(const struct dump *dump, const struct ray_scene *rays, co
     struct dump_entry map = dump_read(dump, NULL, name);
     int wrong = 0, looked = 0;
     for (unsigned k = 0; looked < TEXELS && k < 4 * TEXELS; k++) {
-        size_t eye = k % map.layers;
+        size_t eye =
+            k % views.count; /* in the first frame, these are the first of the maps that are kept */
         size_t x = (size_t)(fmod(k * 0.7548776662, 1) * (double)map.width);
         size_t y = (size_t)(fmod(k * 0.5698402910, 1) * (double)map.height);
         double p[2] = {(2 * (double)x + 1) / (double)map.width - 1,

@@ -33,8 +33,8 @@ agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp c
 agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 64x32 "${fewer[@]}" --set bounces=0
 agrees "with 32 clusters" ssvp cornell --size 37x23 "${small[@]}" "${room[@]}" --set clusters=32
 agrees "over three frames, whose clusters are seeded from the last" ssvp cornell --size 37x23 "${fewer[@]}" --frames 3
-agrees "as printed: Equation 2, no second-bounce visibility, whose passes stay for what they clear" ssvp cornell --size 37x23 \
-    "${fewer[@]}" --set metrics.vpl_distance.normal_term=dot --set second_clusters=0
+agrees "as printed: the paper's way, Equation 2; passes of second-bounce visibility stay for what they clear" ssvp cornell \
+    --size 37x23 "${fewer[@]}" --with "$root/templates/ssvp/paper.yaml" --set metrics.vpl_distance.normal_term=dot
 
 check "instant radiosity agrees" \
     "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 "${small[@]}" --set first_vpls=24 --debug

@@ -231,13 +231,30 @@ def tone(params, left):
 # ---- templates/glsl/metric.glsl, templates/ssvp/lloyd.glsl -------------------------------------------
 
 
+class Metric:
+    """metric_one_minus_dot of points, scale: of the scene, m"""
+
+    def __init__(self, params, points, scale):
+        self.points = points
+        self.metre = F(params["position_weight"]) * approximate_reciprocal(F(scale))
+        self.normal_weight = F(params["normal_weight"])
+
+    def distance(self, position, normal):
+        d = self.points["position"] - position
+        square = maximum(dot(d, d), F(1.17549435e-38))
+        r = root_estimate(square)
+        apart = square * r
+        apart = apart + apart * (F(0.5) * (F(1) - apart * r))
+        agreement = maximum(dot(self.points["normal"], normal), F(0))
+        return self.metre * apart + self.normal_weight * (F(1) - agreement)
+
+
 class Lloyd:
     """k-means: names are those of the GLSL."""
 
     def __init__(self, params, points, centres, scale):
         self.points, self.radius = points, F(scale)
-        self.metre = F(params["position_weight"]) * approximate_reciprocal(self.radius)
-        self.normal_weight = F(params["normal_weight"])
+        self.metric = Metric(params, points, scale)
         self.one = minimum(F(536870912) * approximate_reciprocal(F(len(points))), F(1048576))
         flux = points["flux"]
         self.power = flux[:, 0] + flux[:, 1] + flux[:, 2]
@@ -264,18 +281,8 @@ class Lloyd:
         self.centre_position[c] = centre["mean"] if seen else self.points["position"][chosen]
         self.centre_normal[c] = centre["mean_normal"] if seen else normal
 
-    def distance(self, c):
-        """metric_one_minus_dot"""
-        d = self.points["position"] - self.centre_position[c]
-        square = maximum(dot(d, d), F(1.17549435e-38))
-        r = root_estimate(square)
-        apart = square * r
-        apart = apart + apart * (F(0.5) * (F(1) - apart * r))
-        agreement = maximum(dot(self.points["normal"], self.centre_normal[c]), F(0))
-        return self.metre * apart + self.normal_weight * (F(1) - agreement)
-
     def assign(self):
-        distances = np.stack([self.distance(c) for c in range(self.count)], 1)
+        distances = np.stack([self.metric.distance(*centre) for centre in zip(self.centre_position, self.centre_normal)], 1)
         nearest = distances.argmin(1)  # ties: the lowest index
         order = np.sort(distances, 1)
         self.label = np.where(self.lives, nearest, -1).astype(I)
@@ -323,7 +330,7 @@ def lloyd(params, left, names, scale):
     yield names["pass"], names["centres"], centres
 
 
-# ---- templates/ssvp/pack_vpls.glsl, classes.glsl -----------------------------------------------------
+# ---- templates/ssvp/nearest_eyes.glsl, sum_light.glsl, pack_vpls.glsl, classes.glsl -----------------------------------------------------
 
 
 def further_light(params, points):
@@ -334,33 +341,47 @@ def further_light(params, points):
     return F(1) / (F(1) - minimum(leaving / arriving, F(0.9))) if arriving > 0 else F(1)
 
 
+def find_eyes(params, left, group, scale):
+    points, labels, eyes = left["vpls" if group == "first" else "second_vpl"], left[group + ".labels"], left[group + ".eyes"]
+    nearest = labels.copy()
+    if params["kept_maps"] > max(len(left["first.views"]), len(left["second.views"])):
+        metric = Metric(params, points, scale)
+        used = np.flatnonzero(eyes["used"])
+        apart = np.stack([metric.distance(eyes["position"][e], eyes["normal"][e]) for e in used], 1)
+        nearest = np.where(labels >= 0, used[apart.argmin(1)], labels).astype(I)  # ties: the lowest index
+    yield group + ".find_eyes", group + ".nearest", nearest
+
+
+def sum_light(left):
+    points, nearest, eyes = left["vpls"], left["first.nearest"], left["first.eyes"].copy()
+    for e in range(len(eyes)):
+        flux, area = np.zeros(3, F), F(0)
+        for k in np.flatnonzero(nearest == e):
+            flux, area = flux + points["flux"][k], area + points["area"][k]
+        eyes["flux"][e], eyes["power"][e], eyes["area"][e] = flux, flux[0] + flux[1] + flux[2], area
+    yield "sum_light", "first.eyes", eyes
+
+
 def pack(params, left, group):
     points = left["vpls" if group == "first" else "second_vpl"]
-    labels, views = left[group + ".labels"], left[group + ".views"]
-    shading, eyes = np.zeros_like(left[group + ".shading"]), np.zeros_like(left[group + ".eyes"])
+    nearest, eyes = left[group + ".nearest"], left[group + ".eyes"]
+    shading = np.zeros_like(left[group + ".shading"])
     classes = params["tile"][0] * params["tile"][1]
-    class_points, class_eyes = len(shading) // classes, len(eyes) // classes
+    class_points = len(shading) // classes
     slot = np.arange(len(shading))
     c, j = slot // class_points, slot % class_points
     wanted = j * classes + (j + c) % classes
     k = np.minimum(wanted, len(points) - 1)
-    cluster = np.maximum(labels[k], 0)
-    all_clusters = class_eyes == len(views)
+    e = np.maximum(nearest[k], 0)
     shading["position"], shading["normal"] = points["position"][k], points["normal"][k]
     shading["disk"] = F(params["softness"]) * points["area"][k] / F(3.14159265359)
-    off = points["position"][k] - views["position"][cluster]
+    off = points["position"][k] - eyes["position"][e]
     shading["near_square"] = F(params["visibility_near"]) * F(params["visibility_near"]) * dot(off, off)
     flux = points["flux"][k] * further_light(params, points)
     shading["flux"] = np.where((wanted < len(points))[:, None], flux, F(0))
-    shading["eye"] = cluster if all_clusters else j
-    used = j < class_eyes
-    place = (c * class_eyes + j)[used]
-    layer = (j if all_clusters else cluster)[used]
-    eyes["layer"][place] = layer
-    for eye, view in {"position": "position", "tangent": "tangent", "bitangent": "bitangent", "axis": "normal"}.items():
-        eyes[eye][place] = views[view][layer]
+    shading["layer"], shading["eye"] = e, eyes["position"][e]
+    shading["tangent"], shading["bitangent"], shading["axis"] = (eyes[name][e] for name in ("tangent", "bitangent", "normal"))
     yield group + ".pack", group + ".shading", shading
-    yield group + ".pack", group + ".eyes", eyes
 
 
 # ---- Pipelines ---------------------------------------------------------------------------------------
@@ -390,13 +411,15 @@ def twins_of_ssvp(params, left):
         names = {name: f"{group}.{name}" for name in ("centres", "labels", "margins")}
         names.update({"points": points, "pass": group + ".kmeans"})
         yield from lloyd(params, left, names, radius)
+        yield from find_eyes(params, left, group, radius)
         yield from pack(params, left, group)
+    yield from sum_light(left)
     yield from twins_of_rsm(params, left)
 
 
 RSM = ("irradiance", "irradiance_rows", "indirect", "gbuffer_position", "gbuffer_normal", "radiance", "luminance_tiles",
        "luminance_scale", "display")  # fmt: skip
-GROUP = ("labels", "margins", "centres", "views", "shading", "eyes")
+GROUP = ("labels", "margins", "centres", "views", "eyes", "nearest", "shading")
 SSVP = RSM + ("vpls", "second_vpl") + tuple(f"{group}.{name}" for group in ("first", "second") for name in GROUP)
 SMALL = {"rsm_size": 128, "map_size": 32}
 # Frame, parameters, and frames: from the second on, k-means goes on from the last one's centres.
@@ -411,6 +434,7 @@ RUNS = {
         ((41, 83), dict(SMALL, first_vpls=100, second_vpls=231, clusters=7, second_clusters=5, tile=[3, 2],
                         kmeans_iterations=9, position_weight=1.7, normal_weight=0.35, softness=0.3, visibility_near=1.9,
                         further_bounces=1), 3),
+        ((64, 36), dict(SMALL, kept_maps=1, first_vpls=64, clusters=4), 2),
     )),
 }  # fmt: skip
 
