@@ -52,7 +52,8 @@ void main()
     barrier();
     for (ClassVpl v : second_range) {
         Sight s = sight_of(v, r);
-        bool open = second_visibility == 0 || is_open(v, r, s, second_reach(ivec3(texel_of(s), v.layer)).r);
+        bool open = second_visibility == 0 ||
+                    (bounces > 1 && is_open(v, r, s, second_reach(ivec3(texel_of(s), v.layer)).r));
         float geometry = geometry_term(r.x - v.position, v.normal, v.disk, r.n, r.closest);
         sum += v.flux * (open ? geometry : 0.0);
     }
