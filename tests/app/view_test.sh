@@ -14,7 +14,7 @@ spec=$work/templates/ssvp.yaml
 tonemap=$work/templates/shared/tonemap.glsl
 scene=$work/cornell.yaml
 # Without a mean over frames a still scene has a still picture.
-small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32 --set accumulate=0 --set reuse_pattern=1)
+small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32 --set accumulate=0 --set reuse_pattern=1 --set kept_maps=1)
 cd "$work" || exit 1 # where screenshots go
 
 exec 3<>display.number
