@@ -1,4 +1,4 @@
-/* View of each cluster's map, with flux and area of the cluster. The pass binds its
+/* View of each cluster's map, with the area of the cluster. The pass binds its
  * inputs as `points`, `labels` and `centres`, its output as `views`. A mean can float
  * in the air or lie inside geometry (the paper warns of it). So the eye is the member nearest to
  * the mean by the metric, lifted along that member's normal. The normal is also the map's axis: any
@@ -20,7 +20,6 @@ void main()
         return;
     vec3 position = centres[c].mean;
     vec3 axis = centres[c].mean_normal;
-    vec3 flux = vec3(0.0);
     float area = 0.0;
     float least = 0.0;
     int member = -1;
@@ -28,7 +27,6 @@ void main()
     for (int k = 0; k < points_count; k++) {
         if (labels[k] != c)
             continue;
-        flux += points[k].flux;
         area += points[k].area;
         float d = random ? random_rank(k)
                          : vpl_distance(points[k].position, points[k].normal, centres[c].mean,
@@ -48,7 +46,5 @@ void main()
     views[c].tangent = tangent;
     views[c].bitangent = bitangent;
     views[c].normal = axis;
-    views[c].flux = flux;
-    views[c].power = flux.r + flux.g + flux.b;
     views[c].area = area;
 }

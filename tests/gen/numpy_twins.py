@@ -344,7 +344,7 @@ def further_light(params, points):
 def find_eyes(params, left, group, scale):
     points, labels, eyes = left["vpls" if group == "first" else "second_vpl"], left[group + ".labels"], left[group + ".eyes"]
     nearest = labels.copy()
-    if params["kept_maps"] > max(len(left["first.views"]), len(left["second.views"])):
+    if len(eyes) > len(left[group + ".views"]):
         metric = Metric(params, points, scale)
         used = np.flatnonzero(eyes["used"])
         apart = np.stack([metric.distance(eyes["position"][e], eyes["normal"][e]) for e in used], 1)
@@ -434,7 +434,7 @@ RUNS = {
         ((41, 83), dict(SMALL, first_vpls=100, second_vpls=231, clusters=7, second_clusters=5, tile=[3, 2],
                         kmeans_iterations=9, position_weight=1.7, normal_weight=0.35, softness=0.3, visibility_near=1.9,
                         further_bounces=1), 3),
-        ((64, 36), dict(SMALL, kept_maps=1, first_vpls=64, clusters=4), 2),
+        ((64, 36), dict(SMALL, kept_maps=4, first_vpls=64, clusters=4, second_clusters=2), 2),
     )),
 }  # fmt: skip
 

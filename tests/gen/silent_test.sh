@@ -16,7 +16,7 @@ is_silent() { # spec scene
     read -ra options <<<"$2"
     case $1 in
     */post.yaml) options+=(--size 320x180 --input "photo=$root/templates/pictures/post.png") ;;
-    */ssvp.yaml) options+=(--set map_size=128) ;; # Mesa binds at most 128 MiB, which its maps at their usual size exceed
+    */ssvp.yaml) options+=(--set map_size=128) ;; # Mesa binds buffers of 128 MiB at most
     esac
     "$diptych" render --spec "$1" --size 48x27 --backend vk@llvmpipe --frames 2 --dump "$work/dump" \
         --sanitize "${options[@]}" >"$work/told" 2>"$work/errors"
