@@ -2,6 +2,7 @@
  * eyes. So while surfaces stand still, VPLs find an eye nearby among many, and each frame draws a few
  * maps only (Laine et al., "Incremental Instant Radiosity for Real-Time Indirect Illumination", 2007).
  * Until light moves far the eyes of earlier frames remain of use: a map shows surfaces, not light. */
+#include "kept.glsl"
 #include "measured.glsl"
 
 void main()
@@ -9,11 +10,8 @@ void main()
     ivec3 at = invocation();
     if (any(greaterThanEqual(at.xy, drawn_size())))
         return;
-    int turn = int(frame.index % uint(eyes_count / views_count));
-    int layer = turn * views_count + at.z;
-    uint found = drawn(at).x;
-    number_store(ivec3(at.xy, layer), uvec4(found, 0u, 0u, 0u));
-    reach_store(ivec3(at.xy, layer), vec4(measured_reach(at, found)));
+    int layer = kept_layer(at.z, maps, kept);
+    reach_store(ivec3(at.xy, layer), vec4(measured_reach(at, drawn(at).x)));
     if (at.xy != ivec2(0))
         return;
     eyes[layer].used = views[at.z].member >= 0 ? 1 : 0;

@@ -23,16 +23,21 @@ void main()
     int class_points = shading_count / class_count;
     int wanted = class_member(slot / class_points, slot % class_points);
     int k = min(wanted, points_count - 1);
-    int e = max(nearest[k], 0);
-    vec3 off = points[k].position - eyes[e].position;
+    Eye eye = Eye(vec3(0.0), 0, vec3(0.0), 0.0, vec3(0.0), 0.0, vec3(0.0), vec3(0.0));
+    int e = 0;
+    if (mapped == 1) {
+        e = max(nearest[k], 0);
+        eye = eyes[e];
+    }
+    vec3 off = points[k].position - eye.position;
     shading[slot].position = points[k].position;
     shading[slot].disk = softness * points[k].area / PI;
     shading[slot].normal = points[k].normal;
     shading[slot].near_square = visibility_near * visibility_near * dot(off, off);
     shading[slot].flux = wanted < points_count ? points[k].flux * further_light() : vec3(0.0);
     shading[slot].layer = e;
-    shading[slot].eye = eyes[e].position;
-    shading[slot].tangent = eyes[e].tangent;
-    shading[slot].bitangent = eyes[e].bitangent;
-    shading[slot].axis = eyes[e].normal;
+    shading[slot].eye = eye.position;
+    shading[slot].tangent = eye.tangent;
+    shading[slot].bitangent = eye.bitangent;
+    shading[slot].axis = eye.normal;
 }
