@@ -82,6 +82,7 @@ bool image_may_open(const char *path, const struct dt_log *log)
 struct png_file {
     uint32_t width, height, bits; /* of a channel */
     char space[PICTURE_SPACE];    /* as picture_space */
+    uint32_t turn;                /* as picture_turn */
 };
 
 static _Noreturn void png_fail(png_structp png, png_const_charp text)
@@ -132,6 +133,13 @@ static void take_space(png_structp png, png_infop info, char space[PICTURE_SPACE
         snprintf(space, PICTURE_SPACE, "one of gamma %.3g", 1e5 / gamma);
 }
 
+static uint32_t take_turn(png_structp png, png_infop info)
+{
+    png_uint_32 size;
+    png_bytep exif;
+    return png_get_eXIf_1(png, info, &size, &exif) ? picture_exif_turn(exif, size) : 1;
+}
+
 /* As RGBA, the numbers of the file. libpng jumps out where the file is damaged. */
 static void read_codes(png_structp png, png_infop info, uint32_t width, uint32_t height,
                        uint8_t *codes, png_bytepp rows)
@@ -168,6 +176,7 @@ static bool read_png(const char *path, const uint32_t wanted[2], struct png_file
         read->height = png_get_image_height(png, info);
         read->bits = png_get_bit_depth(png, info);
         take_space(png, info, read->space);
+        read->turn = take_turn(png, info);
         uint64_t count = (uint64_t)read->width * read->height;
         bool fits = !wanted || wanted[0] == 0 || wanted[1] == 0 ||
                     (wanted[0] == read->width && wanted[1] == read->height);
@@ -192,18 +201,25 @@ static bool read_png(const char *path, const uint32_t wanted[2], struct png_file
     return good;
 }
 
-/* ---- Colour spaces --------------------------------------------------------------------------- */
+/* ---- What files claim ------------------------------------------------------------------------ */
 
-void image_check_space(const char *path, enum image_encoding encoding, const struct dt_log *log)
+void image_check_claims(const char *path, enum image_encoding encoding, const struct dt_log *log)
 {
     static const char *const taken[] = {[IMAGE_AS_NUMBERS] = "are kept",
                                         [IMAGE_AS_LIGHT] = "are taken as linear",
                                         [IMAGE_AS_SRGB] = "are taken as sRGB codes"};
-    struct png_file png = {.space = ""};
+    struct png_file png = {.space = "", .turn = 1};
     char space[PICTURE_SPACE];
     picture_space(path, space);
-    if (!*space && read_png(path, NULL, &png, NULL))
+    bool is_png = read_png(path, NULL, &png, NULL);
+    if (is_png && !*space)
         memcpy(space, png.space, sizeof space);
+    uint32_t turn = is_png ? png.turn : picture_turn(path);
+    if (turn != 1)
+        report_message(
+            log, DT_WARNING,
+            "%s: its EXIF orientation is %u, and viewers turn it; its rows are taken as they are",
+            path, turn);
     bool srgb = strcmp(space, "sRGB") == 0, linear = strcmp(space, "linear") == 0;
     if (*space && !(srgb && encoding != IMAGE_AS_LIGHT) && !(linear && encoding != IMAGE_AS_SRGB))
         report_message(log, DT_WARNING, "%s: its colour space is %s; its numbers %s", path, space,

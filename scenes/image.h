@@ -17,9 +17,10 @@ bool image_may_open(const char *path, const struct dt_log *log);
 /* What the numbers of a file are taken for: left as they are, light, or sRGB codes. */
 enum image_encoding { IMAGE_AS_NUMBERS, IMAGE_AS_LIGHT, IMAGE_AS_SRGB };
 
-/* Warns, with the name, of a colour space that the file declares and that is not the encoding's. No
- * reader converts colours. IMAGE_AS_NUMBERS: linear and sRGB are both right. */
-void image_check_space(const char *path, enum image_encoding encoding, const struct dt_log *log);
+/* Warns, with the name, of a colour space that the file declares and that is not the encoding's, and of
+ * an EXIF orientation. No reader converts colours or turns pictures. IMAGE_AS_NUMBERS: linear and sRGB
+ * are both right. */
+void image_check_claims(const char *path, enum image_encoding encoding, const struct dt_log *log);
 
 /* Reads any image file as RGBA8, row 0 at the top, resized to width x height if
  * both are non-zero. *texels is malloc'ed, width * height * 4 bytes. Colour stays as encoded in

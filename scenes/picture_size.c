@@ -147,21 +147,61 @@ static const char *jpeg_trouble(FILE *file)
     return jpeg_ends(file) ? NULL : "it ends in the middle, or is damaged";
 }
 
+/* Reads the first segment of a kind whose content begins with these `head` bytes, and returns how many
+ * bytes follow them; 0: there is none. */
+static size_t jpeg_segment(FILE *file, uint8_t wanted, const char *mark, size_t head,
+                           uint8_t content[static 1 << 16])
+{
+    uint8_t marker;
+    uint32_t length;
+    if (!skip(file, 2))
+        return 0;
+    while (next_segment(file, &marker, &length) && !is_frame(marker) &&
+           read_bytes(file, content, length))
+        if (marker == wanted && length > head && memcmp(content, mark, head) == 0)
+            return length - head;
+    return 0;
+}
+
 /* Of the ICC profile, whose description stands in its first segment. */
 static void jpeg_space(FILE *file, char space[PICTURE_SPACE])
 {
-    static const char mark[] = "ICC_PROFILE";
-    enum { HEAD = sizeof mark + 2 };
-    uint8_t marker, content[1 << 16];
-    uint32_t length;
-    if (!skip(file, 2))
-        return;
-    while (next_segment(file, &marker, &length) && !is_frame(marker) &&
-           read_bytes(file, content, length))
-        if (marker == 0xe2 && length > HEAD && memcmp(content, mark, sizeof mark) == 0) {
-            picture_profile(content + HEAD, length - HEAD, space);
-            return;
-        }
+    static const char mark[] =
+        "ICC_PROFILE"; /* then the segment's number, and how many there are */
+    uint8_t content[1 << 16];
+    size_t size = jpeg_segment(file, 0xe2, mark, sizeof mark, content);
+    if (size > 2)
+        picture_profile(content + sizeof mark + 2, size - 2, space);
+}
+
+static uint32_t jpeg_turn(FILE *file)
+{
+    static const char mark[] = "Exif\0";
+    uint8_t content[1 << 16];
+    size_t size = jpeg_segment(file, 0xe1, mark, sizeof mark, content);
+    return picture_exif_turn(content + sizeof mark, size);
+}
+
+/* ---- EXIF: TIFF's header, then a directory of entries of 12 bytes ------------------------------ */
+
+uint32_t picture_exif_turn(const uint8_t *exif, size_t size)
+{
+    enum { ORIENTATION = 0x112 };
+    if (size < 8)
+        return 1;
+    bool is_little = exif[0] == 'I';
+    size_t at = is_little ? little(exif + 4) : big(exif + 4, 4);
+    if (at > size - 2)
+        return 1;
+    uint32_t count = is_little ? exif[at] | (uint32_t)exif[at + 1] << 8 : big(exif + at, 2);
+    at += 2;
+    for (; count > 0 && at + 12 <= size; count--, at += 12) {
+        uint32_t tag = is_little ? exif[at] | (uint32_t)exif[at + 1] << 8 : big(exif + at, 2);
+        uint32_t turn = exif[at + (is_little ? 8 : 9)];
+        if (tag == ORIENTATION && turn >= 1 && turn <= 8)
+            return turn;
+    }
+    return 1;
 }
 
 /* ---- ICC profiles: a table of tags at byte 128, `desc` is text --------------------------------- */
@@ -245,6 +285,18 @@ static bool exr(FILE *file, uint32_t size[2])
     for (int i = 0; i < 2; i++)
         size[i] = little(box + 8 + 4 * i) - little(box + 4 * i) + 1;
     return true;
+}
+
+static const char *exr_trouble(FILE *file)
+{
+    enum { DEEP = 1 << 11, PARTS = 1 << 12 }; /* of the word behind the magic number */
+    uint8_t head[8];
+    if (!read_bytes(file, head, sizeof head))
+        return NULL; /* damaged: its readers say so */
+    if (little(head + 4) & DEEP)
+        return "it is deep, with any number of samples in a pixel; flat pictures are supported";
+    return little(head + 4) & PARTS ? "it has several parts; pictures of one part are supported"
+                                    : NULL;
 }
 
 /* Linear, with the primaries of Rec. 709 unless it says otherwise. */
@@ -427,6 +479,8 @@ bool picture_check(const char *path, const char **reason)
         trouble = hdr_trouble(file);
     else if (file && kind->read == jpeg)
         trouble = jpeg_trouble(file);
+    else if (file && kind->read == exr)
+        trouble = exr_trouble(file);
     if (file)
         fclose(file);
     if (trouble)
@@ -444,4 +498,15 @@ void picture_space(const char *path, char space[PICTURE_SPACE])
         kind->space(file, space);
     if (file)
         fclose(file);
+}
+
+uint32_t picture_turn(const char *path)
+{
+    const struct kind *kind;
+    const char *reason;
+    FILE *file = open_kind(path, &kind, &reason);
+    uint32_t turn = file && kind->read == jpeg ? jpeg_turn(file) : 1;
+    if (file)
+        fclose(file);
+    return turn;
 }

@@ -13,8 +13,9 @@ enum { PICTURE_SPACE = 128 };
  * *reason, valid until the next call in this thread. */
 bool picture_size(const char *path, uint32_t *width, uint32_t *height, const char **reason);
 
-/* Whether a Radiance HDR file has a form that the image libraries read right: rows from the top, RGB,
- * no run lengths of the first version; and whether a JPEG file has its end, and no inks. True for all other files. False: *reason, as above. */
+/* Whether the image libraries read the file as one picture of pixels: a Radiance HDR with rows from the
+ * top, RGB, no run lengths of the first version; a JPEG with its end, and no inks; an OpenEXR of one
+ * part, not deep. True for all other files. False: *reason, as above. */
 bool picture_check(const char *path, const char **reason);
 
 /* Writes the colour space that a JPEG, OpenEXR or Radiance HDR file declares, or the chunk cICP of a
@@ -22,5 +23,10 @@ bool picture_check(const char *path, const char **reason);
 void picture_space(const char *path, char space[PICTURE_SPACE]);
 /* The same of an ICC profile: `sRGB`, or its description. */
 void picture_profile(const uint8_t *profile, size_t size, char space[PICTURE_SPACE]);
+
+/* The tag Orientation of EXIF, 1 to 8, which says how a viewer turns the picture; 1: not at all, or the
+ * file says nothing. Of a JPEG file, and of the EXIF data of any file. */
+uint32_t picture_turn(const char *path);
+uint32_t picture_exif_turn(const uint8_t *exif, size_t size);
 
 #endif

@@ -309,7 +309,7 @@ static bool load_layer(const struct layers *layers, const struct mesh_texture *t
         return false;
     bool good = image_read_rgba8(opened.name, &width, &height, &image, warn);
     if (good)
-        image_check_space(opened.name, IMAGE_AS_SRGB, warn);
+        image_check_claims(opened.name, IMAGE_AS_SRGB, warn);
     close_texture(&opened);
     if (!good)
         return false;

@@ -94,11 +94,11 @@ static bool write_input_picture(FILE *result, void *user, const struct dt_log *l
     float *texels = NULL;
     if (!hdr_read(loading->file, &size[0], &size[1], &texels, log))
         return false;
-    image_check_space(loading->file,
-                      holds_light(loading)         ? IMAGE_AS_SRGB
-                      : loading->encoding_is_given ? IMAGE_AS_LIGHT
-                                                   : IMAGE_AS_NUMBERS,
-                      log);
+    image_check_claims(loading->file,
+                       holds_light(loading)         ? IMAGE_AS_SRGB
+                       : loading->encoding_is_given ? IMAGE_AS_LIGHT
+                                                    : IMAGE_AS_NUMBERS,
+                       log);
     fwrite(size, sizeof size, 1, result);
     fwrite(texels, CHANNELS * sizeof *texels, (size_t)size[0] * size[1], result);
     free(texels);

@@ -106,7 +106,7 @@ static bool load_pictures(struct metrics *metrics, int which, const char *path)
     float *rgba = NULL;
     if (!hdr_read(path, &image->width, &image->height, &rgba, log))
         return false;
-    image_check_space(path, metrics->hdr ? IMAGE_AS_LIGHT : IMAGE_AS_SRGB, log);
+    image_check_claims(path, metrics->hdr ? IMAGE_AS_LIGHT : IMAGE_AS_SRGB, log);
     image->texels = rgba;
     uint64_t count = (uint64_t)image->width * image->height;
     for (uint64_t i = 0; i < count; i++) /* in place: three floats are less than four */

@@ -243,6 +243,11 @@ def profile(name):
     return struct.pack(">I", len(body)) + body[4:]
 
 
+def exif(order, turn):
+    """EXIF data: a resolution, and an orientation. order: < little-endian, > big-endian."""
+    return ((b"II" if order == "<" else b"MM") + struct.pack(order + "HIHHHIIHHIHxxI", 42, 8, 2, 0x128, 3, 1, 0, 0x112, 3, 1, turn, 0))
+
+
 GREYS = (10, 50, 100, 200)
 CROP = (2.0, 0.5, 0.25)
 
@@ -255,7 +260,8 @@ def make_pictures(folder):
     primaries = lambda x: (b"cHRM", struct.pack(">8I", 31270, 32900, x, 32000, 26500, 69000, 15000, 6000))
     for name, chunks in (("linear", [gamma(100000)]), ("gamma_18", [gamma(55556)]), ("gamma_22", [gamma(45455)]),
                          ("wide", [primaries(68000)]), ("p3", [icc("Display P3")]), ("srgb", [icc("sRGB IEC61966-2.1")]),
-                         ("pq", [(b"cICP", bytes((9, 16, 0, 1)))]), ("first", [(b"sRGB", b"\0"), gamma(45455)])):
+                         ("pq", [(b"cICP", bytes((9, 16, 0, 1)))]), ("turned", [(b"eXIf", exif(">", 6))]), ("upright", [(b"eXIf", exif("<", 1))]),
+                         ("first", [(b"sRGB", b"\0"), gamma(45455)])):
         write_png(folder + "/%s.png" % name, 4, 1, grey, chunks)
     for name, head, order in (("bottom", b"", b"+Y %d +X %d"), ("exposed", b"EXPOSURE= 2.0\n", b"-Y %d +X %d"),
                               ("once", b"EXPOSURE=1\n", b"-Y %d +X %d")):
@@ -266,15 +272,21 @@ def make_pictures(folder):
     for name, names in (("flow", "RG"), ("layer", ("a.R", "a.G", "a.B")), ("passes", ("AO", "ID", "Z")), ("luma", ("Y", "RY", "BY")),
                         ("eyes", ("left.R", "left.G", "left.B", "right.R"))):
         write_exr(folder + "/%s.exr" % name, 1, 1, lambda x, y: (2, 0.5, 0.25, 9), names=names)
+    with open(folder + "/window.exr", "rb") as file:
+        window = file.read()
+    for name, flag in (("deep", 8), ("parts", 16)):
+        with open(folder + "/%s.exr" % name, "wb") as out:
+            out.write(window[:5] + bytes([flag]) + window[6:])
     write_hdr(folder + "/line.hdr", 4, 1, lambda x, y: (64, 64, 64, 129), b"#" * 255 + b"\n")
     with open(folder + "/ramp.jpg", "rb") as file:
         ramp = file.read()
     frame = ramp.index(b"\xff\xc0") + 9 # the number of components
     with open(folder + "/inks.jpg", "wb") as out:
         out.write(ramp[:frame] + b"\4" + ramp[frame + 1:])
-    segment = b"ICC_PROFILE\0\1\1" + profile("Adobe RGB (1998)")
-    with open(folder + "/adobe.jpg", "wb") as out:
-        out.write(ramp[:2] + b"\xff\xe2" + struct.pack(">H", len(segment) + 2) + segment + ramp[2:])
+    for name, kind, segment in (("adobe", b"\xff\xe2", b"ICC_PROFILE\0\1\1" + profile("Adobe RGB (1998)")),
+                                ("turned", b"\xff\xe1", b"Exif\0\0" + exif("<", 3))):
+        with open(folder + "/%s.jpg" % name, "wb") as out:
+            out.write(ramp[:2] + kind + struct.pack(">H", len(segment) + 2) + segment + ramp[2:])
     with open(folder + "/half.jpg", "wb") as out:
         out.write(ramp[:-20])
 
