@@ -184,6 +184,11 @@ static uint32_t jpeg_turn(FILE *file)
 
 /* ---- EXIF: TIFF's header, then a directory of entries of 12 bytes ------------------------------ */
 
+static uint32_t exif_word(const uint8_t *at, bool is_little)
+{
+    return is_little ? at[0] | (uint32_t)at[1] << 8 : big(at, 2);
+}
+
 uint32_t picture_exif_turn(const uint8_t *exif, size_t size)
 {
     enum { ORIENTATION = 0x112 };
@@ -193,12 +198,11 @@ uint32_t picture_exif_turn(const uint8_t *exif, size_t size)
     size_t at = is_little ? little(exif + 4) : big(exif + 4, 4);
     if (at > size - 2)
         return 1;
-    uint32_t count = is_little ? exif[at] | (uint32_t)exif[at + 1] << 8 : big(exif + at, 2);
+    uint32_t count = exif_word(exif + at, is_little);
     at += 2;
     for (; count > 0 && at + 12 <= size; count--, at += 12) {
-        uint32_t tag = is_little ? exif[at] | (uint32_t)exif[at + 1] << 8 : big(exif + at, 2);
-        uint32_t turn = exif[at + (is_little ? 8 : 9)];
-        if (tag == ORIENTATION && turn >= 1 && turn <= 8)
+        uint32_t turn = exif_word(exif + at + 8, is_little);
+        if (exif_word(exif + at, is_little) == ORIENTATION && turn >= 1 && turn <= 8)
             return turn;
     }
     return 1;

@@ -1,5 +1,5 @@
-/* The eye whose map a VPL uses, `nearest`: of all that are kept, the nearest by the metric. Of this
- * frame's alone, that of the VPL's cluster. -1: no flux. */
+/* The eye whose map a VPL uses, `nearest`: the nearest by the metric of all that are kept. Where only
+ * this frame's maps are kept, it is the eye of the VPL's cluster. -1: no flux. */
 int nearest_eye(vec3 x, vec3 n)
 {
     float least = 1e30;

@@ -283,7 +283,8 @@ def make_pictures(folder):
     frame = ramp.index(b"\xff\xc0") + 9 # the number of components
     with open(folder + "/inks.jpg", "wb") as out:
         out.write(ramp[:frame] + b"\4" + ramp[frame + 1:])
-    for name, kind, segment in (("adobe", b"\xff\xe2", b"ICC_PROFILE\0\1\1" + profile("Adobe RGB (1998)")),
+    far = exif("<", 6)[:4] + b"\xff\xff\xff\x7f"
+    for name, kind, segment in (("far", b"\xff\xe1", b"Exif\0\0" + far), ("short", b"\xff\xe1", b"Exif\0\0" + exif(">", 6)[:30]), ("adobe", b"\xff\xe2", b"ICC_PROFILE\0\1\1" + profile("Adobe RGB (1998)")),
                                 ("turned", b"\xff\xe1", b"Exif\0\0" + exif("<", 3))):
         with open(folder + "/%s.jpg" % name, "wb") as out:
             out.write(ramp[:2] + kind + struct.pack(">H", len(segment) + 2) + segment + ramp[2:])

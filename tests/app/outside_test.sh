@@ -102,6 +102,8 @@ check "cICP" says as_is pq.png "colour space is one of primaries 9, transfer 16 
 check "a JPEG that viewers turn" says as_is turned.jpg "EXIF orientation is 3"
 check "... a PNG" says as_is turned.png "EXIF orientation is 6"
 check "... upright" says as_is upright.png ""
+check "EXIF data that points beyond its end says nothing" says as_is far.jpg ""
+check "... and that ends early" says as_is short.jpg ""
 # shellcheck disable=SC2016
 check "the exposure of an HDR" says as_is exposed.hdr 'colour space is linear, changed by `EXPOSURE= 2.0`'
 check "... which may be 1" says as_light once.hdr ""
