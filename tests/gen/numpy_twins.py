@@ -330,7 +330,7 @@ def lloyd(params, left, names, scale):
     yield names["pass"], names["centres"], centres
 
 
-# ---- templates/ssvp/nearest_eyes.glsl, sum_light.glsl, pack_vpls.glsl, classes.glsl -----------------------------------------------------
+# ---- templates/ssvp/views.glsl, keep_numbers.glsl, nearest_eyes.glsl, sum_light.glsl, pack_vpls.glsl, classes.glsl ----------------------
 
 
 def further_light(params, points):
@@ -339,6 +339,30 @@ def further_light(params, points):
         arriving = arriving + point["arriving"]
         leaving = leaving + (point["flux"][0] + point["flux"][1] + point["flux"][2])
     return F(1) / (F(1) - minimum(leaving / arriving, F(0.9))) if arriving > 0 else F(1)
+
+
+def place(params, left, group, scale):
+    """Member and area of each view; the rest of it as found."""
+    points, labels, centres = left["vpls" if group == "first" else "second_vpl"], left[group + ".labels"], left[group + ".centres"]
+    views, metric = left[group + ".views"].copy(), Metric(params, points, scale)
+    turned = np.arange(len(points), dtype=np.uint32) * np.uint32(2654435769) + np.uint32(left["frame"]) * np.uint32(3242174889)
+    random = (turned >> np.uint32(8)).astype(F) * F(1 / 16777216)
+    kept = len(left[group + ".eyes"]) > len(views) and params["reuse_pattern"] == 0 and left["frame"] > 0
+    for c in range(len(views)):
+        rank = random if kept else metric.distance(centres["mean"][c], centres["mean_normal"][c])
+        members, area = np.flatnonzero(labels == c), F(0)
+        for k in members:
+            area = area + points["area"][k]
+        views["member"][c] = members[rank[members].argmin()] if len(members) else -1  # ties: the lowest index
+        views["area"][c] = area
+    yield group + ".place", group + ".views", views
+
+
+def keep_numbers(left):
+    kept, drawn = left["before"]["kept_numbers"].copy(), left["first.drawn"]
+    first = left["frame"] % (len(kept) // len(drawn)) * len(drawn)
+    kept[first:first + len(drawn)] = drawn
+    yield "keep_numbers", "kept_numbers", kept
 
 
 def find_eyes(params, left, group, scale):
@@ -411,8 +435,10 @@ def twins_of_ssvp(params, left):
         names = {name: f"{group}.{name}" for name in ("centres", "labels", "margins")}
         names.update({"points": points, "pass": group + ".kmeans"})
         yield from lloyd(params, left, names, radius)
+        yield from place(params, left, group, radius)
         yield from find_eyes(params, left, group, radius)
         yield from pack(params, left, group)
+    yield from keep_numbers(left)
     yield from sum_light(left)
     yield from twins_of_rsm(params, left)
 
@@ -420,7 +446,7 @@ def twins_of_ssvp(params, left):
 RSM = ("irradiance", "irradiance_rows", "indirect", "gbuffer_position", "gbuffer_normal", "radiance", "luminance_tiles",
        "luminance_scale", "display")  # fmt: skip
 GROUP = ("labels", "margins", "centres", "views", "eyes", "nearest", "shading")
-SSVP = RSM + ("vpls", "second_vpl") + tuple(f"{group}.{name}" for group in ("first", "second") for name in GROUP)
+SSVP = RSM + ("vpls", "second_vpl", "first.drawn", "kept_numbers") + tuple(f"{group}.{name}" for group in ("first", "second") for name in GROUP)
 SMALL = {"rsm_size": 128, "map_size": 32}
 # Frame, parameters, and frames: from the second on, k-means goes on from the last one's centres.
 RUNS = {
@@ -460,10 +486,11 @@ def play(name, backend, size, sets, frames):
     _, take, _ = RUNS[name]
     with diptych.open(spec, backend, scene=SCENE, size=size, sets=sets) as pipeline:
         before = {}
-        for _ in range(frames):
+        for frame in range(frames):
             left = pipeline.render(*take)
-            left["before"] = before or {key: np.zeros_like(value) for key, value in left.items() if key.endswith("centres")}
-            before = {key: value for key, value in left.items() if key.endswith("centres")}
+            history = {key: value for key, value in left.items() if key.endswith("centres") or key == "kept_numbers"}
+            left.update(frame=frame, before=before or {key: np.zeros_like(value) for key, value in history.items()})
+            before = history
         params = {param["name"]: param["value"] for param in pipeline.description["params"]}
     return params, left
 

@@ -1,5 +1,5 @@
-// Many tickets each, that a thread needs longer than the system lets it run at once: on a busy machine threads would else come
-// by one after the other.
+// Many tickets each, so that a thread works longer than the system lets it run at once. With one ticket each, the threads of a
+// busy machine may come by one after the other.
 void main()
 {
     uint ticket = 0u;
