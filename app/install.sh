@@ -26,7 +26,7 @@ if [ "${2:-}" = uninstall ]; then
     while read -r file; do rm -f "$root/$file"; done <"$list"
     rm -f "$list"
     find "$root/share/diptych" "$root/include/diptych" "$root/lib/diptych" "$root/$lib/cmake/diptych" \
-        "$root/share/doc/diptych" -depth -type d -empty -delete
+        "$root/share/doc/diptych" "$root/lib/python3/dist-packages/diptych" -depth -type d -empty -delete
     exit
 fi
 mkdir -p "$(dirname "$list")"
@@ -118,7 +118,9 @@ for header in templates/c/diptych.h templates/c/formats.def templates/c/types.de
     put 644 $header "include/diptych/$(basename $header)"
 done
 
-put 644 app/play/diptych.py lib/python3/dist-packages/diptych.py
+for file in app/python/diptych/*; do
+    [ ! -f "$file" ] || put 644 "$file" "lib/python3/dist-packages/${file#app/python/}"
+done
 
 # Scaffolds and headers are in the generator and in include/.
 find templates -type f ! -path 'templates/c/*' ! -name '*.ninja' | sort | while read -r file; do

@@ -78,6 +78,11 @@ char *templates_folder(const struct dt_log *log)
     return brought_along("/templates", "/share/diptych/templates", log);
 }
 
+char *python_folder(const struct dt_log *log)
+{
+    return brought_along("/app/python", "/lib/python3/dist-packages", log);
+}
+
 static bool is_file(const char *path)
 {
     struct stat info;

@@ -1,7 +1,13 @@
 /* The option table; see options.h. */
 #include "console/options.h"
 
+#include <cjson/cJSON.h>
+#include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+
+#include "console/python.h"
 
 #define ALL    (VERB_RENDER | VERB_COMPARE)
 #define SCENE  (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE | VERB_COST)
@@ -302,6 +308,56 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
     if (!options->setup.against && (!options->golden || options->update))
         fill_in(options, verb);
     return options->help || command_is_complete(&command, options, log);
+}
+
+/* -o is "output", --from-bounce "from_bounce", DIR "dir". */
+static void key_of(const struct option_row *row, char key[32])
+{
+    const char *name = row->name + strspn(row->name, "-");
+    snprintf(key, 32, "%s", strcmp(row->name, "-o") == 0 ? "output" : name);
+    for (; *key; key++)
+        *key = (char)(*key == '-' ? '_' : tolower((unsigned char)*key));
+}
+
+/* The value of an option; NULL: it was not given and has no default. */
+static cJSON *value_of(const struct option_row *row, const void *field)
+{
+    const struct text_list *list = field;
+    const uint32_t *numbers = field;
+    char text[32];
+    switch (row->kind) {
+    case OPTION_FLAG:
+        return *(const bool *)field ? cJSON_CreateTrue() : NULL;
+    case OPTION_COUNT:
+    case OPTION_INDEX:
+        return *numbers ? cJSON_CreateNumber(*numbers) : NULL;
+    case OPTION_NUMBER:
+        return *(const double *)field ? cJSON_CreateNumber(*(const double *)field) : NULL;
+    case OPTION_SIZE:
+        snprintf(text, sizeof text, "%ux%u", numbers[0], numbers[1]);
+        return numbers[0] ? cJSON_CreateString(text) : NULL;
+    case OPTION_SET:
+    case OPTION_TEXTS:
+        return list->count ? cJSON_CreateStringArray(list->items, (int)list->count) : NULL;
+    default:
+        return *(const char *const *)field ? cJSON_CreateString(*(const char *const *)field) : NULL;
+    }
+}
+
+cJSON *options_json(const struct options *options, enum verb_id verb)
+{
+    cJSON *root = cJSON_CreateObject();
+    for (size_t i = 0; i < DT_ARRAY_COUNT(rows); i++) {
+        char key[32];
+        bool is_default = rows[i].offset == AT(setup.size) && options->setup.default_size;
+        cJSON *value = (rows[i].verbs & verb) && !is_default
+                           ? value_of(&rows[i], (const char *)options + rows[i].offset)
+                           : NULL;
+        key_of(&rows[i], key);
+        if (value)
+            cJSON_AddItemToObject(root, key, value);
+    }
+    return root;
 }
 
 void options_free(struct options *options)

@@ -1,6 +1,6 @@
 /* Plays pipelines of diptych in other programs, without a renderer of their own: reads a spec at run
- * time, compiles its shaders, opens a device, and hands out results as bytes. diptych.py is the same
- * for Python. A renderer uses diptych_vk.h or diptych_gl.h instead.
+ * time, compiles its shaders, opens a device, and hands out results as bytes. The Python
+ * package diptych is the same for Python. A renderer uses diptych_vk.h or diptych_gl.h instead.
  *
  *     struct dt_player *player = dt_play_open(&(struct dt_play_options){
  *         .log = log, .spec = "fog.yaml", .backend = "vk", .scene = "cornell.yaml",

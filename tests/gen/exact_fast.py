@@ -15,7 +15,7 @@ import tempfile
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, ROOT + "/app/play")
+sys.path.insert(0, ROOT + "/app/python")
 import diptych  # noqa: E402: from the path above
 
 NEAR = 1e-3  # relative; one unit in the last place of a half is at most 2^-10 of it

@@ -8,7 +8,7 @@ import tempfile
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path.insert(0, ROOT + "/app/play")
+sys.path.insert(0, ROOT + "/app/python")
 import diptych  # noqa: E402: from the path above
 
 F, U, I = np.float32, np.uint32, np.int32

@@ -624,7 +624,7 @@ def main():
     parser.add_argument("sides", nargs="+")
     arguments = parser.parse_args()
     root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-    sys.path.insert(0, os.path.join(root, "app/play"))
+    sys.path.insert(0, os.path.join(root, "app/python"))
     import diptych  # pylint: disable=import-outside-toplevel
     tap = bodies.Tap()
     print(f"# seed {arguments.seed}, {arguments.pipelines} pipelines", flush=True)

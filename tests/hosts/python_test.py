@@ -17,7 +17,7 @@ import pytest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 BUILD = os.environ["DIPTYCH_BUILD"]
-sys.path.insert(0, os.environ.get("DIPTYCH_MODULE", ROOT + "/app/play"))
+sys.path.insert(0, os.environ.get("DIPTYCH_MODULE", ROOT + "/app/python"))
 import diptych  # noqa: E402: from the path above
 
 SCENE = ROOT + "/scenes/cornell.yaml"
@@ -470,10 +470,11 @@ def test_several_at_once_keep_apart(negative):
 
 
 LITTLE_MEMORY = """import resource, sys, diptych
+play = diptych.open  # loads the library
 used = int(open("/proc/self/statm", encoding="ascii").read().split()[0]) * resource.getpagesize()
 resource.setrlimit(resource.RLIMIT_AS, (used + (int(sys.argv[2]) << 20), resource.RLIM_INFINITY))
 try:
-    diptych.open(sys.argv[1], size=(16, 8))
+    play(sys.argv[1], size=(16, 8))
 except diptych.Error as error:
     print("told:", error)
 """
@@ -487,7 +488,7 @@ def test_little_memory_ends_no_host(tmp_path, megabytes):
     body = "".join(f"float f{i}(float x) {{ return sin(x + {megabytes}.{i}); }}\n" for i in range(3000))  # in no cache
     (tmp_path / "fill.glsl").write_text(body + "void main() { grey_store(ivec2(0), vec4(f7(2.0))); }\n", encoding="utf-8")
     done = subprocess.run([sys.executable, "-c", LITTLE_MEMORY, spec, str(megabytes)], capture_output=True, text=True,
-                          check=False, timeout=300, env={**os.environ, "PYTHONPATH": os.path.dirname(diptych.__file__)})
+                          check=False, timeout=300, env={**os.environ, "PYTHONPATH": os.path.dirname(os.path.dirname(diptych.__file__))})
     if "cannot allocate memory for thread-local data" in done.stderr:
         pytest.skip("glibc ends a process that has no memory for a thread")
     assert done.returncode == 0, done.stderr
@@ -526,7 +527,7 @@ def test_the_environment_is_the_hosts(negative):
     settings = ("GALLIUM_DRIVER", "VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC")
     done = subprocess.run([sys.executable, "-c", ENVIRONMENT, negative], capture_output=True, text=True, check=True,
                           env={**{name: value for name, value in os.environ.items() if name not in settings},
-                               "PYTHONPATH": os.path.dirname(diptych.__file__)})
+                               "PYTHONPATH": os.path.dirname(os.path.dirname(diptych.__file__))})
     assert re.fullmatch("zink .*set GALLIUM_DRIVER=zink.*\nTrue\n", done.stdout, re.DOTALL), done.stdout
 
 

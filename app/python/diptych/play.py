@@ -1,18 +1,4 @@
-"""Pipelines of diptych, with resources as NumPy arrays.
-
-    import diptych
-
-    vk = diptych.open("templates/rsm.yaml", scene="scenes/cornell.yaml", size=(320, 180))
-    gl = diptych.open("templates/rsm.yaml", scene="scenes/cornell.yaml", size=(320, 180), backend="gl")
-    frame = vk.render("indirect", "rsm_position")
-    frame["indirect"].shape                        # (180, 320, 4)
-    print(diptych.compare(gl, vk))
-
-Images are arrays of (height, width), with layers or depth in front and channels behind where there are
-several; row 0 is the bottom of the picture. Texels are numbers of the format: codes of unorm and snorm,
-float16 of half, one uint32 of a packed format. Buffers are arrays of scalars, vectors, or of a structured dtype
-as std430 lays it out: columns of a matrix are rows of the array, and elements of an array with padding between
-them have one field, `value`. This is the content of `diptych render --dump`."""
+"""Pipelines of diptych, played by the library libdiptych_play. The package's names come from here; see diptych_play.h."""
 import ctypes
 import json
 import operator
@@ -70,8 +56,8 @@ class _Bytes(ctypes.Structure):
 
 
 def _load():
-    """The library: installed two folders above this file, or in TRIPLET there, or in the project's build folder."""
-    above = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..")
+    """The library: installed three folders above this file, or in TRIPLET there, or in the project's build folder."""
+    above = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "..")
     triplet = sysconfig.get_config_var("MULTIARCH") or ""
     paths = [os.path.join(above, folder, "libdiptych_play.so") for folder in ("", triplet, "build")]
     library = ctypes.CDLL(next(filter(os.path.exists, paths), "libdiptych_play.so"))

@@ -1,0 +1,66 @@
+/* Starts Python for a verb; see python.h. */
+#include "console/python.h"
+
+#include <errno.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include "base/installed.h"
+
+/* The request as stdin. */
+static bool hand_over(const struct console *console, cJSON *request)
+{
+    char *program = tools_folder(&console->log);
+    char *path = program ? format_string("%s/diptych", program) : NULL;
+    char *errors = format_string("[%s]", console->kept.data ? console->kept.data : "");
+    cJSON_AddStringToObject(request, "program", path ? path : "");
+    cJSON_AddStringToObject(request, "version", VERSION);
+    cJSON_AddRawToObject(request, "errors", errors ? errors : "[]");
+    char *text = cJSON_PrintUnformatted(request);
+    int file = memfd_create("request", 0);
+    bool good = path && text && file >= 0 &&
+                write(file, text, strlen(text)) == (ssize_t)strlen(text) &&
+                lseek(file, 0, SEEK_SET) == 0 && dup2(file, STDIN_FILENO) >= 0;
+    cJSON_free(text);
+    free(errors);
+    free(path);
+    free(program);
+    return good;
+}
+
+/* Its own package comes first; python3 -m would else take one of the working folder. */
+static bool set_path(const struct console *console)
+{
+    char *folder = python_folder(&console->log);
+    const char *users = getenv("PYTHONPATH");
+    char *path =
+        folder ? format_string("%s%s%s", folder, users ? ":" : "", users ? users : "") : NULL;
+    bool good = path && setenv("PYTHONPATH", path, 1) == 0 && setenv("PYTHONSAFEPATH", "1", 1) == 0;
+    free(path);
+    free(folder);
+    return good;
+}
+
+int python_verb(struct console *console, const char *verb, cJSON *request)
+{
+    sigset_t none;
+    sigemptyset(&none);
+    const char *argv[] = {"python3", "-m", "diptych", verb, NULL};
+    bool good = hand_over(console, request) && set_path(console);
+    cJSON_Delete(request);
+    if (!good) {
+        report_error(&console->log, "%s: cannot be handed to Python: %s", verb, strerror(errno));
+        return EXIT_USAGE;
+    }
+    fflush(stdout);
+    pthread_sigmask(SIG_SETMASK, &none, NULL); /* console_open blocks some */
+    execv("/usr/bin/python3", (char *const *)argv);
+    report_error(&console->log,
+                 "%s: /usr/bin/python3 cannot be started: %s; install the package python3", verb,
+                 strerror(errno));
+    return EXIT_USAGE;
+}

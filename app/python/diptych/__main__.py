@@ -1,0 +1,47 @@
+"""`python3 -m diptych VERB`, started by the program diptych: the verbs that Python does. The request, JSON on stdin, has the
+options under their names; see app/console/python.h."""
+from __future__ import annotations
+
+import importlib
+import json
+import os
+import signal
+import sys
+from typing import Any
+
+from .console import Console, Failure
+
+# A verb's module has `main(console, request)`, which returns the exit status and the members of --json.
+# The number is the exit status of a failure.
+VERBS: dict[str, tuple[str, int]] = {}
+
+
+def interrupted(number: int, _frame: Any) -> None:
+    raise SystemExit(128 + number)
+
+
+def main() -> int:
+    verb = sys.argv[1]
+    module, failed = VERBS[verb]
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, interrupted)
+    request = json.load(sys.stdin)
+    console = Console(verb, request.pop("errors"))
+    status, result = failed, {}
+    try:
+        status, result = importlib.import_module("." + module, __package__).main(console, request)
+    except Failure:
+        pass
+    except OSError as error:
+        console.error(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+    if "json" in request:
+        console.write_json(request["json"], status, result)
+    sys.stdout.flush()
+    return status
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except BrokenPipeError:
+        os._exit(2)

@@ -1,0 +1,58 @@
+"""Messages on stderr, worded as those of the C program, and the file of --json."""
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+from typing import Any, NoReturn
+
+FORMAT = 1  # of the JSON of every verb
+
+
+class Failure(Exception):
+    """The verb cannot go on; the message was printed."""
+
+
+class Console:
+    """Of one verb. `errors` are for --json: those that the C program has told come first."""
+
+    def __init__(self, verb: str, errors: list[dict[str, Any]]):
+        self.verb, self.errors = verb, errors
+
+    def _tell(self, severity: str, text: str) -> None:
+        # what a terminal could take for a command is written \xNN
+        text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", text)
+        print(f"diptych: {severity}: {text}", file=sys.stderr)
+        self.errors.append({"severity": severity, "message": text})
+
+    def warning(self, text: str) -> None:
+        self._tell("warning", text)
+
+    def error(self, text: str) -> None:
+        self._tell("error", text)
+
+    def fail(self, text: str) -> NoReturn:
+        self.error(text)
+        raise Failure
+
+    def info(self, text: str) -> None:
+        if "DIPTYCH_QUIET" not in os.environ:
+            print(f"diptych: {text}", file=sys.stderr)
+
+    def write_json(self, path: str, status: int, result: dict[str, Any]) -> None:
+        head = {"verb": self.verb, "format": FORMAT, "exit_status": status, "errors": self.errors}
+        write(path, json.dumps({**head, **result}, indent=1))
+
+
+def write(path: str, text: str) -> None:
+    """Writes a file whole or not at all."""
+    draft = f"{path}.diptych-tmp-{os.getpid()}"
+    try:
+        with open(draft, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(draft, path)
+    except BaseException:
+        if os.path.exists(draft):
+            os.unlink(draft)
+        raise
