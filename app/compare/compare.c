@@ -42,18 +42,6 @@ static bool ask_why(struct pair *pair, const struct dt_resource *resource,
            difference_verdict(&pair->found) != VERDICT_DIFFERS || why_find(&pair->why, &question);
 }
 
-bool compare_agrees(const struct pair *pair)
-{
-    return !pair->broken && (pair->on_equal_inputs || !measured_breaks(&pair->measured));
-}
-
-bool compare_knows_why(const struct pair *pair)
-{
-    return pair->why.count && !pair->unwritten && !pair->broken_early &&
-           pair->blame.outcome == BLAME_GUILTY && pair->blame.row == pair->broken_row &&
-           pair->blame.frame == pair->broken_frame;
-}
-
 /* Compares all sides' copies of one row at this stop; each pair's result goes to pair->found. */
 static bool compare_copies(struct compare *compare, const struct row *row, uint32_t frame,
                            uint64_t *hash)
@@ -116,7 +104,7 @@ static bool is_kept(const struct pair *pair, uint32_t index)
 
 static void keep_result(struct pair *pair, uint32_t index, uint32_t frame)
 {
-    struct result *result = &pair->results[index];
+    struct sheet_row *result = &pair->results[index];
     enum verdict verdict = difference_verdict(&pair->found);
     result->frames_differing += verdict != VERDICT_EQUAL;
     if (is_kept(pair, index)) {
@@ -158,8 +146,9 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
  * before. */
 static void keep_history(struct pair *pair, uint32_t index, uint32_t frame)
 {
-    pair->history[index].difference = pair->found;
-    pair->history[index].frame = frame;
+    pair->sheet.rows[index].difference = pair->found;
+    pair->sheet.rows[index].frame = frame;
+    pair->sheet.rows[index].frames_differing = difference_verdict(&pair->found) != VERDICT_EQUAL;
     if (!pair->broken && difference_verdict(&pair->found) == VERDICT_DIFFERS) {
         pair->broken = pair->broken_early = true;
         pair->broken_frame = frame;
@@ -313,7 +302,7 @@ static void take_own(struct compare *compare, struct pair *pair)
         pair->results[i].frame = pair->blame.frame;
     }
     pair->broken = false;
-    pair->on_equal_inputs = true;
+    pair->sheet.on_equal_inputs = true;
 }
 
 /* Only pairs that differ are run again. */
@@ -359,6 +348,15 @@ static bool find_elsewhere(struct compare *compare)
     return good;
 }
 
+/* --measure: for contracts. */
+static void add_twin_errors(struct compare *compare, const struct twin *twin)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++)
+        for (uint32_t k = 0; twin->errors && k < compare->rows.outputs.count; k++)
+            if (compare->pairs[i].results[k].errors)
+                errors_join(&compare->pairs[i].results[k].errors->exact, &twin->errors[k]);
+}
+
 /* Each side in the last frame, if a pass is not exact. A dump runs nothing. */
 static bool judge_twins(struct compare *compare)
 {
@@ -375,6 +373,7 @@ static bool judge_twins(struct compare *compare)
         const struct worker_info worker = describe_worker(compare, i);
         good = dump_of(compare, i) || twin_judge(&compare->twins[i], &worker, &compare->exact,
                                                  &compare->rows, setup->frames - 1);
+        add_twin_errors(compare, &compare->twins[i]);
     }
     return good;
 }
@@ -406,6 +405,70 @@ const struct side *compare_far_side(const struct compare *compare, const struct 
     return NULL;
 }
 
+/* The region of --bisect, for JSON. Axes: x, y and, in layered images, the layer; or the index of an element. */
+static void add_region(const struct compare *compare, cJSON *event)
+{
+    const struct pair *pair = compare->bisected;
+    const struct dt_resource *resource = pair->results[pair->blame.row].resource;
+    int axes = resource->kind == DT_BUFFER ? 1 : resource->layered ? 3 : 2;
+    cJSON *item = cJSON_AddObjectToObject(event, "region");
+    cJSON_AddNumberToObject(item, "failing", (double)compare->found.failing);
+    region_json(item, &compare->found, axes);
+    cJSON_AddStringToObject(event, "case", compare->options.bisect);
+}
+
+static struct sheet_event new_event(const struct sheet_row *row, uint32_t frame)
+{
+    return (struct sheet_event){.row = row, .frame = frame, .more = cJSON_CreateObject()};
+}
+
+static void conclude_blame(struct compare *compare, struct pair *pair)
+{
+    struct sheet *sheet = &pair->sheet;
+    const struct blame *blame = &pair->blame;
+    struct sheet_row *row = &pair->results[blame->row];
+    sheet->blames = blame->outcome != BLAME_NOT_RUN && !sheet->on_equal_inputs;
+    for (uint32_t i = 0; i < compare->rows.outputs.count && sheet->blames; i++) {
+        pair->results[i].own = &blame->own[i];
+        pair->results[i].inputs =
+            blame->inputs_differ[compare->rows.outputs.list[i].pass] ? "differ" : "equal";
+    }
+    if (blame->outcome == BLAME_NOT_REPEATABLE) {
+        sheet->not_repeatable = new_event(row, blame->frame);
+        cJSON_AddStringToObject(sheet->not_repeatable.more, "side", blame->side->label);
+    }
+    if (blame->outcome != BLAME_GUILTY)
+        return;
+    sheet->guilty = new_event(row, blame->frame);
+    if (row->body)
+        cJSON_AddStringToObject(sheet->guilty.more, "shader", row->body);
+    if (compare->region && pair == compare->bisected)
+        add_region(compare, sheet->guilty.more);
+    if (pair->why.count && !pair->unwritten && !pair->broken_early &&
+        blame->row == pair->broken_row && blame->frame == pair->broken_frame)
+        why_json(row->why = cJSON_CreateObject(), &pair->why);
+}
+
+static void conclude(struct compare *compare)
+{
+    for (uint32_t i = 0; i < compare->pair_count; i++) {
+        struct pair *pair = &compare->pairs[i];
+        struct sheet *sheet = &pair->sheet;
+        sheet->devices[0] = compare->devices[0];
+        sheet->devices[1] = compare->devices[i + 1];
+        sheet->agree = !pair->broken && (sheet->on_equal_inputs || !measured_breaks(sheet));
+        conclude_blame(compare, pair);
+        if (!pair->broken)
+            continue;
+        struct sheet_row *row =
+            (pair->broken_early ? sheet->rows : pair->results) + pair->broken_row;
+        sheet->first_break = new_event(row, pair->broken_frame);
+        row->text = pair->unwritten;
+        if (pair->unwritten)
+            cJSON_AddStringToObject(sheet->first_break.more, "unwritten", pair->unwritten);
+    }
+}
+
 /* --bisect: of the first pair with a guilty pass. */
 static bool keep_evidence(struct compare *compare)
 {
@@ -434,19 +497,53 @@ static bool keep_evidence(struct compare *compare)
 
 /* ---- The verb -------------------------------------------------------------------------------- */
 
+static struct sheet_row describe_row(const struct compare *compare, const struct row *row,
+                                     bool early)
+{
+    const struct dt_resource *resource = &compare->pipeline.info->resources[row->resource];
+    const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
+    return (struct sheet_row){
+        .pass = early ? "before" : pass->name,
+        .name = row->name,
+        .key = resource->name,
+        .resource = resource,
+        .kept = early ? NULL : contracts_find(&compare->contracts, "", resource->name),
+        .mip = resource->mips > 1 ? (int)row->mip : -1,
+        .compared = true,
+        .body = early ? NULL : pass->shader};
+}
+
+static bool begin_sheet(struct compare *compare, struct pair *pair)
+{
+    const struct rows *rows = &compare->rows;
+    struct sheet *sheet = &pair->sheet;
+    *sheet = (struct sheet){.pipeline = compare->pipeline.info->name,
+                            .labels = {pair->sides[0]->label, pair->sides[1]->label},
+                            .early = rows->history.count,
+                            .kind = MEASURED_BACKENDS,
+                            .runs = compare->options.repeats};
+    if (!sheet_begin(sheet, rows->history.count + rows->outputs.count, &compare->console->log))
+        return false;
+    for (uint32_t i = 0; i < rows->history.count; i++)
+        sheet->rows[sheet->count++] = describe_row(compare, &rows->history.list[i], true);
+    for (uint32_t i = 0; i < rows->outputs.count; i++)
+        sheet->rows[sheet->count++] = describe_row(compare, &rows->outputs.list[i], false);
+    pair->results = sheet->rows + sheet->early;
+    return true;
+}
+
 static bool allocate_pair(struct compare *compare, uint32_t index)
 {
     const struct rows *rows = &compare->rows;
     struct pair *pair = &compare->pairs[index];
     pair->sides[0] = &compare->sides.list[0];
     pair->sides[1] = &compare->sides.list[index + 1];
-    pair->results = calloc(rows->outputs.count, sizeof *pair->results);
-    pair->history = calloc(rows->history.count + 1, sizeof *pair->history);
     pair->outputs_differ = calloc(rows->outputs.count, sizeof *pair->outputs_differ);
     pair->history_differs = calloc(rows->history.count + 1, sizeof *pair->history_differs);
     pair->fingerprints = calloc(rows->outputs.count, sizeof *pair->fingerprints);
-    return pair->results && pair->history && pair->outputs_differ && pair->history_differs &&
-           pair->fingerprints;
+    compare->sheets[index] = &pair->sheet;
+    return pair->outputs_differ && pair->history_differs && pair->fingerprints &&
+           begin_sheet(compare, pair);
 }
 
 static bool allocate_pairs(struct compare *compare)
@@ -458,7 +555,9 @@ static bool allocate_pairs(struct compare *compare)
     compare->devices = calloc(sides, sizeof *compare->devices);
     compare->pairs = calloc(compare->pair_count, sizeof *compare->pairs);
     compare->golden.hashes = calloc(compare->rows.outputs.count, sizeof *compare->golden.hashes);
-    bool good = compare->sources && compare->devices && compare->pairs && compare->golden.hashes;
+    compare->sheets = calloc(compare->pair_count, sizeof *compare->sheets);
+    bool good = compare->sources && compare->devices && compare->pairs && compare->golden.hashes &&
+                compare->sheets;
     for (uint32_t i = 0; i < compare->pair_count && good; i++)
         good = allocate_pair(compare, i);
     if (!good)
@@ -472,20 +571,18 @@ static void compare_release(struct compare *compare)
         struct pair *pair = &compare->pairs[i];
         blame_free(&pair->blame);
         why_free(&pair->why);
-        for (uint32_t k = 0; pair->results && k < compare->rows.outputs.count; k++)
-            sheet_free_shown(&pair->results[k].shown);
-        free(pair->results);
-        free(pair->history);
+        sheet_free(&pair->sheet);
         free(pair->outputs_differ);
         free(pair->history_differs);
         free(pair->fingerprints);
-        free(pair->measured.rows);
         free(pair->unwritten);
     }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)
         free(compare->devices[i]);
     free(compare->region);
     free(compare->pairs);
+    free(compare->sheets);
+    free(compare->labels);
     free(compare->devices);
     free(compare->sources);
     dump_reader_close(&compare->dump);
@@ -505,18 +602,9 @@ static void compare_release(struct compare *compare)
 
 static bool find_compare_fault(struct compare *compare)
 {
-    const char **labels = calloc(compare->sides.count, sizeof *labels);
-    if (!labels) {
-        report_error(&compare->console->log, "out of memory");
-        return false;
-    }
-    for (uint32_t i = 0; i < compare->sides.count; i++)
-        labels[i] = compare->sides.list[i].label;
-    bool good =
-        fault_parse(&compare->fault, &compare->faulty, compare->options.fault,
-                    compare->pipeline.info, labels, compare->sides.count, &compare->console->log);
-    free(labels);
-    return good;
+    return fault_parse(&compare->fault, &compare->faulty, compare->options.fault,
+                       compare->pipeline.info, compare->labels, compare->sides.count,
+                       &compare->console->log);
 }
 
 /* Comparing no element would always agree: an error. */
@@ -604,12 +692,22 @@ static bool check_options(const struct options *options, const struct dt_log *lo
     return !wrong;
 }
 
+static bool list_labels(struct compare *compare)
+{
+    compare->labels = calloc(compare->sides.count, sizeof *compare->labels);
+    if (!compare->labels)
+        report_error(&compare->console->log, "out of memory");
+    for (uint32_t i = 0; compare->labels && i < compare->sides.count; i++)
+        compare->labels[i] = compare->sides.list[i].label;
+    return compare->labels;
+}
+
 static bool run_comparison(struct compare *compare)
 {
     struct console *console = compare->console;
     const struct options *options = &compare->options;
     if (!check_options(options, &console->log) ||
-        !sides_read(&compare->sides, &options->setup, &console->log))
+        !sides_read(&compare->sides, &options->setup, &console->log) || !list_labels(compare))
         return false;
     if (options->repeats && compare->sides.count * options->repeats > CONSOLE_CHILDREN) {
         report_error(&console->log, "--measure: %u sides run %u times are more than %d processes",
@@ -625,23 +723,23 @@ static bool run_comparison(struct compare *compare)
         return false;
     compare->complete = run_all(compare) && atomic_load(&console->errors) == 0 &&
                         compares_something(compare, compare->compared, "all resources are empty");
-    return compare->complete && find_unwritten(compare) && find_blame(compare) &&
-           judge_twins(compare) && keep_evidence(compare) && find_elsewhere(compare) &&
-           atomic_load(&console->errors) == 0 && (!options->golden || golden_end(compare)) &&
+    bool good = compare->complete && find_unwritten(compare) && find_blame(compare) &&
+                judge_twins(compare) && keep_evidence(compare) && find_elsewhere(compare) &&
+                atomic_load(&console->errors) == 0;
+    if (compare->complete)
+        conclude(compare);
+    return good && (!options->golden || golden_end(compare)) &&
            (!options->html || compare_write_html(compare)) &&
            (!options->junit || compare_write_junit(compare)) &&
-           (!options->write_contracts || compare_write_contracts(compare));
+           (!options->write_contracts || measured_write(compare->sheets, compare->pair_count,
+                                                        options->write_contracts, console));
 }
 
 static void print_undefined(const struct compare *compare)
 {
-    const char *labels[32];
-    uint32_t count = compare->sides.count < 32 ? compare->sides.count : 32;
-    for (uint32_t i = 0; i < count; i++)
-        labels[i] = compare->sides.list[i].label;
     if (compare->undefined.count)
         printf("\n");
-    undefined_print(&compare->undefined, labels, count);
+    undefined_print(&compare->undefined, compare->labels, compare->sides.count);
 }
 
 int verb_compare(struct console *console, const struct options *options)
@@ -665,7 +763,7 @@ int verb_compare(struct console *console, const struct options *options)
                  compare_far_side(&compare, &twin);
     }
     for (uint32_t i = 0; compare.pairs && i < compare.pair_count; i++)
-        differ |= !compare_agrees(&compare.pairs[i]);
+        differ |= !compare.pairs[i].sheet.agree;
     compare_release(&compare);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

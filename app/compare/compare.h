@@ -1,5 +1,5 @@
-/* Results of `diptych compare`: compare.c fills them, compare_table.c prints them, compare_json.c
- * writes them as JSON. */
+/* Results of `diptych compare`: compare.c fills them, compare_table.c prints them,
+ * compare_json.c writes them as JSON, page and XML. */
 #ifndef DIPTYCH_COMPARE_H
 #define DIPTYCH_COMPARE_H
 
@@ -19,14 +19,6 @@
 #include "theirs/why.h"
 #include "compare/twin.h"
 
-/* One row of one pair over all frames. */
-struct result {
-    struct difference difference; /* of the frame with the largest difference */
-    uint32_t frame;               /* that frame */
-    uint32_t frames_differing;    /* frames in which bits differ */
-    struct shown shown;           /* of that frame */
-};
-
 /* The folder of --golden: hashes of what the first side leaves in all frames, and its pictures. */
 struct golden {
     struct folder folder;    /* --update: being written */
@@ -38,9 +30,9 @@ struct golden {
 /* The first side, and one of the others. */
 struct pair {
     const struct side *sides[2];
-    struct result *results;  /* one per row of rows.outputs */
-    struct result *history;  /* one per row of rows.history: before the first frame */
-    struct difference found; /* of the row and frame being compared */
+    struct sheet sheet;        /* what is shown of it: rows of rows.history, then of rows.outputs */
+    struct sheet_row *results; /* of the sheet: one per row of rows.outputs, over all frames */
+    struct difference found;   /* of the row and frame being compared */
     /* first row that broke its contract: of rows.outputs, or of rows.history with broken_early */
     bool broken, broken_early;
     uint32_t broken_frame, broken_row;
@@ -49,11 +41,7 @@ struct pair {
     uint64_t *fingerprints;
     struct blame blame;
     char *unwritten; /* what unwritten_find tells of that row; NULL: nothing; owned */
-    struct measured
-        measured; /* --measure: one row per row of rows.outputs, over all frames; rows are owned */
-    struct why why; /* of that row and frame, with all inputs as they were */
-    /* BLAME_WITHIN: results are the passes' own errors, in blame.frame */
-    bool on_equal_inputs;
+    struct why why;  /* of that row and frame, with all inputs as they were */
 };
 
 struct compare {
@@ -75,14 +63,16 @@ struct compare {
     struct twin *twins;         /* one per side; NULL: none is */
     struct undefined undefined; /* --sanitize */
     struct elsewhere elsewhere;
-    char **devices; /* names of the devices */
+    char **devices;      /* names of the devices */
+    const char **labels; /* of the sides */
     struct pair *pairs;
+    const struct sheet **sheets; /* of the pairs */
     uint32_t pair_count;         /* sides.count - 1 */
     uint64_t compared;           /* compared elements of all rows, pairs and frames */
     bool complete;               /* all rows were compared */
     char *region;                /* --bisect: region of the guilty resource as text */
     struct region found;         /* the same, */
-    const struct pair *bisected; /* of this pair */
+    struct pair *bisected;       /* of this pair */
 };
 
 /* --pictures and --html: writes what they show of this row of rows.outputs in the pair's last result, and
@@ -91,7 +81,6 @@ bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t 
 
 /* --measure: adds what all runs of all sides have left in a row of rows.outputs. Logs its error. */
 bool compare_measure(struct compare *compare, uint32_t output);
-bool compare_write_contracts(const struct compare *compare);
 /* The first side with a pass that is too far from its exact twin; NULL: none. */
 const struct side *compare_far_side(const struct compare *compare, const struct twin **twin);
 
@@ -110,25 +99,11 @@ bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
 
-/* In all runs of --measure. */
-bool compare_agrees(const struct pair *pair);
-/* Whether `why` is of the guilty pass. */
-bool compare_knows_why(const struct pair *pair);
-
-/* Which resources with history, before the first frame, a sheet has above the outputs. */
-enum sheet_history { HISTORY_NONE, HISTORY_DIFFERING, HISTORY_ALL };
-/* False when out of memory, logged; compare_free_sheet either way. */
-bool compare_sheet(const struct compare *compare, const struct pair *pair,
-                   enum sheet_history history, struct sheet *sheet);
-void compare_free_sheet(struct sheet *sheet); /* takes a zeroed one */
+/* The sheet of a side beside its exact twin. False when out of memory, logged; sheet_free either way. */
+bool compare_twin_sheet(const struct compare *compare, uint32_t side, struct sheet *sheet);
 
 bool compare_print(const struct compare *compare); /* on stdout; false: out of memory, logged */
-
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
-struct cJSON *compare_pair_json(const struct compare *compare, const struct pair *pair);
-
-/* Findings of --sanitize, with the sides' labels. */
-struct cJSON *compare_undefined_json(const struct compare *compare);
 
 /* --html and --junit; log their errors. */
 bool compare_write_html(const struct compare *compare);

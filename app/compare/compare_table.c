@@ -2,80 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/files.h"
 #include "compare/compare.h"
-
-static bool shows_blame(const struct pair *pair)
-{
-    return pair->blame.outcome != BLAME_NOT_RUN && !pair->on_equal_inputs;
-}
-
-/* Whether the pass's inputs differed, and its own error. */
-static void write_own(char text[40], const struct pair *pair, uint32_t index, uint32_t pass)
-{
-    const struct difference *own = &pair->blame.own[index];
-    char error[32] = "none";
-    if (own->size_differs)
-        snprintf(error, sizeof error, "size");
-    else if (own->differing)
-        snprintf(error, sizeof error, "%llu differ", (unsigned long long)own->differing);
-    else if (own->not_finite)
-        snprintf(error, sizeof error, "not finite");
-    snprintf(text, 40, "%-6s  %-12s", pair->blame.inputs_differ[pass] ? "differ" : "equal", error);
-}
-
-static struct sheet_row row_of(const struct compare *compare, const struct row *row,
-                               const struct result *result, const char *pass)
-{
-    const struct dt_pipeline *info = compare->pipeline.info;
-    return (struct sheet_row){.pass = pass,
-                              .name = row->name,
-                              .resource = &info->resources[row->resource],
-                              .difference = &result->difference,
-                              .shown = &result->shown};
-}
-
-bool compare_sheet(const struct compare *compare, const struct pair *pair,
-                   enum sheet_history history, struct sheet *sheet)
-{
-    const struct rows *rows = &compare->rows;
-    const struct dt_pipeline *info = compare->pipeline.info;
-    uint32_t other = (uint32_t)(pair->sides[1] - compare->sides.list);
-    *sheet = (struct sheet){
-        .title = format_string("%s: %s against %s", info->name, pair->sides[1]->label,
-                               pair->sides[0]->label),
-        .labels = {pair->sides[0]->label, pair->sides[1]->label},
-        .devices = {compare->devices[0], compare->devices[other]},
-        .columns = shows_blame(pair) ? "inputs  own error   " : NULL,
-        .rows = calloc(rows->history.count + rows->outputs.count, sizeof *sheet->rows)};
-    if (!sheet->title || !sheet->rows) {
-        report_error(&compare->console->log, "out of memory");
-        return false;
-    }
-    for (uint32_t i = 0; i < rows->history.count && history; i++)
-        if (history == HISTORY_ALL ||
-            difference_verdict(&pair->history[i].difference) != VERDICT_EQUAL)
-            sheet->rows[sheet->count++] =
-                row_of(compare, &rows->history.list[i], &pair->history[i], "before");
-    for (uint32_t i = 0; i < rows->outputs.count; i++) {
-        const struct row *row = &rows->outputs.list[i];
-        const struct dt_pass *pass = &info->passes[row->pass];
-        struct sheet_row *shown = &sheet->rows[sheet->count++];
-        *shown = row_of(compare, row, &pair->results[i], pass->name);
-        shown->text = pair->unwritten && row == broken_row(compare, pair) ? pair->unwritten : NULL;
-        shown->body = pass->shader;
-        if (shows_blame(pair))
-            write_own(shown->own, pair, i, row->pass);
-    }
-    return true;
-}
-
-void compare_free_sheet(struct sheet *sheet)
-{
-    free((char *)sheet->title);
-    free(sheet->rows);
-    *sheet = (struct sheet){0};
-}
 
 /* The texels that `raster` forgives. */
 static void print_edges(const struct compare *compare, const struct pair *pair)
@@ -111,7 +38,7 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
     const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
     switch (blame->outcome) {
     case BLAME_GUILTY:
-        for (uint32_t i = 0; compare_knows_why(pair) && i < pair->why.count; i++)
+        for (uint32_t i = 0; pair->results[blame->row].why && i < pair->why.count; i++)
             printf("%s %s: %s\n", i ? "or  " : "why:", row->name, pair->why.reasons[i].text);
         printf("guilty: pass %s", pass->name);
         if (pass->shader)
@@ -143,9 +70,9 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
 {
     const struct dt_pipeline *info = compare->pipeline.info;
     const struct twin *twin;
-    if (pair->on_equal_inputs && !compare->twins)
+    if (pair->sheet.on_equal_inputs && !compare->twins)
         print_edges(compare, pair);
-    if (!pair->broken && !compare_agrees(pair)) {
+    if (!pair->broken && !pair->sheet.agree) {
         printf("the first runs agree, but not all do\n");
         return;
     }
@@ -178,61 +105,50 @@ static void print_clues(const struct compare *compare, const struct pair *pair)
            compare->pipeline.info->passes[row->pass].shader, compare->pipeline.spec);
 }
 
-/* What is larger than when contracts were measured. */
-static void print_grown(const struct compare *compare, const struct pair *pair)
+static void print_pair(const struct compare *compare, const struct pair *pair)
 {
-    for (uint32_t i = 0; i < pair->measured.count; i++)
-        measured_grown(&pair->measured, &pair->measured.rows[i]);
-    for (uint32_t i = 0; i < compare->rows.outputs.count && !pair->measured.rows; i++) {
-        const struct row *row = &compare->rows.outputs.list[i];
-        const char *name = compare->pipeline.info->resources[row->resource].name;
-        measured_compare(contracts_find(&compare->contracts, "", name), MEASURED_BACKENDS, "", name,
-                         difference_error(&pair->results[i].difference));
-    }
-}
-
-static bool print_pair(const struct compare *compare, const struct pair *pair)
-{
-    struct sheet sheet;
     if (compare->pair_count > 1)
         printf("\n%s against %s\n", pair->sides[1]->label, pair->sides[0]->label);
-    if (pair->on_equal_inputs)
+    if (pair->sheet.on_equal_inputs)
         printf("\neach pass of frame %u on the inputs of %s\n", pair->blame.frame,
                pair->sides[0]->label);
     printf("\n");
-    bool good = compare_sheet(compare, pair, HISTORY_DIFFERING, &sheet);
-    if (good)
-        sheet_print(&sheet);
-    compare_free_sheet(&sheet);
-    if (pair->measured.rows)
-        measured_print(&pair->measured);
-    print_grown(compare, pair);
-    return good;
+    sheet_print(&pair->sheet);
+    if (pair->sheet.runs)
+        measured_print(&pair->sheet);
+    measured_grown(&pair->sheet);
+}
+
+bool compare_twin_sheet(const struct compare *compare, uint32_t side, struct sheet *sheet)
+{
+    const struct difference *found = compare->twins[side].found;
+    const struct pair *pair = &compare->pairs[0];
+    *sheet = (struct sheet){.pipeline = compare->pipeline.info->name,
+                            .labels = {compare->labels[side], "exact"}};
+    if (!sheet_begin(sheet, compare->rows.outputs.count, &compare->console->log))
+        return false;
+    for (uint32_t i = 0; found && i < compare->rows.outputs.count; i++)
+        if (found[i].elements)
+            sheet->rows[sheet->count++] =
+                (struct sheet_row){.pass = pair->results[i].pass,
+                                   .name = pair->results[i].name,
+                                   .resource = pair->results[i].resource,
+                                   .mip = pair->results[i].mip,
+                                   .frame = compare->options.setup.frames - 1,
+                                   .compared = true,
+                                   .difference = found[i]};
+    return true;
 }
 
 /* How far a side is from exact arithmetic, pass by pass. */
 static bool print_twin(const struct compare *compare, uint32_t side)
 {
-    const struct rows *rows = &compare->rows;
-    struct sheet sheet = {.labels = {compare->sides.list[side].label, "exact"},
-                          .rows = calloc(rows->outputs.count, sizeof *sheet.rows)};
-    if (!sheet.rows) {
-        report_error(&compare->console->log, "out of memory");
+    struct sheet sheet;
+    if (!compare_twin_sheet(compare, side, &sheet))
         return false;
-    }
-    for (uint32_t i = 0; i < rows->outputs.count; i++) {
-        const struct row *row = &rows->outputs.list[i];
-        const struct difference *found = &compare->twins[side].found[i];
-        if (found->elements)
-            sheet.rows[sheet.count++] =
-                (struct sheet_row){.pass = compare->pipeline.info->passes[row->pass].name,
-                                   .name = row->name,
-                                   .resource = &compare->pipeline.info->resources[row->resource],
-                                   .difference = found};
-    }
     printf("\n%s against exact twins of its passes, on equal inputs\n", sheet.labels[0]);
     sheet_print(&sheet);
-    free(sheet.rows);
+    sheet_free(&sheet);
     return true;
 }
 
@@ -256,8 +172,7 @@ bool compare_print(const struct compare *compare)
         printf("%s: %s\n", compare->sides.list[i].label, compare->devices[i]);
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];
-        if (!print_pair(compare, pair))
-            return false;
+        print_pair(compare, pair);
         printf("\n");
         if (several)
             print_outcome(compare, pair);

@@ -10,7 +10,7 @@
 #include "console/options.h"
 #include "compare/evidence.h"
 #include "compare/unwritten.h"
-#include "result/difference.h"
+#include "result/sheet.h"
 #include "run/undefined.h"
 #include "run/worker.h"
 
@@ -23,12 +23,14 @@ struct lone_pass {
     struct worker worker;
     struct undefined undefined; /* --sanitize */
     char *device;
-    /* one per output row: */
-    struct difference *differences; /* from the expected content */
-    bool *recorded;                 /* equal to the other side's content in the folder */
-    struct dt_bytes *found;         /* what the first run left; owned */
-    char **unwritten;               /* what another fill of memory shows; NULL: nothing; owned */
-    bool again;                     /* the second run, with that fill */
+    struct sheet sheet; /* against the expected content; no row: the pass has not run */
+    /* one per row: */
+    struct output {
+        bool recorded;         /* equal to the other side's content in the folder */
+        struct dt_bytes found; /* what the first run left; owned */
+        char *unwritten;       /* what another fill of memory shows; NULL: nothing; owned */
+    } * outputs;
+    bool again; /* the second run, with that fill */
 };
 
 static const struct dt_pipeline *pipeline_of(const struct lone_pass *alone)
@@ -39,6 +41,13 @@ static const struct dt_pipeline *pipeline_of(const struct lone_pass *alone)
 static uint32_t row_count(const struct row_list *list, uint32_t pass)
 {
     return list->first[pass + 1] - list->first[pass];
+}
+
+/* The rows that the pass writes. */
+static const struct row *outputs_of(const struct lone_pass *alone)
+{
+    const struct row_list *outputs = &alone->evidence.rows.outputs;
+    return &outputs->list[outputs->first[alone->evidence.pass]];
 }
 
 /* ---- The run --------------------------------------------------------------------------------- */
@@ -79,23 +88,20 @@ static bool keep(struct dt_bytes *kept, const struct dt_bytes *bytes)
 /* What depends on the fill of memory: outputs of the second run against those of the first. */
 static bool find_unwritten(struct lone_pass *alone)
 {
-    const struct evidence_case *evidence = &alone->evidence;
-    const struct row_list *outputs = &evidence->rows.outputs;
-    for (uint32_t i = 0; i < row_count(outputs, evidence->pass); i++) {
-        const struct row *row = &outputs->list[outputs->first[evidence->pass] + i];
-        const struct dt_resource *resource = &pipeline_of(alone)->resources[row->resource];
-        struct dt_bytes copies[2] = {{0}, alone->found[i]};
+    for (uint32_t i = 0; i < alone->sheet.count; i++) {
+        const struct row *row = &outputs_of(alone)[i];
+        struct output *output = &alone->outputs[i];
+        struct dt_bytes copies[2] = {{0}, output->found};
         if (!worker_read(&alone->worker, row->resource, row->mip, &copies[0]))
             return false;
         bool surely;
-        if (!unwritten_describe(row, resource, copies, &alone->unwritten[i], &surely)) {
+        if (!unwritten_describe(row, alone->sheet.rows[i].resource, copies, &output->unwritten,
+                                &surely)) {
             report_error(&alone->console->log, "out of memory");
             return false;
         }
-        if (!surely) { /* perhaps a race */
-            free(alone->unwritten[i]);
-            alone->unwritten[i] = NULL;
-        }
+        if (surely) /* else perhaps a race */
+            alone->sheet.rows[i].text = output->unwritten;
     }
     return true;
 }
@@ -103,28 +109,35 @@ static bool find_unwritten(struct lone_pass *alone)
 static bool compare_outputs(struct lone_pass *alone)
 {
     const struct evidence_case *evidence = &alone->evidence;
-    const struct row_list *outputs = &evidence->rows.outputs;
-    uint32_t count = row_count(outputs, evidence->pass);
-    alone->differences = calloc(count + 1, sizeof *alone->differences);
-    alone->recorded = calloc(count + 1, sizeof *alone->recorded);
-    alone->found = calloc(count + 1, sizeof *alone->found);
-    alone->unwritten = calloc(count + 1, sizeof *alone->unwritten);
-    bool good = alone->differences && alone->recorded && alone->found && alone->unwritten;
-    for (uint32_t i = 0; i < count && good; i++) {
-        const struct row *row = &outputs->list[outputs->first[evidence->pass] + i];
-        const struct dt_resource *resource = &pipeline_of(alone)->resources[row->resource];
+    const struct dt_log *log = &alone->console->log;
+    uint32_t count = row_count(&evidence->rows.outputs, evidence->pass);
+    alone->sheet = (struct sheet){.labels = {"expected", alone->side.label}, .lone = true};
+    alone->outputs = calloc(count + 1, sizeof *alone->outputs);
+    if (!sheet_begin(&alone->sheet, count, log))
+        return false;
+    for (uint32_t i = 0; i < count; i++) {
+        const struct row *row = &outputs_of(alone)[i];
+        struct sheet_row *shown = &alone->sheet.rows[alone->sheet.count++];
         struct dt_bytes found;
+        *shown = (struct sheet_row){.pass = pipeline_of(alone)->passes[evidence->pass].name,
+                                    .name = row->name,
+                                    .resource = &pipeline_of(alone)->resources[row->resource],
+                                    .mip = (int)row->mip,
+                                    .frame = evidence->frame.index,
+                                    .compared = true};
         if (!worker_read(&alone->worker, row->resource, row->mip, &found))
             return false;
         const struct dt_bytes expected[2] = {evidence->outputs[0][i], found};
         const struct dt_bytes actual[2] = {evidence->outputs[1][i], found};
-        good =
-            difference_measure(&alone->differences[i], resource, evidence->frame.index, expected) &&
-            is_as_expected(resource, actual, &alone->recorded[i]) && keep(&alone->found[i], &found);
+        if (!alone->outputs ||
+            !difference_measure(&shown->difference, shown->resource, shown->frame, expected) ||
+            !is_as_expected(shown->resource, actual, &alone->outputs[i].recorded) ||
+            !keep(&alone->outputs[i].found, &found)) {
+            report_error(log, "out of memory");
+            return false;
+        }
     }
-    if (!good)
-        report_error(&alone->console->log, "out of memory");
-    return good;
+    return true;
 }
 
 /* --sanitize: what the pass has done. */
@@ -173,13 +186,13 @@ static bool find_replay_fault(struct lone_pass *alone)
                        &alone->console->log);
 }
 
-/* The first output that differs, or count. */
-static uint32_t first_difference(const struct lone_pass *alone, uint32_t count)
+/* The first output that differs; NULL: none. */
+static const struct sheet_row *first_difference(const struct lone_pass *alone)
 {
-    uint32_t i = 0;
-    while (i < count && difference_verdict(&alone->differences[i]) != VERDICT_DIFFERS)
-        i++;
-    return i;
+    for (uint32_t i = 0; i < alone->sheet.count; i++)
+        if (difference_verdict(&alone->sheet.rows[i].difference) == VERDICT_DIFFERS)
+            return &alone->sheet.rows[i];
+    return NULL;
 }
 
 static bool run_once(struct lone_pass *alone, int fill)
@@ -200,9 +213,9 @@ static bool run_once(struct lone_pass *alone, int fill)
                                      .stops_before = UINT32_MAX};
     bool good = worker_start(&alone->worker, &info) && run_pass(alone);
     worker_close(&alone->worker);
-    if (good && !alone->differences)
+    if (good && !alone->sheet.count)
         report_error(&alone->console->log, "%s: the runtime skipped the pass", alone->side.label);
-    return good && alone->differences;
+    return good && alone->sheet.count;
 }
 
 static bool run_replay(struct lone_pass *alone)
@@ -215,8 +228,7 @@ static bool run_replay(struct lone_pass *alone)
         !evidence_read(evidence, console, options->folder, &options->setup) ||
         !find_replay_fault(alone) || !run_once(alone, POISON_OTHERS))
         return false;
-    uint32_t count = row_count(&evidence->rows.outputs, evidence->pass);
-    alone->again = first_difference(alone, count) < count;
+    alone->again = first_difference(alone);
     return (!alone->again || run_once(alone, POISON_FIRST)) && atomic_load(&console->errors) == 0;
 }
 
@@ -229,75 +241,35 @@ static const char *recorded_text(const struct lone_pass *alone, const char *side
     return text ? text : "unknown";
 }
 
-static void print_output(const struct lone_pass *alone, uint32_t index, int width)
-{
-    const struct evidence_case *evidence = &alone->evidence;
-    const struct row_list *outputs = &evidence->rows.outputs;
-    const struct row *row = &outputs->list[outputs->first[evidence->pass] + index];
-    const struct dt_resource *resource = &pipeline_of(alone)->resources[row->resource];
-    const struct difference *difference = &alone->differences[index];
-    const char *const labels[2] = {"expected", alone->side.label};
-    char *worst = alone->unwritten[index] ? strdup(alone->unwritten[index])
-                                          : difference_describe_worst(difference, resource, labels);
-    printf("%-*s  %10llu  %10llu  %-7s  %s\n", width, row->name,
-           (unsigned long long)difference->elements, (unsigned long long)difference->differing,
-           verdict_name(difference_verdict(difference)), worst ? worst : "");
-    free(worst);
-}
-
-static bool all_recorded(const struct lone_pass *alone, uint32_t count)
+static bool all_recorded(const struct lone_pass *alone)
 {
     bool all = true;
-    for (uint32_t i = 0; i < count; i++)
-        all &= alone->recorded[i];
+    for (uint32_t i = 0; i < alone->sheet.count; i++)
+        all &= alone->outputs[i].recorded;
     return all;
-}
-
-static void print_end(const struct lone_pass *alone)
-{
-    const struct evidence_case *evidence = &alone->evidence;
-    const struct row_list *outputs = &evidence->rows.outputs;
-    const struct row *rows = &outputs->list[outputs->first[evidence->pass]];
-    uint32_t count = row_count(outputs, evidence->pass);
-    uint32_t differs = first_difference(alone, count);
-    const char *name = pipeline_of(alone)->passes[evidence->pass].name;
-    if (differs == count)
-        printf("\npass %s on %s: as expected, what %s left\n", name, alone->side.label,
-               recorded_text(alone, "expected", "side"));
-    else if (alone->unwritten[differs])
-        printf("\npass %s on %s: %s\n", name, alone->side.label, alone->unwritten[differs]);
-    else
-        printf("\npass %s on %s: %s is not as expected, and all is %s %s had it\n", name,
-               alone->side.label, rows[differs].name,
-               all_recorded(alone, count) ? "bit for bit as" : "not as",
-               recorded_text(alone, "actual", "side"));
 }
 
 static void print_outputs(const struct lone_pass *alone)
 {
-    const struct evidence_case *evidence = &alone->evidence;
-    const struct row_list *outputs = &evidence->rows.outputs;
-    uint32_t count = row_count(outputs, evidence->pass);
-    int width = 8;
-    for (uint32_t i = 0; i < count; i++) {
-        int length = (int)strlen(outputs->list[outputs->first[evidence->pass] + i].name);
-        width = length > width ? length : width;
-    }
+    const struct sheet_row *differs = first_difference(alone);
+    const char *name = alone->sheet.rows[0].pass;
     printf("expected: %s, %s\n%s: %s\n\n", recorded_text(alone, "expected", "side"),
            recorded_text(alone, "expected", "device"), alone->side.label, alone->device);
-    printf("%-*s  %10s  %10s  %-7s  %s\n", width, "resource", "elements", "differing", "verdict",
-           "largest error");
-    for (uint32_t i = 0; i < count; i++)
-        print_output(alone, i, width);
-    print_end(alone);
+    sheet_print(&alone->sheet);
+    printf("\npass %s on %s: ", name, alone->side.label);
+    if (!differs)
+        printf("as expected, what %s left\n", recorded_text(alone, "expected", "side"));
+    else if (differs->text)
+        printf("%s\n", differs->text);
+    else
+        printf("%s is not as expected, and all is %s %s had it\n", differs->name,
+               all_recorded(alone) ? "bit for bit as" : "not as",
+               recorded_text(alone, "actual", "side"));
 }
 
 static cJSON *replay_json(const struct lone_pass *alone)
 {
     const struct evidence_case *evidence = &alone->evidence;
-    const struct row_list *outputs = &evidence->rows.outputs;
-    const char *const labels[2] = {"expected", alone->side.label};
-    uint32_t count = row_count(outputs, evidence->pass);
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "pipeline", pipeline_of(alone)->name);
     cJSON_AddStringToObject(root, "pass", pipeline_of(alone)->passes[evidence->pass].name);
@@ -305,19 +277,15 @@ static cJSON *replay_json(const struct lone_pass *alone)
     cJSON_AddStringToObject(root, "side", alone->side.label);
     cJSON_AddStringToObject(root, "device", alone->device);
     cJSON *results = cJSON_AddArrayToObject(root, "results");
-    for (uint32_t i = 0; i < count; i++) {
-        const struct row *row = &outputs->list[outputs->first[evidence->pass] + i];
-        const struct dt_resource *resource = &pipeline_of(alone)->resources[row->resource];
+    for (uint32_t i = 0; i < alone->sheet.count; i++) {
         cJSON *entry = cJSON_CreateObject();
-        cJSON_AddStringToObject(entry, "resource", resource->name);
-        cJSON_AddNumberToObject(entry, "mip", row->mip);
-        difference_json(entry, &alone->differences[i], resource, labels);
-        cJSON_AddBoolToObject(entry, "as_actual", alone->recorded[i]);
-        if (alone->unwritten[i])
-            cJSON_AddStringToObject(entry, "unwritten", alone->unwritten[i]);
+        sheet_row_json(entry, &alone->sheet, &alone->sheet.rows[i]);
+        cJSON_AddBoolToObject(entry, "as_actual", alone->outputs[i].recorded);
+        if (alone->sheet.rows[i].text)
+            cJSON_AddStringToObject(entry, "unwritten", alone->sheet.rows[i].text);
         cJSON_AddItemToArray(results, entry);
     }
-    cJSON_AddBoolToObject(root, "as_expected", first_difference(alone, count) == count);
+    cJSON_AddBoolToObject(root, "as_expected", !first_difference(alone));
     if (alone->options->setup.sanitize)
         cJSON_AddItemToObject(
             root, "undefined",
@@ -327,18 +295,12 @@ static cJSON *replay_json(const struct lone_pass *alone)
 
 static void release(struct lone_pass *alone)
 {
-    const struct evidence_case *evidence = &alone->evidence;
-    uint32_t count = alone->differences ? row_count(&evidence->rows.outputs, evidence->pass) : 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (alone->found)
-            free(alone->found[i].data);
-        if (alone->unwritten)
-            free(alone->unwritten[i]);
+    for (uint32_t i = 0; alone->outputs && i < alone->sheet.count; i++) {
+        free(alone->outputs[i].found.data);
+        free(alone->outputs[i].unwritten);
     }
-    free(alone->found);
-    free(alone->unwritten);
-    free(alone->differences);
-    free(alone->recorded);
+    free(alone->outputs);
+    sheet_free(&alone->sheet);
     free(alone->device);
     undefined_free(&alone->undefined);
     evidence_free(&alone->evidence);
@@ -352,12 +314,10 @@ int verb_replay(struct console *console, const struct options *options)
     int status = EXIT_USAGE;
     console_status(console, "%s", "");
     if (good) {
-        uint32_t count = row_count(&alone.evidence.rows.outputs, alone.evidence.pass);
         print_outputs(&alone);
         undefined_print(&alone.undefined, (const char *const *)&alone.side.label, 1);
         console->result = replay_json(&alone);
-        status = first_difference(&alone, count) == count && !alone.undefined.count ? EXIT_FINE
-                                                                                    : EXIT_DIFFER;
+        status = first_difference(&alone) || alone.undefined.count ? EXIT_DIFFER : EXIT_FINE;
     }
     release(&alone);
     return status;

@@ -10,7 +10,8 @@
 
 #include "base/files.h"
 
-double errors_under(const struct errors *errors, const struct dt_contract *contract)
+/* The largest error in a contract's own measure. */
+static double errors_under(const struct errors *errors, const struct dt_contract *contract)
 {
     if (errors->odd)
         return INFINITY;
@@ -32,23 +33,54 @@ double errors_under(const struct errors *errors, const struct dt_contract *contr
     return errors->abs;
 }
 
-static bool breaks(const struct measured_row *row)
+static bool breaks(const struct sheet_row *row)
 {
     const struct dt_contract *contract = &row->resource->contract;
-    double error = errors_under(&row->between, contract);
+    if (!row->errors)
+        return false;
+    const struct errors *between = &row->errors->between;
+    double error = errors_under(between, contract);
     if (contract->kind == DT_CONTRACT_IMAGE || contract->kind == DT_CONTRACT_RASTER)
-        return row->between.odd;
+        return between->odd;
     if (contract->kind == DT_CONTRACT_EXACT)
-        return row->between.odd || row->between.differing;
+        return between->odd || between->differing;
     return error > (contract->kind == DT_CONTRACT_OF_EXACT ? 2 : 1) * contract->tolerance;
 }
 
-bool measured_breaks(const struct measured *measured)
+bool measured_breaks(const struct sheet *sheet)
 {
     bool found = false;
-    for (uint32_t i = 0; i < measured->count; i++)
-        found |= breaks(&measured->rows[i]);
+    for (uint32_t i = 0; i < sheet->count; i++)
+        found |= breaks(&sheet->rows[i]);
     return found;
+}
+
+bool measured_add(struct errors *errors, const struct dt_resource *resource,
+                  const struct dt_bytes *copies)
+{
+    if (copies)
+        return errors_add(errors, resource, copies);
+    errors->pairs++;
+    errors->odd = true;
+    return true;
+}
+
+bool measured_row(struct sheet_row *row, uint32_t runs, measured_pair *add, void *user,
+                  const struct dt_log *log)
+{
+    row->errors = row->errors ? row->errors : calloc(1, sizeof *row->errors);
+    bool good = row->errors;
+    if (!good)
+        report_error(log, "out of memory");
+    for (uint32_t i = 0; i < runs && good; i++) {
+        for (uint32_t k = 0; k < i && good; k++)
+            for (int side = 0; side < 2 && good; side++)
+                good = add(user, &row->errors->noise[side], (const int[]){side, side},
+                           (const uint32_t[]){k, i});
+        for (uint32_t k = 0; k < runs && good; k++)
+            good = add(user, &row->errors->between, (const int[]){0, 1}, (const uint32_t[]){i, k});
+    }
+    return good;
 }
 
 /* ---- The table --------------------------------------------------------------------------------- */
@@ -64,12 +96,17 @@ static void name_kind(char text[80], enum measured_kind kind, const char *side)
         snprintf(text, 80, "%s", between_names[kind]);
 }
 
-static bool is_still(const struct measured_row *row)
+/* The noise of both sides, and between them. */
+static const struct errors *errors_of(const struct sheet_row *row, int i)
 {
-    const struct errors *all[] = {&row->noise[0], &row->noise[1], &row->between};
+    return i < 2 ? &row->errors->noise[i] : &row->errors->between;
+}
+
+static bool is_still(const struct sheet_row *row)
+{
     bool still = true;
     for (int i = 0; i < 3; i++)
-        still &= !all[i]->odd && !all[i]->differing;
+        still &= !errors_of(row, i)->odd && !errors_of(row, i)->differing;
     return still;
 }
 
@@ -92,10 +129,9 @@ struct columns {
     int pass, name, kind;
 };
 
-static void print_row(const struct measured *measured, const struct measured_row *row,
+static void print_row(const struct sheet *sheet, const struct sheet_row *row,
                       const struct columns *columns)
 {
-    const struct errors *all[] = {&row->noise[0], &row->noise[1], &row->between};
     if (is_still(row)) {
         printf("%-*s  %-*s  equal in all runs\n", columns->pass, row->pass, columns->name,
                row->name);
@@ -103,10 +139,10 @@ static void print_row(const struct measured *measured, const struct measured_row
     }
     for (int i = 0; i < 3; i++) {
         char kind[80];
-        name_kind(kind, i < 2 ? MEASURED_NOISE : measured->kind, measured->labels[i % 2]);
+        name_kind(kind, i < 2 ? MEASURED_NOISE : sheet->kind, sheet->labels[i % 2]);
         printf("%-*s  %-*s  %-*s", columns->pass, i ? "" : row->pass, columns->name,
                i ? "" : row->name, columns->kind, kind);
-        print_errors(all[i]);
+        print_errors(errors_of(row, i));
     }
 }
 
@@ -116,28 +152,31 @@ static int wider(int width, const char *text)
     return length > width ? length : width;
 }
 
-void measured_print(const struct measured *measured)
+void measured_print(const struct sheet *sheet)
 {
     struct columns columns = {4, 8, 0};
     for (int i = 0; i < 3; i++) {
         char kind[80];
-        name_kind(kind, i < 2 ? MEASURED_NOISE : measured->kind, measured->labels[i % 2]);
+        name_kind(kind, i < 2 ? MEASURED_NOISE : sheet->kind, sheet->labels[i % 2]);
         columns.kind = wider(columns.kind, kind);
     }
-    for (uint32_t i = 0; i < measured->count; i++) {
-        columns.pass = wider(columns.pass, measured->rows[i].pass);
-        columns.name = wider(columns.name, measured->rows[i].name);
+    for (uint32_t i = 0; i < sheet->count; i++) {
+        if (!sheet->rows[i].errors)
+            continue;
+        columns.pass = wider(columns.pass, sheet->rows[i].pass);
+        columns.name = wider(columns.name, sheet->rows[i].name);
     }
-    printf("\n%u runs of each side; of two runs that differ most:\n", measured->runs);
+    printf("\n%u runs of each side; of two runs that differ most:\n", sheet->runs);
     printf("%-*s  %-*s  %-*s  %10s  %8s  %8s  %8s  %8s  %8s  %8s\n", columns.pass, "pass",
            columns.name, "resource", columns.kind, "", "differing", "median", "95 %", "99.9 %",
            "largest", "ulp", "relative");
-    for (uint32_t i = 0; i < measured->count; i++)
-        print_row(measured, &measured->rows[i], &columns);
-    for (uint32_t i = 0; i < measured->count; i++)
-        if (breaks(&measured->rows[i]))
-            printf("%s, %s: breaks its contract in some runs\n", measured->rows[i].pass,
-                   measured->rows[i].name);
+    for (uint32_t i = 0; i < sheet->count; i++)
+        if (sheet->rows[i].errors)
+            print_row(sheet, &sheet->rows[i], &columns);
+    for (uint32_t i = 0; i < sheet->count; i++)
+        if (breaks(&sheet->rows[i]))
+            printf("%s, %s: breaks its contract in some runs\n", sheet->rows[i].pass,
+                   sheet->rows[i].name);
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------- */
@@ -157,18 +196,20 @@ static void add_errors(cJSON *root, const char *name, const struct errors *error
     cJSON_AddNumberToObject(item, "rel", errors->rel);
 }
 
-cJSON *measured_json(const struct measured *measured)
+cJSON *measured_json(const struct sheet *sheet)
 {
     cJSON *list = cJSON_CreateArray();
-    for (uint32_t i = 0; i < measured->count; i++) {
-        const struct measured_row *row = &measured->rows[i];
+    for (uint32_t i = 0; i < sheet->count; i++) {
+        const struct sheet_row *row = &sheet->rows[i];
+        if (!row->errors)
+            continue;
         cJSON *item = cJSON_CreateObject(), *noise;
         cJSON_AddStringToObject(item, "pass", row->pass);
         cJSON_AddStringToObject(item, "resource", row->name);
         noise = cJSON_AddObjectToObject(item, measured_names[MEASURED_NOISE]);
         for (int side = 0; side < 2; side++)
-            add_errors(noise, measured->labels[side], &row->noise[side]);
-        add_errors(item, measured_names[measured->kind], &row->between);
+            add_errors(noise, sheet->labels[side], &row->errors->noise[side]);
+        add_errors(item, measured_names[sheet->kind], &row->errors->between);
         cJSON_AddItemToArray(list, item);
     }
     return list;
@@ -274,15 +315,6 @@ static struct dt_contract choose(const struct bound *bound, FILE *out)
     return (struct dt_contract){.kind = DT_CONTRACT_ABS};
 }
 
-double difference_error(const struct difference *difference)
-{
-    enum dt_contract_kind kind = difference->contract.kind;
-    bool counted = kind == DT_CONTRACT_FLIPS || kind == DT_CONTRACT_RASTER;
-    return counted                   ? (double)difference->differing
-           : difference->worst.valid ? difference->worst.error
-                                     : 0;
-}
-
 /* Why the contract is as it is. */
 static void write_reason(FILE *out, const struct bound *bound)
 {
@@ -341,21 +373,23 @@ static void write_bound(FILE *out, const struct bound *bound)
 }
 
 /* One per key, in order of appearance. Returns how many. */
-static uint32_t collect(const struct measured *pairs, uint32_t count, struct bound *bounds)
+static uint32_t collect(const struct sheet *const *sheets, uint32_t count, struct bound *bounds)
 {
     uint32_t found = 0;
     for (uint32_t p = 0; p < count; p++)
-        for (uint32_t i = 0; i < pairs[p].count; i++) {
-            const struct measured_row *row = &pairs[p].rows[i];
+        for (uint32_t i = 0; i < sheets[p]->count; i++) {
+            const struct sheet_row *row = &sheets[p]->rows[i];
             uint32_t k = 0;
+            if (!row->errors)
+                continue;
             while (k < found && strcmp(bounds[k].key, row->key) != 0)
                 k++;
             if (k == found)
                 bounds[found++] = (struct bound){.key = row->key, .resource = row->resource};
             for (int side = 0; side < 2; side++)
-                errors_join(&bounds[k].kinds[MEASURED_NOISE], &row->noise[side]);
-            errors_join(&bounds[k].kinds[pairs[p].kind], &row->between);
-            errors_join(&bounds[k].exact, &row->exact);
+                errors_join(&bounds[k].kinds[MEASURED_NOISE], &row->errors->noise[side]);
+            errors_join(&bounds[k].kinds[sheets[p]->kind], &row->errors->between);
+            errors_join(&bounds[k].exact, &row->errors->exact);
         }
     for (uint32_t k = 0; k < found; k++)
         for (int i = 0; i < MEASURED_KINDS; i++)
@@ -363,13 +397,13 @@ static uint32_t collect(const struct measured *pairs, uint32_t count, struct bou
     return found;
 }
 
-bool measured_write(const struct measured *pairs, uint32_t count, const char *path,
+bool measured_write(const struct sheet *const *sheets, uint32_t count, const char *path,
                     struct console *console)
 {
     struct file_draft draft;
     uint32_t rows = 0;
     for (uint32_t p = 0; p < count; p++)
-        rows += pairs[p].count;
+        rows += sheets[p]->count;
     struct bound *bounds = calloc(rows + 1, sizeof *bounds);
     if (!bounds || !file_draft_begin(&draft, &console->log)) {
         if (!bounds)
@@ -379,12 +413,12 @@ bool measured_write(const struct measured *pairs, uint32_t count, const char *pa
         free(bounds);
         return false;
     }
-    uint32_t found = collect(pairs, count, bounds);
+    uint32_t found = collect(sheets, count, bounds);
     fprintf(
         draft.out,
         "# compare --measure %u --write-contracts: all of these runs keep them, and they are as "
         "tight as that.\nmeasured: %u\n",
-        pairs[0].runs, pairs[0].runs);
+        sheets[0]->runs, sheets[0]->runs);
     for (uint32_t k = 0; k < found; k++) {
         if (bounds[k].all.odd)
             report_message(&console->log, DT_WARNING,
@@ -396,10 +430,13 @@ bool measured_write(const struct measured *pairs, uint32_t count, const char *pa
     return file_draft_end(&draft, path, &console->log);
 }
 
-void measured_compare(const struct kept_contract *kept, enum measured_kind kind, const char *side,
-                      const char *name, double error)
+/* ---- Growth ------------------------------------------------------------------------------------ */
+
+/* `error` is in the contract's measure. */
+static void compare_with(const struct kept_contract *kept, enum measured_kind kind,
+                         const char *side, const char *name, double error)
 {
-    double before = kept ? kept->measured[kind] : NAN;
+    double before = kept->measured[kind];
     if (isnan(before) || !(error > before * (1 + 1e-5)))
         return;
     char text[80];
@@ -411,13 +448,30 @@ void measured_compare(const struct kept_contract *kept, enum measured_kind kind,
         printf("none when it was measured, is %.3g\n", error);
 }
 
-void measured_grown(const struct measured *measured, const struct measured_row *row)
+/* The largest error in the contract's own measure. */
+static double difference_error(const struct difference *difference)
 {
-    if (!row->kept)
-        return;
-    for (int side = 0; side < 2; side++)
-        measured_compare(row->kept, MEASURED_NOISE, measured->labels[side], row->key,
-                         errors_under(&row->noise[side], &row->kept->contract));
-    measured_compare(row->kept, measured->kind, "", row->key,
-                     errors_under(&row->between, &row->kept->contract));
+    enum dt_contract_kind kind = difference->contract.kind;
+    bool counted = kind == DT_CONTRACT_FLIPS || kind == DT_CONTRACT_RASTER;
+    return counted                   ? (double)difference->differing
+           : difference->worst.valid ? difference->worst.error
+                                     : 0;
+}
+
+void measured_grown(const struct sheet *sheet)
+{
+    for (uint32_t i = 0; i < sheet->count; i++) {
+        const struct sheet_row *row = &sheet->rows[i];
+        if (!row->kept || !row->compared)
+            continue;
+        if (!row->errors) {
+            compare_with(row->kept, sheet->kind, "", row->key, difference_error(&row->difference));
+            continue;
+        }
+        for (int side = 0; side < 2; side++)
+            compare_with(row->kept, MEASURED_NOISE, sheet->labels[side], row->key,
+                         errors_under(&row->errors->noise[side], &row->kept->contract));
+        compare_with(row->kept, sheet->kind, "", row->key,
+                     errors_under(&row->errors->between, &row->kept->contract));
+    }
 }

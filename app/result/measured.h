@@ -4,46 +4,30 @@
 #define DIPTYCH_MEASURED_H
 
 #include "console/console.h"
-#include "result/contracts.h"
-#include "result/difference.h"
+#include "result/sheet.h"
 
-struct measured_row {
-    const char *pass, *name, *key; /* key: in contracts; borrowed */
-    const struct dt_resource *resource;
-    const struct kept_contract *kept; /* NULL: none */
-    struct errors noise[2], between;
-    struct errors
-        exact; /* of both sides, against exact twins on equal inputs; no pairs: not judged */
-};
+/* Of rows with errors. */
+void measured_print(const struct sheet *sheet); /* on stdout */
+struct cJSON *measured_json(const struct sheet *sheet);
 
-/* Of one pair of sides. */
-struct measured {
-    const char *labels[2];
-    enum measured_kind kind; /* MEASURED_DRIFT: versions of one backend, else MEASURED_BACKENDS */
-    uint32_t runs;           /* of each side */
-    struct measured_row *rows;
-    uint32_t count;
-};
+/* Fills the errors of a row from all pairs of runs of a side, and of both sides. `add` adds those of two runs, sides 0 or 1,
+ * with measured_add. False: logged. */
+typedef bool measured_pair(void *user, struct errors *errors, const int sides[2],
+                           const uint32_t runs[2]);
+bool measured_row(struct sheet_row *row, uint32_t runs, measured_pair *add, void *user,
+                  const struct dt_log *log);
+/* `copies` in one form, or NULL: they cannot be compared. False when out of memory. */
+bool measured_add(struct errors *errors, const struct dt_resource *resource,
+                  const struct dt_bytes *copies);
 
-void measured_print(const struct measured *measured); /* on stdout */
-struct cJSON *measured_json(const struct measured *measured);
-
-/* Writes contracts that all runs of all pairs keep. False: logged. */
-bool measured_write(const struct measured *pairs, uint32_t count, const char *path,
+/* Writes contracts that all runs of all pairs of sides keep. False: logged. */
+bool measured_write(const struct sheet *const *sheets, uint32_t count, const char *path,
                     struct console *console);
 
-/* Prints a line if the kind of error is larger than when the contract was written. `error` is in the contract's measure. */
-void measured_compare(const struct kept_contract *kept, enum measured_kind kind, const char *side,
-                      const char *name, double error);
-
-/* The same of noise and of the difference in all runs. */
-void measured_grown(const struct measured *measured, const struct measured_row *row);
+/* Prints a line for each error of a row that is larger than when its contract was written. */
+void measured_grown(const struct sheet *sheet);
 
 /* Whether two runs of both sides break the contract of some row's resource: of one with a single bound, or exact. */
-bool measured_breaks(const struct measured *measured);
-
-/* The largest error in a contract's own measure. */
-double errors_under(const struct errors *errors, const struct dt_contract *contract);
-double difference_error(const struct difference *difference);
+bool measured_breaks(const struct sheet *sheet);
 
 #endif

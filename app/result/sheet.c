@@ -1,23 +1,54 @@
-/* The table of a comparison and JUnit's XML of it; see sheet.h. */
+/* The record of a comparison, and its table; see sheet.h. */
 #include "result/sheet.h"
 
+#include <cjson/cJSON.h>
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
-#include "base/printable.h"
-
-static const char *verdict_of(const struct sheet_row *row)
+bool sheet_begin(struct sheet *sheet, uint32_t rows, const struct dt_log *log)
 {
-    return row->difference ? verdict_name(difference_verdict(row->difference)) : row->verdict;
+    sheet->rows = calloc((size_t)rows + 1, sizeof *sheet->rows);
+    if (!sheet->rows)
+        report_error(log, "out of memory");
+    return sheet->rows;
 }
 
-static bool fails(const struct sheet_row *row)
+void sheet_free(struct sheet *sheet)
 {
-    return !strcmp(verdict_of(row), verdict_name(VERDICT_DIFFERS));
+    for (uint32_t i = 0; i < sheet->count; i++) {
+        struct sheet_row *row = &sheet->rows[i];
+        for (int k = 0; k < SHOWN_PICTURES; k++)
+            free(row->shown.files[k]);
+        free(row->shown.strip);
+        free(row->errors);
+        cJSON_Delete(row->why);
+    }
+    cJSON_Delete(sheet->first_break.more);
+    cJSON_Delete(sheet->guilty.more);
+    cJSON_Delete(sheet->not_repeatable.more);
+    free(sheet->rows);
+    *sheet = (struct sheet){0};
+}
+
+const char *sheet_verdict(const struct sheet_row *row)
+{
+    return row->compared ? verdict_name(difference_verdict(&row->difference)) : row->verdict;
+}
+
+bool sheet_is_early(const struct sheet *sheet, const struct sheet_row *row)
+{
+    return row < sheet->rows + sheet->early;
+}
+
+const struct sheet *sheets_told(const struct sheet *const *sheets, uint32_t count)
+{
+    uint32_t i = 0;
+    while (i < count && sheets[i]->agree)
+        i++;
+    return sheets[i < count ? i : 0];
 }
 
 /* ---- The table --------------------------------------------------------------------------------- */
@@ -33,16 +64,27 @@ static int wider(int width, const char *text)
     return length > width ? length : width;
 }
 
+static const char *own_heading(const struct sheet *sheet)
+{
+    return sheet->blames ? "inputs  own error   " : sheet->reruns ? "own error   " : "";
+}
+
+/* Of rows before the first frame, those that differ. */
+static bool is_told(const struct sheet *sheet, const struct sheet_row *row)
+{
+    return !sheet_is_early(sheet, row) || difference_verdict(&row->difference) != VERDICT_EQUAL;
+}
+
 static struct widths measure(const struct sheet *sheet)
 {
-    struct widths widths = {6, 8, 0, false};
-    if (sheet->columns)
-        widths.own = (int)strlen(sheet->columns);
+    struct widths widths = {6, 8, (int)strlen(own_heading(sheet)), false};
     for (uint32_t i = 0; i < sheet->count; i++) {
         const struct sheet_row *row = &sheet->rows[i];
+        if (!is_told(sheet, row))
+            continue;
         widths.pass = wider(widths.pass, row->pass);
         widths.name = wider(widths.name, row->name);
-        widths.used |= row->difference && !isnan(difference_used(row->difference));
+        widths.used |= row->compared && !isnan(difference_used(&row->difference));
     }
     return widths;
 }
@@ -50,8 +92,8 @@ static struct widths measure(const struct sheet *sheet)
 /* The strip's file, its layer and its amplification. */
 static void print_strip(const struct sheet_row *row)
 {
-    const struct shown *shown = row->shown;
-    if (!shown || !shown->strip)
+    const struct shown *shown = &row->shown;
+    if (!shown->strip)
         return;
     printf("  picture %s: ", shown->strip);
     if (row->resource->layered)
@@ -64,29 +106,56 @@ static void print_strip(const struct sheet_row *row)
 
 char *sheet_worst(const struct sheet *sheet, const struct sheet_row *row)
 {
-    if (row->text || !row->difference)
+    if (row->text || !row->compared)
         return strdup(row->text ? row->text : "");
-    return difference_describe_worst(row->difference, row->resource, sheet->labels);
+    return difference_describe_worst(&row->difference, row->resource, sheet->labels);
+}
+
+void sheet_write_own(const struct sheet_row *row, char text[32])
+{
+    const struct difference *own = row->own;
+    if (own && own->differing && !own->size_differs)
+        snprintf(text, 32, "%" PRIu64 " differ", own->differing);
+    else
+        snprintf(text, 32, "%s",
+                 !own                ? ""
+                 : own->size_differs ? "size"
+                 : own->not_finite   ? "not finite"
+                                     : "none");
+}
+
+static void print_own(const struct sheet *sheet, const struct sheet_row *row, int width)
+{
+    char own[32], text[48] = "";
+    sheet_write_own(row, own);
+    if (sheet->blames && row->inputs)
+        snprintf(text, sizeof text, "%-6s  %-12s", row->inputs, own);
+    else if (sheet->reruns)
+        snprintf(text, sizeof text, "%s", own);
+    if (width)
+        printf("%-*s  ", width, text);
 }
 
 static void print_row(const struct sheet *sheet, const struct sheet_row *row,
                       const struct widths *widths)
 {
-    const struct difference *difference = row->difference;
+    const struct difference *difference = &row->difference;
     char elements[24] = "-", differing[24] = "-", used[16] = "-", *flips = NULL;
     char *worst = sheet_worst(sheet, row);
-    if (difference) {
+    if (row->compared) {
         difference_write_used(difference, used);
         snprintf(elements, sizeof elements, "%" PRIu64, difference->elements);
         snprintf(differing, sizeof differing, "%" PRIu64, difference->differing);
         flips = difference_list_flips(difference, row->resource, sheet->labels);
     }
-    printf("%-*s  %-*s  %10s  %10s  %-7s  ", widths->pass, row->pass, widths->name, row->name,
-           elements, differing, verdict_of(row));
+    if (!sheet->lone)
+        printf("%-*s  ", widths->pass, row->pass);
+    printf("%-*s  %10s  %10s  %-7s  ", widths->name, row->name, elements, differing,
+           sheet_verdict(row));
     if (widths->used)
         printf("%8s  ", used);
-    printf("%-*s%s%s\n%s", widths->own, row->own, widths->own ? "  " : "", worst ? worst : "",
-           flips ? flips : "");
+    print_own(sheet, row, widths->own);
+    printf("%s\n%s", worst ? worst : "", flips ? flips : "");
     if (row->note)
         printf("  %s\n", row->note);
     print_strip(row);
@@ -97,95 +166,12 @@ static void print_row(const struct sheet *sheet, const struct sheet_row *row,
 void sheet_print(const struct sheet *sheet)
 {
     const struct widths widths = measure(sheet);
-    printf("%-*s  %-*s  %10s  %10s  %-7s  %s%s%slargest error\n", widths.pass, "pass", widths.name,
-           "resource", "elements", "differing", "verdict", widths.used ? "of bound  " : "",
-           sheet->columns ? sheet->columns : "", sheet->columns ? "  " : "");
+    if (!sheet->lone)
+        printf("%-*s  ", widths.pass, "pass");
+    printf("%-*s  %10s  %10s  %-7s  %s%s%slargest error\n", widths.name, "resource", "elements",
+           "differing", "verdict", widths.used ? "of bound  " : "", own_heading(sheet),
+           widths.own ? "  " : "");
     for (uint32_t i = 0; i < sheet->count; i++)
-        print_row(sheet, &sheet->rows[i], &widths);
-}
-
-/* ---- JUnit ------------------------------------------------------------------------------------- */
-
-/* Control characters have no place in XML. */
-static void put_escaped(FILE *out, const char *of)
-{
-    char *copy = text_printable(of);
-    for (const char *text = copy ? copy : ""; *text; text++)
-        if (strchr("&<>\"", *text))
-            fprintf(out, "&#%d;", *text);
-        else
-            fputc((unsigned char)*text < ' ' ? ' ' : *text, out);
-    free(copy);
-}
-
-static void put_attribute(FILE *out, const char *name, const char *text)
-{
-    fprintf(out, " %s=\"", name);
-    put_escaped(out, text);
-    fputc('"', out);
-}
-
-static void put_case(FILE *out, const struct sheet *sheet, const struct sheet_row *row)
-{
-    const struct difference *difference = row->difference;
-    fputs("<testcase", out);
-    put_attribute(out, "classname", row->pass);
-    put_attribute(out, "name", row->name);
-    if (!fails(row)) {
-        fputs("/>\n", out);
-        return;
-    }
-    char *worst = sheet_worst(sheet, row);
-    fputs("><failure message=\"", out);
-    if (difference)
-        fprintf(out, "%" PRIu64 " of %" PRIu64 " differ; ", difference->differing,
-                difference->elements);
-    put_escaped(out, worst ? worst : "");
-    if (row->note) {
-        fputs("; ", out);
-        put_escaped(out, row->note);
-    }
-    fputs("\"/></testcase>\n", out);
-    free(worst);
-}
-
-static void put_suite(FILE *out, const struct sheet *sheet)
-{
-    uint32_t failures = 0;
-    for (uint32_t i = 0; i < sheet->count; i++)
-        failures += fails(&sheet->rows[i]);
-    fputs("<testsuite", out);
-    put_attribute(out, "name", sheet->title);
-    fprintf(out, " tests=\"%u\" failures=\"%u\">\n", sheet->count, failures);
-    if (sheet->devices[0])
-        fputs("<properties>\n", out);
-    for (int i = 0; i < 2 && sheet->devices[0]; i++) {
-        fputs("<property", out);
-        put_attribute(out, "name", sheet->labels[i]);
-        put_attribute(out, "value", sheet->devices[i]);
-        fputs("/>\n", out);
-    }
-    if (sheet->devices[0])
-        fputs("</properties>\n", out);
-    for (uint32_t i = 0; i < sheet->count; i++)
-        put_case(out, sheet, &sheet->rows[i]);
-    fputs("</testsuite>\n", out);
-}
-
-bool sheet_junit(const struct sheet *sheets, uint32_t count, const char *path,
-                 struct console *console)
-{
-    struct file_draft draft;
-    if (!file_draft_begin(&draft, &console->log)) {
-        file_draft_discard(&draft);
-        return false;
-    }
-    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n", draft.out);
-    for (uint32_t i = 0; i < count; i++)
-        put_suite(draft.out, &sheets[i]);
-    fputs("</testsuites>\n", draft.out);
-    console_hold(console);
-    bool good = file_draft_end(&draft, path, &console->log);
-    console_release(console);
-    return good;
+        if (is_told(sheet, &sheet->rows[i]))
+            print_row(sheet, &sheet->rows[i], &widths);
 }

@@ -1,11 +1,14 @@
-/* What a comparison of two sides shows, whatever is compared: its table, the rows of its page, its pictures,
- * and JUnit's XML. */
+/* The record of a comparison of two sides, whatever gives their rows. Those who compare fill it; table, JSON, page and
+ * JUnit's XML read it. */
 #ifndef DIPTYCH_SHEET_H
 #define DIPTYCH_SHEET_H
 
 #include "console/console.h"
+#include "result/contracts.h"
 #include "result/difference.h"
 #include "result/strip.h"
+
+struct cJSON;
 
 /* Pictures and histogram of a row. Takes a zeroed one. */
 enum { SHOWN_PICTURES = 3 };
@@ -17,39 +20,89 @@ struct shown {
     uint64_t bins[DIFFERENCE_BINS];
 };
 
-/* A resource after a pass. All pointers are borrowed and live as long as the sheet; may be NULL unless said. */
+/* --measure: errors of all runs. */
+struct row_errors {
+    struct errors noise[2], between;
+    struct errors
+        exact; /* of both sides, against exact twins on equal inputs; no pairs: not judged */
+};
+
+/* A resource after a pass. Pointers are borrowed and live as long as the sheet, and may be NULL, unless said. */
 struct sheet_row {
-    const char *pass, *name;            /* not NULL; name: of the resource, with mip and frame */
-    const struct dt_resource *resource; /* NULL: nothing was compared, */
-    const struct difference *difference;
-    const char *verdict; /* and this stands instead */
-    const char *text;    /* in place of the largest error */
-    const char *note;    /* one line below the row */
-    const char *body;    /* file of the shader */
-    char own[40];        /* below struct sheet's `columns` */
-    const struct shown *shown;
+    const char *pass;                   /* not NULL */
+    const char *name;                   /* not NULL: of the resource, with mip and frame */
+    const char *key;                    /* not NULL: in contracts */
+    const struct dt_resource *resource; /* not NULL */
+    const struct kept_contract *kept;   /* of --contracts */
+    int mip;                            /* -1: it has no other */
+    uint32_t frame, frames_differing;
+    bool compared;
+    struct difference difference; /* of the frame with the largest; `compared` alone */
+    const char *verdict;          /* where nothing was compared */
+    const char *text;             /* in place of the largest error */
+    const char *note;             /* one line below the row */
+    const char *body;             /* file of the shader */
+    uint64_t
+        not_finite; /* numbers that are NaN or the same infinity in both copies: they count as equal */
+    const char *inputs;           /* of the pass: "equal", "differ" */
+    const struct difference *own; /* the pass's own error, on equal inputs */
+    struct shown shown;           /* owned */
+    struct cJSON *why;            /* {"why": [{"name", "text", "before", "after"}]}; owned */
+    struct row_errors *errors;    /* owned */
 };
 
+/* What happened at a row. */
+struct sheet_event {
+    const struct sheet_row *row; /* NULL: it did not happen */
+    uint32_t frame;
+    struct cJSON *more; /* an object, whose members JSON has, too; owned; may be NULL */
+};
+
+/* Rows: those before the first frame, the results, and those that the second side alone has. */
 struct sheet {
-    const char *title;      /* of the suite in JUnit's XML */
+    const char *pipeline;   /* NULL: dumps, without a spec */
     const char *labels[2];  /* of the sides */
-    const char *devices[2]; /* or folders of dumps; NULL: not in the XML */
-    const char *columns;    /* heading above `own` of the rows; NULL: none */
+    const char *devices[2]; /* or folders of dumps; NULL: not told */
     struct sheet_row *rows;
-    uint32_t count;
+    uint32_t count, early, alone; /* all, the first, the last */
+    bool lone;                    /* all rows are of one pass, whose name is not shown */
+    bool blames;                  /* `inputs` and `own` of rows are shown; */
+    bool reruns;                  /* `own` is */
+    bool agree;
+    bool on_equal_inputs; /* the results are the passes' own errors */
+    struct sheet_event first_break, guilty, not_repeatable;
+    enum measured_kind kind; /* of the sides' difference */
+    uint32_t runs;           /* --measure, of each side; 0: was not asked for */
 };
 
-void sheet_print(const struct sheet *sheet); /* on stdout */
+bool sheet_begin(struct sheet *sheet, uint32_t rows, const struct dt_log *log); /* false: logged */
+void sheet_free(struct sheet *sheet); /* takes a zeroed one */
+const char *sheet_verdict(const struct sheet_row *row);
+bool sheet_is_early(const struct sheet *sheet, const struct sheet_row *row);
+
+void sheet_print(const struct sheet *sheet); /* the table, on stdout */
 
 /* The largest error of a row, or its text; free(). */
 char *sheet_worst(const struct sheet *sheet, const struct sheet_row *row);
+/* "none", "3 differ": the pass's own error. */
+void sheet_write_own(const struct sheet_row *row, char text[32]);
 
-/* Adds to each object of the list, one per row, what templates/report/compare.html shows beyond --json. */
-void sheet_page(const struct sheet *sheet, struct cJSON *results);
+/* JSON of a row, and of all; of `count` sheets: a single one stands in the root, of several each in "pairs", and the
+ * root has the outcome of the first that differs. */
+void sheet_row_json(struct cJSON *root, const struct sheet *sheet, const struct sheet_row *row);
+void sheets_json(struct cJSON *root, const struct sheet *const *sheets, uint32_t count);
+const struct sheet *sheets_told(const struct sheet *const *sheets, uint32_t count);
 
-/* Writes JUnit's XML, a suite for each sheet. False: logged. */
-bool sheet_junit(const struct sheet *sheets, uint32_t count, const char *path,
-                 struct console *console);
+/* Adds "devices" and "pairs", for templates/report/compare.html. */
+void sheets_page(struct cJSON *page, const struct sheet *const *sheets, uint32_t count);
+
+/* Writes JUnit's XML, templates/report/junit.xml: a suite for each sheet, then `suites`, a list that is emptied, or NULL.
+ * False: logged. */
+bool sheets_junit(struct cJSON *suites, const struct sheet *const *sheets, uint32_t count,
+                  const char *path, struct console *console);
+/* Adds a suite without cases; a case. `failure` NULL: it passes. */
+struct cJSON *sheet_suite(struct cJSON *suites, const char *pipeline, const char *title);
+void sheet_case(struct cJSON *suite, const char *pass, const char *name, const char *failure);
 
 /* Folders of --pictures and --html, or NULL, and what names of files begin with. */
 struct sheet_files {
@@ -62,7 +115,6 @@ bool sheet_shows(const struct sheet_files *files, const struct dt_resource *reso
 bool sheet_draw(struct shown *shown, const struct sheet_files *files,
                 const struct dt_resource *resource, const struct difference *difference,
                 const struct dt_bytes copies[2], const struct dt_log *log);
-void sheet_free_shown(struct shown *shown);
 
 /* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
 char *sheet_word(const char *text);

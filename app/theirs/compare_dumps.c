@@ -7,6 +7,7 @@
 #include <sys/stat.h>
 
 #include "base/files.h"
+#include "console/fill.h"
 #include "theirs/dumps.h"
 
 /* ---- Sides ------------------------------------------------------------------------------------- */
@@ -22,6 +23,7 @@ struct comparison {
     struct contracts contracts;
     const char **names; /* that contracts may have; borrowed of matches */
     struct dumps *pairs;
+    const struct sheet **sheets; /* of the pairs */
     uint32_t pair_count;
 };
 
@@ -168,42 +170,54 @@ static bool pair_up(struct comparison *comparison)
 {
     uint32_t count = comparison->sides - 1, runs = comparison->runs;
     comparison->pairs = calloc(comparison->sides, sizeof *comparison->pairs);
-    if (!comparison->pairs) {
+    comparison->sheets = calloc(comparison->sides, sizeof *comparison->sheets);
+    if (!comparison->pairs || !comparison->sheets) {
         report_error(&comparison->console->log, "out of memory");
         return false;
     }
     comparison->pair_count = count;
     for (uint32_t i = 0; i < count; i++) {
         struct dumps *dumps = &comparison->pairs[i];
-        *dumps =
-            (struct dumps){.console = comparison->console,
-                           .request = &comparison->request,
-                           .contracts = &comparison->contracts,
-                           .sides = {&comparison->dumps[0], &comparison->dumps[(i + 1) * runs]},
-                           .runs = runs,
-                           .kind = comparison->versions[i + 1] ? MEASURED_DRIFT : MEASURED_BACKENDS,
-                           .several = count > 1};
+        *dumps = (struct dumps){
+            .console = comparison->console,
+            .request = &comparison->request,
+            .contracts = &comparison->contracts,
+            .sides = {&comparison->dumps[0], &comparison->dumps[(i + 1) * runs]},
+            .runs = runs,
+            .several = count > 1,
+            .sheet = {.runs = comparison->options->repeats,
+                      .kind = comparison->versions[i + 1] ? MEASURED_DRIFT : MEASURED_BACKENDS}};
+        comparison->sheets[i] = &dumps->sheet;
         if (!dumps_match(dumps))
             return false;
     }
     return !comparison->options->contracts || read_contracts(comparison);
 }
 
+static bool write_page(const struct comparison *comparison)
+{
+    char *path = format_string("%s/index.html", comparison->options->html);
+    cJSON *page = cJSON_CreateObject();
+    cJSON_AddStringToObject(page, "pipeline", "Dumps");
+    sheets_page(page, comparison->sheets, comparison->pair_count);
+    bool good = path && fill_page(comparison->console, "compare.html", path, page);
+    cJSON_Delete(page);
+    free(path);
+    return good;
+}
+
 static bool write_files(const struct comparison *comparison)
 {
     const struct options *options = comparison->options;
-    struct measured *measured = calloc(comparison->pair_count + 1, sizeof *measured);
-    bool good = measured;
-    for (uint32_t i = 0; good && i < comparison->pair_count; i++)
-        measured[i] = comparison->pairs[i].measured;
-    if (!good)
-        report_error(&comparison->console->log, "out of memory");
-    good = good && (!options->html || dumps_html(comparison->pairs, comparison->pair_count)) &&
-           (!options->junit || dumps_junit(comparison->pairs, comparison->pair_count)) &&
-           (!options->write_contracts ||
-            measured_write(measured, comparison->pair_count, options->write_contracts,
-                           comparison->console));
-    free(measured);
+    const struct sheet *const *sheets = comparison->sheets;
+    struct console *console = comparison->console;
+    uint32_t count = comparison->pair_count;
+    bool good = (!options->html || write_page(comparison)) &&
+                (!options->junit || sheets_junit(NULL, sheets, count, options->junit, console)) &&
+                (!options->write_contracts ||
+                 measured_write(sheets, count, options->write_contracts, console));
+    if (good && options->json)
+        sheets_json(console->result = cJSON_CreateObject(), sheets, count);
     return good;
 }
 
@@ -234,6 +248,7 @@ static void release(struct comparison *comparison)
     for (uint32_t i = 0; i < comparison->pair_count; i++)
         dumps_free(&comparison->pairs[i]);
     free(comparison->pairs);
+    free(comparison->sheets);
     for (uint32_t i = 0; i < comparison->sides * comparison->runs; i++) {
         if (comparison->dumps)
             theirs_close(&comparison->dumps[i]);
@@ -253,7 +268,6 @@ int compare_dumps(struct console *console, const struct options *options)
                                     .options = options,
                                     .request = {.pictures = options->pictures,
                                                 .html = options->html,
-                                                .junit = options->junit,
                                                 .run_second = options->run_second,
                                                 .measures = options->repeats},
                                     .sides = options->dumps.count,
@@ -264,14 +278,12 @@ int compare_dumps(struct console *console, const struct options *options)
     bool good = open_all(&comparison) && tell_apart(&comparison) && pair_up(&comparison);
     for (uint32_t i = 0; i < comparison.pair_count && good; i++) {
         good = dumps_compare(&comparison.pairs[i]);
-        const struct dumps *dumps = &comparison.pairs[i];
-        differ |= dumps->first || measured_breaks(&dumps->measured);
+        dumps_conclude(&comparison.pairs[i]);
+        differ |= !comparison.pairs[i].sheet.agree;
     }
     for (uint32_t i = 0; i < comparison.pair_count && good; i++)
         dumps_print(&comparison.pairs[i]);
     good = good && write_files(&comparison);
-    if (good && options->json)
-        console->result = dumps_json(comparison.pairs, comparison.pair_count);
     release(&comparison);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;
 }

@@ -41,30 +41,60 @@ static char *name_of(const struct their_entry *entry)
     return format_string("%s%s%s%s", entry->resource, again, mip, frame);
 }
 
+static bool is_matched(const struct dumps *dumps, const struct their_entry *entry)
+{
+    for (uint32_t i = 0; i < dumps->count; i++)
+        if (dumps->matches[i].sides[1] == entry)
+            return true;
+    return false;
+}
+
+static struct sheet_row row_of(const struct their_entry *entry, const char *name)
+{
+    return (struct sheet_row){.pass = entry->pass,
+                              .name = name,
+                              .resource = &entry->what,
+                              .mip = (int)entry->mip,
+                              .frame = entry->frame,
+                              .verdict = "alone",
+                              .text = "not in the first dump"};
+}
+
+static bool make_match(struct dumps *dumps, struct their_entry *entry)
+{
+    struct match *match = &dumps->matches[dumps->count++];
+    match->sides[0] = entry;
+    match->sides[1] = dumps_partner(dumps->sides[1], entry, 0);
+    match->place = format_string("%s.%s", entry->pass, entry->resource);
+    match->name = name_of(entry);
+    match->row = &dumps->sheet.rows[dumps->sheet.count++];
+    *match->row = row_of(entry, match->name);
+    match->row->key = match->place;
+    return match->place && match->name;
+}
+
 bool dumps_match(struct dumps *dumps)
 {
     struct theirs *first = dumps->sides[0], *second = dumps->sides[1];
-    uint32_t matched = 0;
+    struct sheet *sheet = &dumps->sheet;
     bool good = true;
     dumps->matches = calloc(first->count + 1, sizeof *dumps->matches);
-    for (uint32_t i = 0; dumps->matches && i < first->count; i++) {
-        struct match *match = &dumps->matches[dumps->count++];
-        match->sides[0] = &first->entries[i];
-        match->sides[1] = dumps_partner(second, match->sides[0], 0);
-        match->place = format_string("%s.%s", match->sides[0]->pass, match->sides[0]->resource);
-        match->name = name_of(match->sides[0]);
-        matched += !!match->sides[1];
-        good &= match->place && match->name;
-    }
-    dumps->alone[0] = first->count - matched;
-    dumps->alone[1] = second->count - matched;
+    if (!sheet_begin(sheet, first->count + second->count, &dumps->console->log))
+        return false;
+    for (uint32_t i = 0; dumps->matches && i < first->count; i++)
+        good &= make_match(dumps, &first->entries[i]);
+    for (uint32_t i = 0; dumps->matches && i < second->count; i++)
+        if (!is_matched(dumps, &second->entries[i])) {
+            sheet->rows[sheet->count++] = row_of(&second->entries[i], second->entries[i].resource);
+            sheet->alone++;
+        }
     if (!dumps->matches || !good)
         report_error(&dumps->console->log, "out of memory");
-    else if (!matched)
+    else if (sheet->alone == second->count)
         report_error(&dumps->console->log,
                      "%s, %s: no pass and resource have the same names in both; nothing to compare",
                      first->folder, second->folder);
-    return good && matched;
+    return dumps->matches && good && sheet->alone < second->count;
 }
 
 /* ---- Loading ----------------------------------------------------------------------------------- */
@@ -275,11 +305,12 @@ static char *stem_of(const struct dumps *dumps, const struct match *match)
 static bool draw(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
 {
     struct sheet_files files = {.pictures = dumps->request->pictures, .html = dumps->request->html};
-    if (!sheet_shows(&files, &match->what, &match->difference))
+    struct sheet_row *row = match->row;
+    if (!sheet_shows(&files, &match->what, &row->difference))
         return true;
     char *stem = stem_of(dumps, match);
     files.stem = stem;
-    bool good = stem && sheet_draw(&match->shown, &files, &match->what, &match->difference, copies,
+    bool good = stem && sheet_draw(&row->shown, &files, &match->what, &row->difference, copies,
                                    &dumps->console->log);
     free(stem);
     return good;
@@ -289,14 +320,15 @@ static bool compare_match(struct dumps *dumps, struct match *match)
 {
     const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     struct dt_bytes copies[2];
-    bool good = dumps_load(sides, match, copies, &match->compared);
-    if (good && match->compared)
-        good = dumps_judge(dumps, sides, match, copies, &match->difference) &&
+    struct sheet_row *row = match->row;
+    bool good = dumps_load(sides, match, copies, &row->compared);
+    if (good && row->compared)
+        good = dumps_judge(dumps, sides, match, copies, &row->difference) &&
                draw(dumps, match, copies);
     free(copies[0].data);
     free(copies[1].data);
     if (good && !dumps->first &&
-        (!match->compared || difference_verdict(&match->difference) == VERDICT_DIFFERS))
+        (!row->compared || difference_verdict(&row->difference) == VERDICT_DIFFERS))
         dumps->first = dumps->guilty = match;
     return good;
 }
@@ -344,10 +376,14 @@ bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2
         .labels = {dumps->sides[0]->label, dumps->sides[1]->label},
         .relative = load_relative,
         .user = &asked};
-    if (good && same && !why_find(&match->why, &question)) {
+    struct why why = {0};
+    if (good && same && !why_find(&why, &question)) {
         report_error(&dumps->console->log, "out of memory");
         good = false;
     }
+    if (why.count)
+        why_json(match->row->why = cJSON_CreateObject(), &why);
+    why_free(&why);
     free(copies[0].data);
     free(copies[1].data);
     return good;
@@ -358,7 +394,8 @@ static bool explain(struct dumps *dumps)
     const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     for (uint32_t i = 0; i < dumps->count && dumps->guilty; i++) {
         struct match *match = &dumps->matches[i];
-        if (match->compared && difference_verdict(&match->difference) == VERDICT_DIFFERS &&
+        if (match->row->compared &&
+            difference_verdict(&match->row->difference) == VERDICT_DIFFERS &&
             !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
             match->sides[0]->frame == dumps->guilty->sides[0]->frame &&
             !dumps_ask_why(dumps, sides, match))
@@ -384,10 +421,8 @@ void dumps_free(struct dumps *dumps)
         free(match->note);
         free(match->place);
         free(match->name);
-        sheet_free_shown(&match->shown);
-        why_free(&match->why);
     }
     free(dumps->matches);
-    free(dumps->measured.rows);
+    sheet_free(&dumps->sheet);
     *dumps = (struct dumps){0};
 }

@@ -1,5 +1,4 @@
-/* Results of `compare A B`: dumps of two renderers. dumps.c fills them, dumps_print.c prints them and
- * makes JSON, page and XML. */
+/* Results of `compare A B`: dumps of two renderers. dumps.c fills them, dumps_print.c prints them. */
 #ifndef DIPTYCH_DUMPS_H
 #define DIPTYCH_DUMPS_H
 
@@ -14,23 +13,17 @@ struct match {
     struct their_entry *sides[2]; /* sides[1] NULL: it has no partner */
     char *place;                  /* PASS.RESOURCE; owned */
     char *name;                   /* of the resource, with mip and frame; owned */
-    bool compared;
     char *note; /* what was converted, or why nothing could be compared; owned; may be NULL */
     struct dt_resource what; /* both copies' common form; fields are borrowed of the first */
-    struct difference difference;
-    uint64_t
-        not_finite; /* numbers that are NaN or the same infinity in both copies: they count as equal */
+    uint64_t not_finite;     /* see struct sheet_row */
     const struct kept_contract *kept; /* NULL: the default */
-    struct shown shown;
-    struct why why;        /* of resources of the guilty pass */
-    bool ran;              /* --run: the pass ran again, */
-    struct difference own; /* and this is its own error */
+    struct sheet_row *row;            /* what is shown of it */
+    struct difference own;            /* --run: its own error */
 };
 
 /* What is wanted of a comparison; NULL: nothing. */
 struct dumps_request {
     const char *pictures, *html; /* folders */
-    const char *junit;           /* file */
     const char *run_second;      /* program that runs a pass of the second dump's renderer */
     bool measures;               /* each side has several dumps */
 };
@@ -42,14 +35,12 @@ struct dumps {
     const struct contracts *contracts;
     struct theirs *sides[2]; /* borrowed; with --measure the first of `runs` */
     uint32_t runs;           /* dumps of each side */
-    enum measured_kind kind; /* of the difference */
     bool several;            /* one of several pairs */
     struct match *matches;
     uint32_t count;
-    const struct match *first;  /* that differs; NULL: none */
-    const struct match *guilty; /* the same, or with --run the first with an own error */
-    uint32_t alone[2];          /* entries of each side without a partner */
-    struct measured measured;   /* --measure; rows are owned */
+    struct match *first;  /* that differs; NULL: none */
+    struct match *guilty; /* the same, or with --run the first with an own error */
+    struct sheet sheet;   /* rows of all matches, and of entries that the second side alone has */
 };
 
 /* Brings both copies into one form: fields at the same places, the smaller format, one origin. Fills match->what
@@ -84,13 +75,11 @@ bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2
 
 /* --run: runs the passes that differ on the first side's resources, and finds the guilty one. */
 bool dumps_run(struct dumps *dumps);
-/* --measure: fills dumps->measured. */
+/* --measure: fills the errors of rows. */
 bool dumps_measure(struct dumps *dumps);
 
+/* Fills what the sheet tells when all is known. */
+void dumps_conclude(struct dumps *dumps);
 void dumps_print(const struct dumps *dumps); /* on stdout */
-/* A single pair stands in the root; of several, each in "pairs". */
-struct cJSON *dumps_json(const struct dumps *pairs, uint32_t count);
-bool dumps_html(const struct dumps *pairs, uint32_t count);
-bool dumps_junit(const struct dumps *pairs, uint32_t count);
 
 #endif

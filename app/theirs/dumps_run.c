@@ -97,7 +97,7 @@ static bool judge(const struct rerun *rerun, struct theirs *outputs, struct matc
     good = good && same && dumps_judge(rerun->dumps, sides, match, copies, &match->own);
     free(copies[0].data);
     free(copies[1].data);
-    match->ran = good;
+    match->row->own = good ? &match->own : NULL;
     if (good && difference_verdict(&match->own) == VERDICT_DIFFERS) {
         if (!rerun->dumps->guilty)
             rerun->dumps->guilty = match;
@@ -114,7 +114,7 @@ static bool judge_all(const struct rerun *rerun)
     struct dumps *dumps = rerun->dumps;
     bool good = theirs_open(&outputs, rerun->outputs, &dumps->console->log);
     for (uint32_t i = 0; i < dumps->count && good; i++)
-        if (dumps->matches[i].sides[1] && dumps->matches[i].compared &&
+        if (dumps->matches[i].sides[1] && dumps->matches[i].row->compared &&
             same_pass(&dumps->matches[i], rerun->pass))
             good = judge(rerun, &outputs, &dumps->matches[i]);
     theirs_close(&outputs);
@@ -172,14 +172,15 @@ static bool is_wanted(const struct dumps *dumps, uint32_t index)
             continue;
         if (i < index)
             return false;
-        differs |= match->compared && difference_verdict(&match->difference) == VERDICT_DIFFERS;
+        differs |=
+            match->row->compared && difference_verdict(&match->row->difference) == VERDICT_DIFFERS;
     }
     return differs;
 }
 
 bool dumps_run(struct dumps *dumps)
 {
-    if (!dumps->first->compared)
+    if (!dumps->first->row->compared)
         return true; /* of another size or kind: on any inputs */
     dumps->guilty = NULL;
     for (uint32_t i = 0; i < dumps->count; i++)
