@@ -10,6 +10,7 @@
 #include "base/foreign.h"
 #include "console/texels.h"
 #include "compare/evidence.h"
+#include "result/dump_reader.h"
 
 static const struct dt_log *log_of(const struct evidence_case *evidence)
 {
@@ -152,65 +153,35 @@ static bool read_block(const struct evidence_case *evidence, const char *key, vo
     return data;
 }
 
-/* The entry of a row in the manifest's list, or NULL with an error. */
-static const cJSON *find_entry(const struct evidence_case *evidence, const char *list,
-                               const struct row *row)
+/* The folder's copies of one list of the pass's rows. */
+static bool read_list(const struct evidence_case *evidence, const char *list, const char *key,
+                      const struct row_list *rows, struct dt_bytes **bytes)
 {
-    const char *name = evidence->pipeline.info->resources[row->resource].name;
-    const cJSON *entry = NULL;
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(evidence->manifest, list))
-    {
-        const char *resource = cJSON_GetStringValue(cJSON_GetObjectItem(entry, "resource"));
-        const cJSON *mip = cJSON_GetObjectItem(entry, "mip");
-        if (resource && strcmp(resource, name) == 0 &&
-            (mip ? cJSON_GetNumberValue(mip) : 0) == row->mip)
-            return entry;
+    const struct dump_reader reader = {.folder = evidence->folder,
+                                       .log = log_of(evidence),
+                                       .manifest = evidence->manifest,
+                                       .pipeline = evidence->pipeline.info,
+                                       .size = {evidence->setup.size[0], evidence->setup.size[1]}};
+    const uint32_t *first = &rows->first[evidence->pass];
+    *bytes = calloc(first[1] - first[0] + 1, sizeof **bytes);
+    if (!*bytes)
+        return case_out_of_memory(evidence);
+    for (uint32_t i = first[0]; i < first[1]; i++) {
+        const struct row *row = &rows->list[i];
+        const cJSON *entry = dump_reader_find(&reader, list, NULL, row);
+        if (!dump_reader_load(&reader, entry, key, row, rows == &evidence->rows.inputs,
+                              &(*bytes)[i - first[0]]))
+            return false;
     }
-    report_error(log_of(evidence), "%s/manifest.json: lists no %s under \"%s\", and the pass %s it",
-                 evidence->folder, row->name, list, list[0] == 'i' ? "finds" : "writes");
-    return NULL;
-}
-
-static bool read_row(const struct evidence_case *evidence, const cJSON *entry, const char *key,
-                     const struct row *row, struct dt_bytes *bytes)
-{
-    const struct dt_resource *resource = &evidence->pipeline.info->resources[row->resource];
-    const char *name = read_string(evidence, entry, key);
-    if (!name)
-        return false;
-    resource_extent(evidence->pipeline.info, row->resource, evidence->setup.size, row->mip,
-                    bytes->extent);
-    bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
-    bytes->data = read_exactly(evidence, name, bytes->size);
-    return bytes->data;
+    return true;
 }
 
 static bool read_rows(struct evidence_case *evidence)
 {
-    static const char *const keys[] = {"expected", "actual"};
-    const struct row_list *inputs = &evidence->rows.inputs, *outputs = &evidence->rows.outputs;
-    uint32_t pass = evidence->pass;
-    uint32_t input_count = inputs->first[pass + 1] - inputs->first[pass];
-    uint32_t output_count = outputs->first[pass + 1] - outputs->first[pass];
-    evidence->inputs = calloc(input_count + 1, sizeof *evidence->inputs);
-    evidence->outputs[0] = calloc(output_count + 1, sizeof *evidence->outputs[0]);
-    evidence->outputs[1] = calloc(output_count + 1, sizeof *evidence->outputs[1]);
-    if (!evidence->inputs || !evidence->outputs[0] || !evidence->outputs[1])
-        return case_out_of_memory(evidence);
-    for (uint32_t i = 0; i < input_count; i++) {
-        const struct row *row = &inputs->list[inputs->first[pass] + i];
-        const cJSON *entry = find_entry(evidence, "inputs", row);
-        if (!entry || !read_row(evidence, entry, "file", row, &evidence->inputs[i]))
-            return false;
-    }
-    for (uint32_t i = 0; i < output_count; i++) {
-        const struct row *row = &outputs->list[outputs->first[pass] + i];
-        const cJSON *entry = find_entry(evidence, "outputs", row);
-        for (int side = 0; side < 2; side++)
-            if (!entry || !read_row(evidence, entry, keys[side], row, &evidence->outputs[side][i]))
-                return false;
-    }
-    return true;
+    const struct rows *rows = &evidence->rows;
+    return read_list(evidence, "inputs", "file", &rows->inputs, &evidence->inputs) &&
+           read_list(evidence, "outputs", "expected", &rows->outputs, &evidence->outputs[0]) &&
+           read_list(evidence, "outputs", "actual", &rows->outputs, &evidence->outputs[1]);
 }
 
 /* ---- The scene ------------------------------------------------------------------------------- */

@@ -53,45 +53,32 @@ void dump_reader_close(struct dump_reader *reader)
 
 /* ---- Finding --------------------------------------------------------------------------------- */
 
-static bool is_entry_of(const cJSON *entry, const struct dt_resource *resource, uint32_t mip)
+const cJSON *dump_reader_find(const struct dump_reader *reader, const char *list, const char *pass,
+                              const struct row *row)
 {
-    const char *name = manifest_text(entry, "resource");
-    const cJSON *number = cJSON_GetObjectItem(entry, "mip");
-    return name && strcmp(name, resource->name) == 0 &&
-           (cJSON_IsNumber(number) ? cJSON_GetNumberValue(number) : 0) == mip;
-}
-
-/* The entry of a resource after the pass, or NULL. */
-static const cJSON *find_after(const struct dump_reader *reader, uint32_t pass,
-                               const struct row *row)
-{
-    const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
+    const char *resource = reader->pipeline->resources[row->resource].name;
     const cJSON *entry;
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(reader->manifest, "entries"))
+    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(reader->manifest, list))
     {
-        const char *name = manifest_text(entry, "pass");
-        if (name && strcmp(name, reader->pipeline->passes[pass].name) == 0 &&
-            is_entry_of(entry, resource, row->mip))
+        const char *name = manifest_text(entry, "resource"), *after = manifest_text(entry, "pass");
+        const cJSON *mip = cJSON_GetObjectItem(entry, "mip");
+        if (name && !strcmp(name, resource) && (!pass || (after && !strcmp(after, pass))) &&
+            (cJSON_IsNumber(mip) ? cJSON_GetNumberValue(mip) : 0) == row->mip)
             return entry;
     }
     return NULL;
 }
 
-/* The entry of the last earlier pass that wrote the resource, else its history; or NULL. */
-static const cJSON *find_before(const struct dump_reader *reader, const struct row *row)
+/* The entry of the pass, or of the last earlier one that wrote the resource, else its history; or NULL. */
+static const cJSON *find_entry(const struct dump_reader *reader, const struct row *row, bool before)
 {
-    const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
+    const struct dt_pass *passes = reader->pipeline->passes;
+    if (!before)
+        return dump_reader_find(reader, "entries", passes[row->pass].name, row);
     const cJSON *entry = NULL;
     for (uint32_t pass = row->pass; pass-- > 0 && !entry;)
-        entry = find_after(reader, pass, row);
-    if (entry)
-        return entry;
-    cJSON_ArrayForEach(entry, cJSON_GetObjectItem(reader->manifest, "history"))
-    {
-        if (is_entry_of(entry, resource, row->mip))
-            return entry;
-    }
-    return NULL;
+        entry = dump_reader_find(reader, "entries", passes[pass].name, row);
+    return entry ? entry : dump_reader_find(reader, "history", NULL, row);
 }
 
 /* ---- Reading --------------------------------------------------------------------------------- */
@@ -117,20 +104,11 @@ static bool check_entry(const struct dump_reader *reader, const cJSON *entry, co
     return !wrong;
 }
 
-static bool read_dump_file(struct dump_reader *reader, const char *name, struct dt_bytes *bytes)
-{
-    free(reader->data);
-    reader->data = foreign_read_exactly(reader->folder, name, bytes->size, reader->log);
-    bytes->data = reader->data;
-    return reader->data;
-}
-
-bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
-                      struct dt_bytes *bytes)
+bool dump_reader_load(const struct dump_reader *reader, const cJSON *entry, const char *key,
+                      const struct row *row, bool before, struct dt_bytes *bytes)
 {
     const struct dt_resource *resource = &reader->pipeline->resources[row->resource];
-    const cJSON *entry = before ? find_before(reader, row) : find_after(reader, row->pass, row);
-    const char *name = manifest_text(entry, "file");
+    const char *name = manifest_text(entry, key);
     *bytes = (struct dt_bytes){0};
     resource_extent(reader->pipeline, row->resource, reader->size, row->mip, bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
@@ -140,5 +118,18 @@ bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool be
                      reader->pipeline->passes[row->pass].name);
         return false;
     }
-    return check_entry(reader, entry, row, bytes->extent) && read_dump_file(reader, name, bytes);
+    if (!check_entry(reader, entry, row, bytes->extent))
+        return false;
+    bytes->data = foreign_read_exactly(reader->folder, name, bytes->size, reader->log);
+    return bytes->data;
+}
+
+bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
+                      struct dt_bytes *bytes)
+{
+    free(reader->data);
+    bool good =
+        dump_reader_load(reader, find_entry(reader, row, before), "file", row, before, bytes);
+    reader->data = bytes->data;
+    return good;
 }

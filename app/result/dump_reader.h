@@ -1,4 +1,4 @@
-/* Reads a folder of render --dump as one side of a comparison. */
+/* Reads rows of folders of render --dump, and of evidence, whose entries have the same keys. */
 #ifndef DIPTYCH_DUMP_READER_H
 #define DIPTYCH_DUMP_READER_H
 
@@ -25,6 +25,12 @@ bool dump_reader_open(struct dump_reader *reader, const char *folder, const stru
  * with the pipeline is an error. */
 bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool before,
                       struct dt_bytes *bytes);
+/* The entry of a row in a list of the manifest; `pass` NULL: entries name none. NULL: there is none. */
+const cJSON *dump_reader_find(const struct dump_reader *reader, const char *list, const char *pass,
+                              const struct row *row);
+/* The same content of an entry, whose file has that key; free(bytes->data). An entry of NULL is an error. */
+bool dump_reader_load(const struct dump_reader *reader, const cJSON *entry, const char *key,
+                      const struct row *row, bool before, struct dt_bytes *bytes);
 void dump_reader_close(struct dump_reader *reader); /* takes a zeroed one */
 
 #endif

@@ -60,27 +60,42 @@ static void move_field(const struct dt_field *from, const struct dt_field *to, u
                    source + i * from_stride + from->offset + k * from->array_stride, size);
 }
 
+/* Brings a copy into another layout. False: *missing is a field without an equal, or NULL when out of memory. */
+static bool to_layout(struct dt_bytes *bytes, const struct dt_resource *from,
+                      const struct dt_resource *to, const char **missing)
+{
+    uint8_t *moved = calloc(bytes->extent[0], to->stride);
+    bool good = moved;
+    *missing = NULL;
+    for (uint32_t i = 0; i < to->field_count && good; i++) {
+        const struct dt_field *field = &to->fields[i];
+        const struct dt_field *source = find_their_field(from, field->name);
+        good = source && source->type == field->type && source->array_count == field->array_count;
+        if (good)
+            move_field(source, field, from->stride, to->stride, bytes->extent[0], bytes->data,
+                       moved);
+        else
+            *missing = field->name;
+    }
+    free(good ? bytes->data : moved);
+    if (good) {
+        bytes->data = moved;
+        bytes->size = (size_t)bytes->extent[0] * to->stride;
+    }
+    return good;
+}
+
 static bool convert_buffers(struct match *match, struct dt_bytes copies[2])
 {
     const struct dt_resource *a = &match->sides[0]->what, *b = &match->sides[1]->what;
+    const char *missing;
     match->what = *a;
     if (same_layout(a, b))
         return true;
-    uint8_t *moved = calloc(copies[1].extent[0], a->stride);
-    if (!moved)
-        return refuse(match, NULL);
-    for (uint32_t i = 0; i < a->field_count; i++) {
-        const struct dt_field *to = &a->fields[i], *from = find_their_field(b, to->name);
-        if (!from || from->type != to->type || from->array_count != to->array_count) {
-            free(moved);
-            return refuse(match,
-                          format_string("field \"%s\" has no equal in the second dump", to->name));
-        }
-        move_field(from, to, b->stride, a->stride, copies[1].extent[0], copies[1].data, moved);
-    }
-    free(copies[1].data);
-    copies[1].data = moved;
-    copies[1].size = (size_t)copies[1].extent[0] * a->stride;
+    if (!to_layout(&copies[1], b, a, &missing))
+        return refuse(
+            match, missing ? format_string("field \"%s\" has no equal in the second dump", missing)
+                           : NULL);
     add_note(match, format_string("fields matched by name: %u and %u bytes from element to element",
                                   a->stride, b->stride));
     return true;
@@ -235,35 +250,18 @@ bool dumps_convert(struct match *match, struct dt_bytes copies[2])
 
 /* ---- One copy ---------------------------------------------------------------------------------- */
 
-static const char *buffer_into(const struct their_entry *from, const struct their_entry *to,
-                               struct dt_bytes *bytes)
-{
-    uint8_t *moved = calloc(bytes->extent[0], to->what.stride);
-    const char *reason = moved ? NULL : "out of memory";
-    for (uint32_t i = 0; i < to->what.field_count && !reason; i++) {
-        const struct dt_field *field = &to->what.fields[i];
-        const struct dt_field *source = find_their_field(&from->what, field->name);
-        if (!source || source->type != field->type || source->array_count != field->array_count)
-            reason = "a field has no equal in the first dump";
-        else
-            move_field(source, field, from->what.stride, to->what.stride, bytes->extent[0],
-                       bytes->data, moved);
-    }
-    free(reason ? moved : bytes->data);
-    if (!reason) {
-        bytes->data = moved;
-        bytes->size = (size_t)bytes->extent[0] * to->what.stride;
-    }
-    return reason;
-}
-
 const char *dumps_into(const struct their_entry *from, const struct their_entry *to,
                        struct dt_bytes *bytes)
 {
     if (from->what.kind != to->what.kind)
         return "a buffer here, an image there";
+    const char *missing;
     if (to->what.kind == DT_BUFFER)
-        return same_layout(&from->what, &to->what) ? NULL : buffer_into(from, to, bytes);
+        return same_layout(&from->what, &to->what) ||
+                       to_layout(bytes, &from->what, &to->what, &missing)
+                   ? NULL
+               : missing ? "a field has no equal in the first dump"
+                         : "out of memory";
     const struct format_info *source = format_info(from->what.format);
     const struct format_info *target = format_info(to->what.format);
     if (from->what.format != to->what.format &&
