@@ -1,56 +1,17 @@
 /* All checks before planning; called by load.c and vary.c after read. A check runs also after
  * errors of others, so that a wrong spec gets all its errors at once. */
 #include "checks.h"
-#include "base/nearest.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 #include "check.h"
 
-#define FIND(c, array, number, name)                                                               \
-    do {                                                                                           \
-        for (uint32_t i = 0; i < (c)->pipeline->number; i++)                                       \
-            if (!strcmp((c)->pipeline->array[i].name, name))                                       \
-                return &(c)->pipeline->array[i];                                                   \
-        return NULL;                                                                               \
-    } while (0)
-
-struct resource *find_resource(const struct checker *c, const char *name)
-{
-    FIND(c, resources, resource_count, name);
-}
-
-struct structure *find_struct(const struct checker *c, const char *name)
-{
-    FIND(c, structs, struct_count, name);
-}
-
-struct sampler *find_sampler(const struct checker *c, const char *name)
-{
-    FIND(c, samplers, sampler_count, name);
-}
-
-struct metric *find_metric(const struct checker *c, const char *name)
-{
-    FIND(c, metrics, metric_count, name);
-}
-
-struct interleave *find_interleave(const struct checker *c, const char *name)
-{
-    FIND(c, interleaves, interleave_count, name);
-}
-
-struct pass *find_pass(const struct checker *c, const char *name)
-{
-    FIND(c, passes, pass_count, name);
-}
-
 void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
-                    const char *const *names, size_t count)
+                    unsigned kinds)
 {
     diag_error(c->diag, loc, "no %s `%s`%s", what, name,
-               name_hint('`', name, names, count, "").text);
+               declared_hint(c->pipeline, kinds, name, "").text);
 }
 
 /* Removes a pass's name from every `after`. */

@@ -330,13 +330,6 @@ static bool used_in_passes(const struct checker *c, const char *name)
     return false;
 }
 
-static void warn_unused(struct checker *c, bool used, const char *kind, const char *name,
-                        struct loc loc)
-{
-    if (!used)
-        diag_warning(c->diag, loc, "the %s `%s` is not used", kind, name);
-}
-
 static bool struct_used(const struct checker *c, const struct structure *structure)
 {
     for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
@@ -360,32 +353,26 @@ static void check_metric_fields(struct checker *c, const struct metric *metric)
     }
 }
 
+static bool is_used(const struct checker *c, enum declared_kind kind, const struct declared *of)
+{
+    if (kind & (DECLARED_PARAM | DECLARED_CONSTANT))
+        return in_expressions(c, of->name) || in_bodies(c, of->name);
+    if (kind == DECLARED_STRUCT)
+        return struct_used(c, (const struct structure *)of);
+    if (kind & DECLARED_RESOURCE)
+        return accessed(c, (const struct resource *)of);
+    return used_in_passes(c, of->name);
+}
+
 void check_unused(struct checker *c)
 {
-    const struct pipeline *p = c->pipeline;
-    for (uint32_t i = 0; i < p->param_count; i++)
-        warn_unused(c, in_expressions(c, p->params[i].name) || in_bodies(c, p->params[i].name),
-                    "parameter", p->params[i].name, p->params[i].loc);
-    for (uint32_t i = 0; i < p->constant_count; i++)
-        warn_unused(c,
-                    in_expressions(c, p->constants[i].name) || in_bodies(c, p->constants[i].name),
-                    "constant", p->constants[i].name, p->constants[i].loc);
-    for (uint32_t i = 0; i < p->struct_count; i++)
-        warn_unused(c, struct_used(c, &p->structs[i]), "struct", p->structs[i].name,
-                    p->structs[i].loc);
-    for (uint32_t i = 0; i < p->resource_count; i++)
-        warn_unused(c, accessed(c, &p->resources[i]),
-                    p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].name,
-                    p->resources[i].loc);
-    for (uint32_t i = 0; i < p->sampler_count; i++)
-        warn_unused(c, used_in_passes(c, p->samplers[i].name), "sampler", p->samplers[i].name,
-                    p->samplers[i].loc);
-    for (uint32_t i = 0; i < p->metric_count; i++) {
-        warn_unused(c, used_in_passes(c, p->metrics[i].name), "metric", p->metrics[i].name,
-                    p->metrics[i].loc);
-        check_metric_fields(c, &p->metrics[i]);
+    enum declared_kind kind;
+    const struct declared *of;
+    for (size_t i = 0; (of = declared_at(c->pipeline, i, &kind)) && kind != DECLARED_PASS; i++) {
+        if (!is_used(c, kind, of))
+            diag_warning(c->diag, of->loc, "the %s `%s` is not used", declared_word(kind),
+                         of->name);
+        if (kind == DECLARED_METRIC)
+            check_metric_fields(c, (const struct metric *)of);
     }
-    for (uint32_t i = 0; i < p->interleave_count; i++)
-        warn_unused(c, used_in_passes(c, p->interleaves[i].name), "interleave",
-                    p->interleaves[i].name, p->interleaves[i].loc);
 }

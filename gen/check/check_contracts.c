@@ -7,15 +7,6 @@
 #include "read/table.h"
 #include "base/nearest.h"
 
-static const char *type_text(struct checker *c, enum dt_type type)
-{
-    const char *at = table_find(SECTION_STRUCT, "*")->choices;
-    for (int skip = (int)type; skip > 0; skip--)
-        at = strchr(at, '|') + 1;
-    const char *text = arena_strndup(c->model->arena, at, strcspn(at, "|"));
-    return text ? text : "?";
-}
-
 static bool is_integer(enum dt_type type)
 {
     return type >= DT_TYPE_INT && type <= DT_TYPE_BOOL;
@@ -45,7 +36,7 @@ static void check_flips(struct checker *c, const struct resource *resource)
         if (is_integer(field->type))
             continue;
         diag_error(c->diag, loc, "`flips` is for integers; `%s.%s` is %s", resource->name,
-                   field->name, type_text(c, field->type));
+                   field->name, type_info(field->type)->name);
         return;
     }
 }
@@ -56,26 +47,15 @@ static struct resource *find_margin(struct checker *c, const struct contract *co
 {
     const struct pipeline *p = c->pipeline;
     const char *name = contract->margin, *dot = strrchr(name, '.');
-    if (dot && !find_resource(c, name)) /* NAME.FIELD; an instance's name has dots, too */
+    /* NAME.FIELD; an instance's name has dots, too */
+    if (dot && !declared_find(p, DECLARED_RESOURCE, name))
         name = arena_strndup(c->model->arena, name, (size_t)(dot - name));
-    struct resource *margin = name ? find_resource(c, name) : NULL;
-    if (margin && margin->kind == DT_BUFFER)
-        return margin;
-    if (margin) {
+    struct resource *margin = name ? declared_find(p, DECLARED_BUFFER, name) : NULL;
+    if (name && declared_find(p, DECLARED_IMAGE, name))
         diag_error(c->diag, contract->margin_loc, "`%s` is an image, not a buffer", name);
-        return NULL;
-    }
-    size_t count = 0;
-    const char **names = arena_alloc(c->model->arena, (p->resource_count + 1) * sizeof *names);
-    if (!names || !name) {
-        c->out_of_memory = true;
-        return NULL;
-    }
-    for (uint32_t i = 0; i < p->resource_count; i++)
-        if (p->resources[i].kind == DT_BUFFER)
-            names[count++] = p->resources[i].name;
-    report_missing(c, contract->margin_loc, "buffer", name, names, count);
-    return NULL;
+    else if (name && !margin)
+        report_missing(c, contract->margin_loc, "buffer", name, DECLARED_BUFFER);
+    return margin;
 }
 
 /* Index of the struct's field with that name; -1 after an error. */
@@ -125,7 +105,7 @@ static int margin_field(struct checker *c, const struct resource *margin,
     if (type == DT_TYPE_FLOAT && !array)
         return field;
     diag_error(c->diag, contract->margin_loc, "a margin is a float; `%s` is %s%s", contract->margin,
-               array ? "an array of " : "", type_text(c, type));
+               array ? "an array of " : "", type_info(type)->name);
     return -1;
 }
 

@@ -173,15 +173,10 @@ static void check_member(struct checker *c, const char *name, struct loc loc)
 /* ---- Declarations ---------------------------------------------------------------------------- */
 
 struct declaration {
-    const char *name, *kind;
+    const char *name, *word; /* as declared; as bodies and C see it: see word_of */
+    enum declared_kind kind;
     struct loc loc;
 };
-
-static void declare(struct declaration *list, size_t *count, const char *name, const char *kind,
-                    struct loc loc)
-{
-    list[(*count)++] = (struct declaration){name, kind, loc};
-}
 
 /* The name of an instance's entry as bodies and C see it: second_views. */
 static const char *word_of(struct checker *c, const char *name)
@@ -196,27 +191,12 @@ static const char *word_of(struct checker *c, const char *name)
     return name ? name : "?";
 }
 
-/* Everything that shares one scope in the generated GLSL. */
-static size_t collect(struct checker *c, struct declaration *list)
+static void collect(struct checker *c, struct declaration *list)
 {
-    const struct pipeline *p = c->pipeline;
-    size_t count = 0;
-    for (uint32_t i = 0; i < p->param_count; i++)
-        declare(list, &count, p->params[i].name, "parameter", p->params[i].loc);
-    for (uint32_t i = 0; i < p->constant_count; i++)
-        declare(list, &count, word_of(c, p->constants[i].name), "constant", p->constants[i].loc);
-    for (uint32_t i = 0; i < p->struct_count; i++)
-        declare(list, &count, p->structs[i].name, "struct", p->structs[i].loc);
-    for (uint32_t i = 0; i < p->resource_count; i++)
-        declare(list, &count, word_of(c, p->resources[i].name),
-                p->resources[i].kind == DT_IMAGE ? "image" : "buffer", p->resources[i].loc);
-    for (uint32_t i = 0; i < p->sampler_count; i++)
-        declare(list, &count, p->samplers[i].name, "sampler", p->samplers[i].loc);
-    for (uint32_t i = 0; i < p->metric_count; i++)
-        declare(list, &count, p->metrics[i].name, "metric", p->metrics[i].loc);
-    for (uint32_t i = 0; i < p->interleave_count; i++)
-        declare(list, &count, p->interleaves[i].name, "interleave", p->interleaves[i].loc);
-    return count;
+    struct declared *of;
+    enum declared_kind kind;
+    for (size_t i = 0; (of = declared_at(c->pipeline, i, &kind)); i++)
+        list[i] = (struct declaration){of->name, word_of(c, of->name), kind, of->loc};
 }
 
 static bool comes_before(struct loc a, struct loc b)
@@ -229,8 +209,11 @@ static void report_twice(struct checker *c, const struct declaration *a,
 {
     const struct declaration *first = comes_before(b->loc, a->loc) ? b : a,
                              *second = first == a ? b : a;
-    diag_error(c->diag, second->loc, "the %s `%s` has the same name as a %s; rename one",
-               second->kind, second->name, first->kind);
+    if (second->kind == DECLARED_PASS)
+        diag_error(c->diag, second->loc, "two passes are named `%s`", second->name);
+    else
+        diag_error(c->diag, second->loc, "the %s `%s` has the same name as a %s; rename one",
+                   declared_word(second->kind), second->word, declared_word(first->kind));
     diag_note(c->diag, first->loc, "first here");
 }
 
@@ -238,29 +221,33 @@ static void report_twice(struct checker *c, const struct declaration *a,
 static void check_derived(struct checker *c, const struct declaration *list, size_t count,
                           const struct declaration *of)
 {
-    static const char *const suffixes[] = {
-        "_count", "_size",    "_store", "_sample", "_sample_lod", "_compare",    "_texture",
-        "_tile",  "_classes", "_class", "_split",  "_gather",     "_class_size", "_index"};
-    size_t length = strlen(of->name);
-    bool plain = !strcmp(of->kind, "parameter") || !strcmp(of->kind, "constant") ||
-                 !strcmp(of->kind, "struct");
-    for (size_t i = 0; !plain && i < count; i++) {
-        const char *name = list[i].name;
+    static const struct {
+        unsigned kinds;
+        const char *suffix;
+    } derived[] = {{DECLARED_BUFFER | DECLARED_SAMPLER, "_count"},
+                   {DECLARED_IMAGE, "_size"},
+                   {DECLARED_IMAGE, "_store"},
+                   {DECLARED_IMAGE, "_sample"},
+                   {DECLARED_IMAGE, "_sample_lod"},
+                   {DECLARED_IMAGE, "_compare"},
+                   {DECLARED_IMAGE, "_texture"},
+                   {DECLARED_INTERLEAVE, "_tile"},
+                   {DECLARED_INTERLEAVE, "_classes"},
+                   {DECLARED_INTERLEAVE, "_class"},
+                   {DECLARED_INTERLEAVE, "_split"},
+                   {DECLARED_INTERLEAVE, "_gather"},
+                   {DECLARED_INTERLEAVE, "_class_size"}};
+    size_t length = strlen(of->word);
+    for (size_t i = 0; i < count; i++) {
+        const char *name = list[i].word;
         if (strncmp(name, of->name, length))
             continue;
-        bool buffer = !strcmp(of->kind, "buffer"), image = !strcmp(of->kind, "image"),
-             sampler = !strcmp(of->kind, "sampler"), interleave = !strcmp(of->kind, "interleave");
-        for (size_t k = 0; k < sizeof suffixes / sizeof *suffixes; k++) {
-            bool applies = k == 0    ? buffer || sampler
-                           : k <= 6  ? image
-                           : k <= 12 ? interleave
-                                     : false;
-            if (applies && !strcmp(name + length, suffixes[k]))
+        for (size_t k = 0; k < DT_ARRAY_COUNT(derived); k++)
+            if ((of->kind & derived[k].kinds) && !strcmp(name + length, derived[k].suffix))
                 diag_error(
                     c->diag, list[i].loc,
                     "`%s` is already a name in pass bodies, made from the %s `%s`; rename one",
-                    name, of->kind, of->name);
-        }
+                    name, declared_word(of->kind), of->word);
     }
 }
 
@@ -269,38 +256,49 @@ static void check_derived(struct checker *c, const struct declaration *list, siz
 /* Parameters, constants, resources and passes become macros and enumerators in capitals, each kind
  * with its own prefix. A vector parameter gives NAME_X, NAME_Y and so on. */
 struct capital {
-    const char *name;
-    char component; /* 0: none */
+    const char *name, *capitals;
+    enum declared_kind kinds; /* of the names with this prefix */
     struct loc loc;
 };
 
-static char last_letter(const struct capital *capital)
+static void add_capital(struct checker *c, struct capital *list, size_t *count,
+                        const struct declared *of, unsigned kinds, const char *component)
 {
-    return capital->component ? capital->component : capital->name[strlen(capital->name) - 1];
+    char *capitals = arena_printf(c->model->arena, "%s%s", word_of(c, of->name), component);
+    for (char *at = capitals; at && *at; at++)
+        *at = (char)toupper((unsigned char)*at);
+    if (capitals)
+        list[(*count)++] = (struct capital){word_of(c, of->name), capitals, kinds, of->loc};
 }
 
-/* Compares NAME, or NAME_x for a component, without case. */
-static bool same_capitals(const struct capital *a, const struct capital *b)
+static size_t collect_capitals(struct checker *c, struct capital *list)
 {
-    size_t length_a = strlen(a->name), length_b = strlen(b->name);
-    size_t total = length_a + (a->component ? 2 : 0);
-    if (total != length_b + (b->component ? 2 : 0) || !total)
-        return false;
-    for (size_t i = 0; i + 1 < total; i++) {
-        int letter_a = i < length_a ? a->name[i] : '_', letter_b = i < length_b ? b->name[i] : '_';
-        if (toupper(letter_a) != toupper(letter_b))
-            return false;
+    static const char *const components[] = {"_x", "_y", "_z", "_w"};
+    static const unsigned prefixes[] = {DECLARED_CONSTANT, DECLARED_RESOURCE, DECLARED_PASS};
+    enum declared_kind kind;
+    struct declared *of;
+    size_t count = 0;
+    for (size_t i = 0; (of = declared_at(c->pipeline, i, &kind)); i++) {
+        uint32_t parts = kind & DECLARED_PARAM ? ((struct param *)of)->components : 0;
+        for (uint32_t k = 0; k < parts && k < DT_ARRAY_COUNT(components); k++)
+            add_capital(c, list, &count, of, DECLARED_PARAM, parts > 1 ? components[k] : "");
+        for (size_t k = 0; k < DT_ARRAY_COUNT(prefixes); k++)
+            if (kind & prefixes[k])
+                add_capital(c, list, &count, of, prefixes[k], "");
     }
-    return toupper(last_letter(a)) == toupper(last_letter(b));
+    return count;
 }
 
 /* Skips identical names, which check_names reports. */
-static void check_capitals(struct checker *c, const struct capital *list, size_t count)
+static void check_capitals(struct checker *c, size_t declarations)
 {
+    struct capital *list = arena_alloc(c->model->arena, (4 * declarations + 1) * sizeof *list);
+    size_t count = list ? collect_capitals(c, list) : 0;
     for (size_t i = 0; i < count; i++)
         for (size_t k = 0; k < i; k++) {
             const struct capital *first = &list[k], *second = &list[i];
-            if (!strcmp(first->name, second->name) || !same_capitals(first, second))
+            if (first->kinds != second->kinds || strcmp(first->capitals, second->capitals) ||
+                !strcmp(first->name, second->name))
                 continue;
             if (comes_before(second->loc, first->loc)) {
                 first = &list[i];
@@ -315,45 +313,12 @@ static void check_capitals(struct checker *c, const struct capital *list, size_t
         }
 }
 
-static void check_all_capitals(struct checker *c)
-{
-    const struct pipeline *p = c->pipeline;
-    size_t most = 4 * p->param_count + p->constant_count + p->resource_count + p->pass_count;
-    struct capital *list = arena_alloc(c->model->arena, (most + 1) * sizeof *list);
-    if (!list) {
-        c->out_of_memory = true;
-        return;
-    }
-    size_t count = 0;
-    for (uint32_t i = 0; i < p->param_count; i++)
-        for (uint32_t k = 0; k < p->params[i].components && k < 4; k++)
-            list[count++] = (struct capital){
-                p->params[i].name, p->params[i].components > 1 ? "xyzw"[k] : 0, p->params[i].loc};
-    check_capitals(c, list, count);
-    count = 0;
-    for (uint32_t i = 0; i < p->constant_count; i++)
-        list[count++] = (struct capital){word_of(c, p->constants[i].name), 0, p->constants[i].loc};
-    check_capitals(c, list, count);
-    count = 0;
-    for (uint32_t i = 0; i < p->resource_count; i++)
-        list[count++] = (struct capital){word_of(c, p->resources[i].name), 0, p->resources[i].loc};
-    check_capitals(c, list, count);
-    count = 0;
-    for (uint32_t i = 0; i < p->pass_count; i++)
-        list[count++] = (struct capital){word_of(c, p->passes[i].name), 0, p->passes[i].loc};
-    check_capitals(c, list, count);
-}
-
 /* The generated C has a struct NAME_live beside `struct NAME_Vpl`. */
-static void check_tag(struct checker *c, const struct structure *structure)
+static void check_structure(struct checker *c, const struct structure *structure)
 {
     if (!strcmp(structure->name, "live"))
         diag_error(c->diag, structure->loc,
                    "`%s` is taken: the generated C has a struct of that name", structure->name);
-}
-
-static void check_fields(struct checker *c, const struct structure *structure)
-{
     for (uint32_t i = 0; i < structure->field_count; i++) {
         check_word(c, structure->fields[i].name, structure->fields[i].loc, true);
         check_member(c, structure->fields[i].name, structure->fields[i].loc);
@@ -367,7 +332,7 @@ static void check_fields(struct checker *c, const struct structure *structure)
 static void check_word_once(struct checker *c, const struct pass *pass, uint32_t index)
 {
     const struct access *access = &pass->accesses[index];
-    const struct resource *resource = find_resource(c, access->name);
+    const struct resource *resource = declared_find(c->pipeline, DECLARED_RESOURCE, access->name);
     bool image = resource && resource->kind == DT_IMAGE;
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *other = &pass->accesses[i];
@@ -395,25 +360,26 @@ static void check_defines(struct checker *c, const struct pass *pass, struct dec
                           size_t count)
 {
     for (uint32_t i = 0; i < pass->define_count; i++) {
-        const struct declaration macro = {pass->defines[i].name, "", pass->defines[i].loc};
-        check_word(c, macro.name, macro.loc, false);
+        const char *name = pass->defines[i].name;
+        const struct declaration macro = {name, name, 0, pass->defines[i].loc};
+        check_word(c, name, macro.loc, false);
         for (size_t k = 0; k < count; k++) {
             check_derived(c, &macro, 1, &list[k]);
-            if (strcmp(list[k].name, macro.name))
+            if (strcmp(list[k].word, name))
                 continue;
-            diag_error(c->diag, macro.loc, "`%s` is already a %s; choose an unused name",
-                       macro.name, list[k].kind);
+            diag_error(c->diag, macro.loc, "`%s` is already a %s; choose an unused name", name,
+                       declared_word(list[k].kind));
             diag_note(c->diag, list[k].loc, "declared here");
         }
         for (uint32_t k = 0; k < pass->range_count; k++)
-            if (!strcmp(pass->ranges[k].name, macro.name))
-                diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", macro.name,
+            if (!strcmp(pass->ranges[k].name, name))
+                diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", name,
                            pass->name);
         for (uint32_t s = 0; !pass->defines[i].word && s < c->pipeline->struct_count; s++)
             for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
-                if (!strcmp(c->pipeline->structs[s].fields[k].name, macro.name))
+                if (!strcmp(c->pipeline->structs[s].fields[k].name, name))
                     diag_error(c->diag, macro.loc,
-                               "`%s` is a field of `%s`, which the macro would replace", macro.name,
+                               "`%s` is a field of `%s`, which the macro would replace", name,
                                c->pipeline->structs[s].name);
     }
 }
@@ -426,22 +392,26 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
     size_t all = count;
     for (uint32_t i = 0; i < pass->access_count; i++) {
         const struct access *access = &pass->accesses[i];
-        const struct resource *resource = find_resource(c, access->name);
+        const struct resource *resource =
+            declared_find(c->pipeline, DECLARED_RESOURCE, access->name);
         if (!access->as || !strcmp(access->as, word_of(c, access->name)))
             continue;
         check_word(c, access->as, access->as_loc, false);
         check_word_once(c, pass, i);
         for (size_t k = 0; k < count; k++)
-            if (!strcmp(list[k].name, access->as)) {
+            if (!strcmp(list[k].word, access->as)) {
                 diag_error(c->diag, access->as_loc,
                            "`%s` is already a %s; choose an unused name for `as`", access->as,
-                           list[k].kind);
+                           declared_word(list[k].kind));
                 diag_note(c->diag, list[k].loc, "declared here");
             }
         for (size_t k = 0; k < count; k++)
-            check_derived(c, &(struct declaration){access->as, "", access->as_loc}, 1, &list[k]);
-        declare(list, &all, access->as,
-                resource && resource->kind == DT_BUFFER ? "buffer" : "image", access->as_loc);
+            check_derived(c, &(struct declaration){access->as, access->as, 0, access->as_loc}, 1,
+                          &list[k]);
+        list[all++] = (struct declaration){access->as, access->as,
+                                           resource && resource->kind == DT_BUFFER ? DECLARED_BUFFER
+                                                                                   : DECLARED_IMAGE,
+                                           access->as_loc};
         unsigned errors = diag_error_count(c->diag);
         check_derived(c, list, all - 1, &list[all - 1]);
         if (diag_error_count(c->diag) > errors)
@@ -451,143 +421,79 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
     check_defines(c, pass, list, all);
 }
 
-/* As bodies and C see them; see word_of. */
-static bool same_identifier(const char *a, const char *b)
-{
-    while (*a && (*a == '.' ? '_' : *a) == (*b == '.' ? '_' : *b)) {
-        a++;
-        b++;
-    }
-    return !*a && !*b;
-}
-
-static void check_pass_names(struct checker *c)
-{
-    struct pipeline *p = c->pipeline;
-    for (uint32_t i = 0; i < p->pass_count; i++) {
-        const char *word = word_of(c, p->passes[i].name);
-        check_word(c, word, p->passes[i].loc, true);
-        for (uint32_t k = 0; k < i; k++)
-            if (same_identifier(p->passes[k].name, p->passes[i].name) && strcmp(word, "?")) {
-                diag_error(c->diag, p->passes[i].loc, "two passes are named `%s`",
-                           p->passes[i].name);
-                diag_note(c->diag, p->passes[k].loc, "first here");
-                break;
-            }
-    }
-}
-
 void check_names(struct checker *c)
 {
     const struct pipeline *p = c->pipeline;
-    size_t most = p->param_count + p->constant_count + p->struct_count + p->resource_count +
-                  p->sampler_count + p->metric_count + p->interleave_count;
-    size_t words = 0; /* most accesses of one pass */
+    enum declared_kind kind;
+    size_t all = 0, words = 0; /* most accesses of one pass */
+    while (declared_at(p, all, &kind))
+        all++;
     for (uint32_t i = 0; i < p->pass_count; i++)
         words = p->passes[i].access_count > words ? p->passes[i].access_count : words;
-    struct declaration *list = calloc(most + words + 1, sizeof *list);
-    if (!list) {
-        c->out_of_memory = true;
+    struct declaration *list = arena_alloc(c->model->arena, (all + words + 1) * sizeof *list);
+    if (!list)
         return;
-    }
-    size_t count = collect(c, list);
+    collect(c, list);
+    size_t count = all - p->pass_count; /* passes have a scope of their own */
     if (p->name)
         check_word(c, p->name, p->loc, true);
-    for (size_t i = 0; i < count; i++) {
-        check_word(c, list[i].name, list[i].loc, false);
+    for (size_t i = 0; i < all; i++) {
+        check_word(c, list[i].word, list[i].loc, i >= count);
         check_derived(c, list, count, &list[i]);
-        for (size_t k = 0; k < i; k++)
-            if (!strcmp(list[i].name, list[k].name)) {
+        for (size_t k = i < count ? 0 : count; k < i; k++)
+            if (!strcmp(list[i].word, list[k].word)) {
                 report_twice(c, &list[k], &list[i]);
                 break;
             }
     }
     for (uint32_t i = 0; i < p->param_count; i++)
         check_member(c, p->params[i].name, p->params[i].loc);
-    for (uint32_t i = 0; i < p->struct_count; i++) {
-        check_fields(c, &p->structs[i]);
-        check_tag(c, &p->structs[i]);
-    }
-    check_pass_names(c);
+    for (uint32_t i = 0; i < p->struct_count; i++)
+        check_structure(c, &p->structs[i]);
     for (uint32_t i = 0; i < p->pass_count; i++)
         check_words(c, &p->passes[i], list, count);
-    check_all_capitals(c);
-    free(list);
+    check_capitals(c, all);
 }
 
 /* ---- References ------------------------------------------------------------------------------ */
 
-const char *const scene_resources[SCENE_RESOURCES] = {
-    "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
-
 static void report_unknown_resource(struct checker *c, struct loc loc, const char *what,
-                                    const char *name, int kind)
+                                    const char *name, unsigned kinds)
 {
-    const struct pipeline *p = c->pipeline;
-    const char **names =
-        arena_alloc(c->model->arena, (p->resource_count + SCENE_RESOURCES + 1) * sizeof *names);
-    size_t count = 0;
-    if (find_sampler(c, name) || find_metric(c, name) || find_interleave(c, name)) {
+    if (declared_find(c->pipeline, DECLARED_FUNCTION, name))
         diag_error(c->diag, loc, "`%s` is no buffer or image; list it in `uses`", name);
-        return;
-    }
-    if (kind >= 0 && find_resource(c, name)) {
+    else if (declared_find(c->pipeline, DECLARED_RESOURCE & ~kinds, name))
         diag_error(c->diag, loc, "`%s` is %s, not %s", name,
-                   kind == DT_IMAGE ? "a buffer" : "an image",
-                   kind == DT_IMAGE ? "an image" : "a buffer");
-        return;
-    }
-    for (uint32_t i = 0; names && i < p->resource_count; i++)
-        if (kind < 0 || (int)p->resources[i].kind == kind)
-            names[count++] = p->resources[i].name;
-    for (int i = 0; names && kind < 0 && i < SCENE_RESOURCES; i++)
-        names[count++] = scene_resources[i];
-    report_missing(c, loc, what, name, names, count);
+                   kinds & DECLARED_IMAGE ? "a buffer" : "an image",
+                   kinds & DECLARED_IMAGE ? "an image" : "a buffer");
+    else
+        report_missing(c, loc, what, name, kinds);
 }
 
 static void resolve_element(struct checker *c, struct resource *buffer)
 {
-    const char *types = table_find(SECTION_STRUCT, "*")->choices;
     if (!buffer->of)
         return;
-    buffer->structure = find_struct(c, buffer->of);
-    int type = table_choice(types, buffer->of);
-    if (buffer->structure)
-        return;
-    if (type >= 0 && type != DT_TYPE_BOOL) {
+    buffer->structure = declared_find(c->pipeline, DECLARED_STRUCT, buffer->of);
+    int type = table_choice(table_find(SECTION_STRUCT, "*")->choices, buffer->of);
+    if (type >= 0 && type != DT_TYPE_BOOL && !buffer->structure)
         buffer->type = (enum dt_type)type;
-        return;
-    }
-    const char **names =
-        arena_alloc(c->model->arena, (c->pipeline->struct_count + DT_TYPE_COUNT) * sizeof *names);
-    size_t count = 0;
-    for (uint32_t i = 0; names && i < c->pipeline->struct_count; i++)
-        names[count++] = c->pipeline->structs[i].name;
-    for (int i = 0; names && i < DT_TYPE_COUNT; i++)
-        if (i != DT_TYPE_BOOL)
-            names[count++] = type_info((enum dt_type)i)->name;
-    report_missing(c, buffer->of_loc, "struct or type", buffer->of, names, count);
+    else if (!buffer->structure)
+        report_missing(c, buffer->of_loc, "struct or type", buffer->of,
+                       DECLARED_STRUCT | DECLARED_TYPE);
 }
 
 static void resolve_filter(struct checker *c, struct access *access)
 {
-    access->filter = find_sampler(c, access->sampler);
-    if (access->filter) {
-        if (access->filter->kind == SAMPLER_FILTER)
-            return;
-        diag_error(c->diag, access->sampler_loc,
-                   "`%s` is a point set; an image is read through a sampler of kind filter",
-                   access->sampler);
-        access->filter = NULL;
+    const char *name = access->sampler;
+    access->filter = declared_find(c->pipeline, DECLARED_FILTER, name);
+    if (access->filter)
         return;
-    }
-    const char **names =
-        arena_alloc(c->model->arena, (c->pipeline->sampler_count + 1) * sizeof *names);
-    size_t count = 0;
-    for (uint32_t i = 0; names && i < c->pipeline->sampler_count; i++)
-        if (c->pipeline->samplers[i].kind == SAMPLER_FILTER)
-            names[count++] = c->pipeline->samplers[i].name;
-    report_missing(c, access->sampler_loc, "sampler", access->sampler, names, count);
+    if (declared_find(c->pipeline, DECLARED_POINTS, name))
+        diag_error(c->diag, access->sampler_loc,
+                   "`%s` is a point set; an image is read through a sampler of kind filter", name);
+    else
+        report_missing(c, access->sampler_loc, "sampler", name, DECLARED_FILTER);
 }
 
 /* A builtin is read as a whole, under its own name. */
@@ -617,47 +523,31 @@ static void refuse_scene_keys(struct checker *c, const struct access *access)
 
 static void resolve_access(struct checker *c, struct access *access)
 {
-    access->resource = find_resource(c, access->name);
+    access->resource = declared_find(c->pipeline, DECLARED_RESOURCE, access->name);
     for (int i = 0; !access->resource && i < SCENE_RESOURCES; i++)
         if (!strcmp(scene_resources[i], access->name))
             access->builtin = (uint16_t)(DT_SCENE_VERTICES + i);
     if (!access->resource && !access->builtin)
-        report_unknown_resource(c, access->loc, "buffer or image", access->name, -1);
+        report_unknown_resource(c, access->loc, "buffer or image", access->name,
+                                DECLARED_RESOURCE | DECLARED_SCENE);
     if (access->builtin)
         refuse_scene_keys(c, access);
     else if (access->sampler)
         resolve_filter(c, access);
 }
 
-static void resolve_use(struct checker *c, struct pass *pass, uint32_t index)
+static void resolve_use(struct checker *c, const char *name, struct loc loc)
 {
     const struct pipeline *p = c->pipeline;
-    const char *name = pass->uses[index];
-    struct sampler *sampler = find_sampler(c, name);
-    if (sampler && sampler->kind == SAMPLER_FILTER) {
-        diag_error(c->diag, pass->use_locs[index],
+    if (declared_find(p, DECLARED_FILTER, name))
+        diag_error(c->diag, loc,
                    "`%s` filters images: name it in `reads`, {name: IMAGE, sampler: %s}", name,
                    name);
-        return;
-    }
-    if (sampler || find_metric(c, name) || find_interleave(c, name))
-        return;
-    if (find_resource(c, name)) {
-        diag_error(c->diag, pass->use_locs[index],
+    else if (declared_find(p, DECLARED_RESOURCE, name))
+        diag_error(c->diag, loc,
                    "`%s` is a buffer or image; list it in `reads`, `writes` or `updates`", name);
-        return;
-    }
-    size_t count = 0;
-    const char **names =
-        arena_alloc(c->model->arena,
-                    (p->sampler_count + p->metric_count + p->interleave_count + 1) * sizeof *names);
-    for (uint32_t i = 0; names && i < p->sampler_count; i++)
-        names[count++] = p->samplers[i].name;
-    for (uint32_t i = 0; names && i < p->metric_count; i++)
-        names[count++] = p->metrics[i].name;
-    for (uint32_t i = 0; names && i < p->interleave_count; i++)
-        names[count++] = p->interleaves[i].name;
-    report_missing(c, pass->use_locs[index], "point set, metric or interleave", name, names, count);
+    else if (!declared_find(p, DECLARED_FUNCTION, name))
+        report_missing(c, loc, "point set, metric or interleave", name, DECLARED_FUNCTION);
 }
 
 /* Adds the interleave of a dispatch to `uses`, unless the pass lists it. */
@@ -685,42 +575,30 @@ static void add_use(struct checker *c, struct pass *pass, const char *name)
 
 static void resolve_interleave(struct checker *c, struct pass *pass)
 {
-    pass->interleave = find_interleave(c, pass->interleave_name);
-    if (pass->interleave) {
-        add_use(c, pass, pass->interleave_name);
-        return;
-    }
-    const char **names =
-        arena_alloc(c->model->arena, (c->pipeline->interleave_count + 1) * sizeof *names);
-    for (uint32_t i = 0; names && i < c->pipeline->interleave_count; i++)
-        names[i] = c->pipeline->interleaves[i].name;
-    report_missing(c, pass->interleave_loc, "interleave", pass->interleave_name, names,
-                   names ? c->pipeline->interleave_count : 0);
+    const char *name = pass->interleave_name;
+    pass->interleave = declared_find(c->pipeline, DECLARED_INTERLEAVE, name);
+    if (pass->interleave)
+        add_use(c, pass, name);
+    else
+        report_missing(c, pass->interleave_loc, "interleave", name, DECLARED_INTERLEAVE);
 }
 
 static void resolve_after(struct checker *c, const struct pass *pass, uint32_t index)
 {
     const char *name = pass->after[index];
-    if (!strcmp(name, pass->name)) {
-        diag_error(c->diag, pass->after_locs[index], "the pass `%s` cannot run after itself", name);
-        return;
-    }
-    if (find_pass(c, name))
-        return;
-    const char **names =
-        arena_alloc(c->model->arena, (c->pipeline->pass_count + 1) * sizeof *names);
-    for (uint32_t i = 0; names && i < c->pipeline->pass_count; i++)
-        names[i] = c->pipeline->passes[i].name;
-    report_missing(c, pass->after_locs[index], "pass", name, names,
-                   names ? c->pipeline->pass_count : 0);
+    struct loc loc = pass->after_locs[index];
+    if (!strcmp(name, pass->name))
+        diag_error(c->diag, loc, "the pass `%s` cannot run after itself", name);
+    else if (!declared_find(c->pipeline, DECLARED_PASS, name))
+        report_missing(c, loc, "pass", name, DECLARED_PASS);
 }
 
 static struct resource *resolve_buffer(struct checker *c, const char *name, struct loc loc)
 {
-    struct resource *buffer = find_resource(c, name);
-    if (!buffer || buffer->kind != DT_BUFFER)
-        report_unknown_resource(c, loc, "buffer", name, DT_BUFFER);
-    return buffer && buffer->kind == DT_BUFFER ? buffer : NULL;
+    struct resource *buffer = declared_find(c->pipeline, DECLARED_BUFFER, name);
+    if (!buffer)
+        report_unknown_resource(c, loc, "buffer", name, DECLARED_BUFFER);
+    return buffer;
 }
 
 static void resolve_ranges(struct checker *c, struct pass *pass)
@@ -745,13 +623,13 @@ static void resolve_pass(struct checker *c, struct pass *pass)
     for (uint32_t i = 0; i < pass->access_count; i++)
         resolve_access(c, &pass->accesses[i]);
     for (uint32_t i = 0; i < pass->use_count; i++)
-        resolve_use(c, pass, i);
+        resolve_use(c, pass->uses[i], pass->use_locs[i]);
     for (uint32_t i = 0; i < pass->after_count; i++)
         resolve_after(c, pass, i);
     if (pass->interleave_name)
         resolve_interleave(c, pass);
     if (pass->dispatch_image)
-        pass->size_resource = find_resource(c, pass->dispatch_image);
+        pass->size_resource = declared_find(c->pipeline, DECLARED_RESOURCE, pass->dispatch_image);
     if (pass->indirect)
         pass->indirect_resource = resolve_buffer(c, pass->indirect, pass->indirect_loc);
     if (pass->indices)
@@ -761,34 +639,21 @@ static void resolve_pass(struct checker *c, struct pass *pass)
 
 static void resolve_output(struct checker *c, const char *name, struct loc loc)
 {
-    const struct resource *image = name ? find_resource(c, name) : NULL;
-    if (name && (!image || image->kind != DT_IMAGE))
-        report_unknown_resource(c, loc, "image", name, DT_IMAGE);
+    if (name && !declared_find(c->pipeline, DECLARED_IMAGE, name))
+        report_unknown_resource(c, loc, "image", name, DECLARED_IMAGE);
 }
 
 static void resolve_weight(struct checker *c, const struct weight *weight)
 {
-    const struct pipeline *p = c->pipeline;
-    const char **names = arena_alloc(c->model->arena, (p->param_count + 1) * sizeof *names);
-    size_t count = 0;
-    for (uint32_t i = 0; weight->param && names && i < p->param_count; i++) {
-        const struct param *param = &p->params[i];
-        bool named = !strcmp(param->name, weight->param);
-        if (param->type != DT_TYPE_FLOAT) {
-            if (named)
-                diag_error(c->diag, weight->loc, "a weight must be a float; `%s` is not",
-                           param->name);
-        } else if (named && (param->live ? param->min : param->value[0]) < 0) {
-            diag_error(c->diag, weight->loc, "a weight cannot be negative: give `%s` a min of 0",
-                       param->name);
-        }
-        if (named)
-            return;
-        if (param->type == DT_TYPE_FLOAT)
-            names[count++] = param->name;
-    }
-    if (weight->param)
-        report_missing(c, weight->loc, "parameter", weight->param, names, count);
+    const struct param *param =
+        weight->param ? declared_find(c->pipeline, DECLARED_PARAM, weight->param) : NULL;
+    if (param && param->type != DT_TYPE_FLOAT)
+        diag_error(c->diag, weight->loc, "a weight must be a float; `%s` is not", param->name);
+    else if (param && (param->live ? param->min : param->value[0]) < 0)
+        diag_error(c->diag, weight->loc, "a weight cannot be negative: give `%s` a min of 0",
+                   param->name);
+    else if (weight->param && !param)
+        report_missing(c, weight->loc, "parameter", weight->param, DECLARED_FLOAT);
 }
 
 void check_references(struct checker *c)

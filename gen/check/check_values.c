@@ -359,38 +359,17 @@ static bool add_placeholder(struct checker *c, const char *name, struct text *te
         component = dot[1] == 'w' ? 3 : dot[1] - 'x';
     else if (dot)
         return false;
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
-        const struct param *param = &c->pipeline->params[i];
-        if (strlen(param->name) != length || strncmp(param->name, name, length))
-            continue;
+    const char *base = arena_strndup(c->model->arena, name, length);
+    const struct param *param = base ? declared_find(c->pipeline, DECLARED_PARAM, base) : NULL;
+    const struct constant *constant = declared_find(c->pipeline, DECLARED_CONSTANT, name);
+    int64_t value;
+    if (param)
         add_param(text, param, component);
-        return true;
-    }
-    for (uint32_t i = 0; i < c->pipeline->constant_count; i++) {
-        const struct constant *constant = &c->pipeline->constants[i];
-        int64_t value;
-        if (strcmp(constant->name, name) ||
-            expr_eval(constant->value, 1920, 1080, &value) != EXPR_OK)
-            continue;
+    else if (constant && expr_eval(constant->value, 1920, 1080, &value) == EXPR_OK)
         text_add(text, "%" PRId64, value);
-        return true;
-    }
-    return false;
-}
-
-static void report_placeholder(struct checker *c, const struct assertion *assertion,
-                               const char *name)
-{
-    size_t count = 0;
-    const char **names =
-        arena_alloc(c->model->arena,
-                    (c->pipeline->param_count + c->pipeline->constant_count + 1) * sizeof *names);
-    for (uint32_t i = 0; names && i < c->pipeline->param_count; i++)
-        names[count++] = c->pipeline->params[i].name;
-    for (uint32_t i = 0; names && i < c->pipeline->constant_count; i++)
-        names[count++] = c->pipeline->constants[i].name;
-    report_missing(c, assertion->loc, "parameter or constant for the message's placeholder", name,
-                   names, count);
+    else
+        return false;
+    return true;
 }
 
 /* The message with its placeholders filled. */
@@ -405,7 +384,8 @@ static bool fill_message(struct checker *c, const struct assertion *assertion, s
         }
         const char *name = arena_strndup(c->model->arena, at + 1, (size_t)(close - at - 1));
         if (name && !add_placeholder(c, name, text)) {
-            report_placeholder(c, assertion, name);
+            report_missing(c, assertion->loc, "parameter or constant for the message's placeholder",
+                           name, DECLARED_PARAM | DECLARED_CONSTANT);
             good = false;
         }
         at = close + 1;

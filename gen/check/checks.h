@@ -3,6 +3,7 @@
 #define DIPTYCH_GEN_CHECKS_H
 
 #include "model/expr.h"
+#include "model/names.h"
 
 /* An identifier of a pass body, outside comments. */
 struct token {
@@ -30,16 +31,9 @@ struct checker {
     bool out_of_memory;
 };
 
-/* check.c: look up declarations by name; NULL: not found. */
-struct resource *find_resource(const struct checker *c, const char *name);
-struct structure *find_struct(const struct checker *c, const char *name);
-struct sampler *find_sampler(const struct checker *c, const char *name);
-struct metric *find_metric(const struct checker *c, const char *name);
-struct interleave *find_interleave(const struct checker *c, const char *name);
-struct pass *find_pass(const struct checker *c, const char *name);
-/* "no WHAT `name`", with a suggestion among names. */
+/* check.c: "no WHAT `name`", with a suggestion among names of these kinds. */
 void report_missing(const struct checker *c, struct loc loc, const char *what, const char *name,
-                    const char *const *names, size_t count);
+                    unsigned kinds);
 
 /* check_values.c. reach: what the expression may depend on, a mask of enum expr_reach. */
 struct limits {

@@ -1,7 +1,7 @@
 /* Integer expressions: parsed with the place of every part, resolved against the model, evaluated
  * with overflow checks, and printed as C or GLSL. */
 #include "expr.h"
-#include "base/nearest.h"
+#include "names.h"
 
 #include <ctype.h>
 #include <inttypes.h>
@@ -389,20 +389,14 @@ struct loc expr_loc(const struct expr *expr)
 static void report_unknown_name(const struct expr *expr, const struct pipeline *pipeline,
                                 struct diag *diag)
 {
-    size_t count = 0, total = pipeline->param_count + pipeline->constant_count + 2;
-    const char **names = calloc(total, sizeof *names);
-    for (uint32_t i = 0; names && i < pipeline->param_count; i++)
-        names[count++] = pipeline->params[i].name;
-    for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
-        names[count++] = pipeline->constants[i].name;
     const char *otherwise =
         !strcmp(expr->name, "width") ? "; did you mean `frame.width`?"
         : !strcmp(expr->name, "height")
             ? "; did you mean `frame.height`?"
             : "; expressions know parameters, constants, frame.width and frame.height";
-    diag_error(diag, expr->loc, "unknown name `%s`%s", expr->name,
-               name_hint('`', expr->name, names, count, otherwise).text);
-    free(names);
+    diag_error(
+        diag, expr->loc, "unknown name `%s`%s", expr->name,
+        declared_hint(pipeline, DECLARED_PARAM | DECLARED_CONSTANT, expr->name, otherwise).text);
 }
 
 static bool resolve_param(struct expr *expr, const struct param *param, struct diag *diag)
@@ -435,12 +429,9 @@ static bool resolve_param(struct expr *expr, const struct param *param, struct d
 /* NAME.width, NAME.height, NAME.count of a resource with a file, whose header was read. */
 static bool resolve_member(struct expr *expr, const struct pipeline *pipeline, struct diag *diag)
 {
-    const struct resource *from = NULL;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (pipeline->resources[i].file && !strcmp(pipeline->resources[i].name, expr->base))
-            from = &pipeline->resources[i];
+    const struct resource *from = declared_find(pipeline, DECLARED_RESOURCE, expr->base);
     bool is_count = !strcmp(expr->last, "count");
-    if (!from || is_count != (from->kind == DT_BUFFER)) {
+    if (!from || !from->file || is_count != (from->kind == DT_BUFFER)) {
         diag_error(diag, expr->loc, "`%s` is known only of %s with a `file`", expr->name,
                    is_count ? "a buffer" : "an image");
         return false;
@@ -458,12 +449,8 @@ static bool resolve_member(struct expr *expr, const struct pipeline *pipeline, s
 /* Whether the parameter or constant exists, which `expr` then names. */
 static bool find_name(struct expr *expr, const char *name, const struct pipeline *pipeline)
 {
-    for (uint32_t i = 0; i < pipeline->param_count && !expr->param; i++)
-        if (!strcmp(pipeline->params[i].name, name))
-            expr->param = &pipeline->params[i];
-    for (uint32_t i = 0; i < pipeline->constant_count && !expr->param && !expr->constant; i++)
-        if (!strcmp(pipeline->constants[i].name, name))
-            expr->constant = &pipeline->constants[i];
+    expr->param = declared_find(pipeline, DECLARED_PARAM, name);
+    expr->constant = expr->param ? NULL : declared_find(pipeline, DECLARED_CONSTANT, name);
     return expr->param || expr->constant;
 }
 

@@ -61,14 +61,6 @@ static struct pass *insert_pass(struct reader *reader, uint32_t place)
     return &passes[place];
 }
 
-static struct resource *find_image(struct pipeline *pipeline, const char *name)
-{
-    for (uint32_t i = 0; name && i < pipeline->resource_count; i++)
-        if (pipeline->resources[i].kind == DT_IMAGE && !strcmp(pipeline->resources[i].name, name))
-            return &pipeline->resources[i];
-    return NULL;
-}
-
 /* ---- Mips ------------------------------------------------------------------------------------ */
 
 static bool writes(const struct pass *pass, const char *image)
@@ -118,6 +110,7 @@ static const char *before(struct reader *reader, const char *name, uint32_t fram
 static void keep_frames(struct reader *reader, const char *name, uint32_t frames)
 {
     struct pipeline *pipeline = &reader->model->pipeline;
+    const struct resource *found = declared_find(pipeline, DECLARED_IMAGE, name);
     uint32_t count = pipeline->resource_count;
     struct resource *resources =
         reader_alloc(reader, count + frames + SANITIZE_RESOURCES, sizeof *resources);
@@ -127,7 +120,7 @@ static void keep_frames(struct reader *reader, const char *name, uint32_t frames
     pipeline->resources = resources;
     for (uint32_t i = 0; i < frames; i++) {
         struct resource *image = &resources[count + i];
-        *image = *find_image(pipeline, name);
+        *image = *found;
         image->name = before(reader, name, i + 1);
         image->doc = arena_printf(reader->model->arena, "%s, %u frames ago", name, i + 1);
         image->file = image->file_path = NULL;
@@ -138,7 +131,7 @@ static void keep_frames(struct reader *reader, const char *name, uint32_t frames
         image->index = count + i;
     }
     pipeline->resource_count = count + frames;
-    struct loc loc = find_image(pipeline, name)->loc;
+    struct loc loc = found->loc;
     for (uint32_t i = frames; i-- > 0;) {
         struct pass *pass = insert_pass(reader, pipeline->pass_count);
         if (pass)
@@ -164,7 +157,8 @@ static uint32_t most_previous(const struct pipeline *pipeline, const char *name)
 /* The access to the image that holds an earlier frame. */
 static void redirect(struct reader *reader, struct access *access)
 {
-    const struct resource *image = find_image(&reader->model->pipeline, access->name);
+    const struct resource *image =
+        declared_find(&reader->model->pipeline, DECLARED_IMAGE, access->name);
     if (!access->previous)
         return;
     if (access->mode != MODE_READ || !image || image->layers)

@@ -173,14 +173,6 @@ static void count_word(void *user, const char *word, struct fy_node *at)
     (void)word, (void)at;
 }
 
-static const char *find_param(const struct pipeline *pipeline, const char *name)
-{
-    for (uint32_t i = 0; i < pipeline->param_count; i++)
-        if (!strcmp(pipeline->params[i].name, name))
-            return pipeline->params[i].name;
-    return NULL;
-}
-
 /* Not the name of a resource or of a file, which bodies cannot use as a value. */
 static void add_word(void *user, const char *word, struct fy_node *at)
 {
@@ -196,8 +188,10 @@ static void add_word(void *user, const char *word, struct fy_node *at)
     bool known = value && expr_resolve(value, &reader->model->pipeline, silent);
     diag_free(silent);
     struct define define = {.name = word, .loc = loc, .value = known ? value : NULL, .word = true};
-    if (!known)
-        define.param = find_param(&reader->model->pipeline, node_word(reader, words->node, word));
+    const struct param *param = declared_find(&reader->model->pipeline, DECLARED_PARAM,
+                                              node_word(reader, words->node, word));
+    if (!known && param)
+        define.param = param->name;
     if (known || define.param)
         words->pass->defines[words->pass->define_count++] = define;
 }
@@ -246,16 +240,8 @@ uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
 
 static bool names_image(const struct pipeline *pipeline, const char *text)
 {
-    for (uint32_t i = 0; i < pipeline->param_count; i++)
-        if (!strcmp(pipeline->params[i].name, text))
-            return false;
-    for (uint32_t i = 0; i < pipeline->constant_count; i++)
-        if (!strcmp(pipeline->constants[i].name, text))
-            return false;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (pipeline->resources[i].kind == DT_IMAGE && !strcmp(pipeline->resources[i].name, text))
-            return true;
-    return false;
+    return declared_find(pipeline, DECLARED_IMAGE, text) &&
+           !declared_find(pipeline, DECLARED_PARAM | DECLARED_CONSTANT, text);
 }
 
 /* One to three expressions; returns their number. */
@@ -397,14 +383,12 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
 
 static bool has_depth_target(const struct pipeline *pipeline, const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        for (uint32_t k = 0; k < pipeline->resource_count; k++) {
-            const struct resource *resource = &pipeline->resources[k];
-            if (pass->accesses[i].mode != MODE_READ && resource->kind == DT_IMAGE &&
-                resource->format == DT_FORMAT_D32F &&
-                !strcmp(resource->name, pass->accesses[i].name))
-                return true;
-        }
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct resource *image =
+            declared_find(pipeline, DECLARED_IMAGE, pass->accesses[i].name);
+        if (pass->accesses[i].mode != MODE_READ && image && image->format == DT_FORMAT_D32F)
+            return true;
+    }
     return false;
 }
 

@@ -376,24 +376,6 @@ static struct contract read_contract(struct reader *reader, const struct named *
     return contract;
 }
 
-static struct resource *find_resource(struct pipeline *pipeline, const char *name)
-{
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (!strcmp(pipeline->resources[i].name, name))
-            return &pipeline->resources[i];
-    return NULL;
-}
-
-static void report_unknown_resource(struct reader *reader, const struct named *named)
-{
-    const struct pipeline *pipeline = &reader->model->pipeline;
-    const char **names = reader_alloc(reader, pipeline->resource_count, sizeof *names);
-    for (uint32_t i = 0; names && i < pipeline->resource_count; i++)
-        names[i] = pipeline->resources[i].name;
-    diag_error(reader->diag, named->loc, "no buffer or image `%s`%s", named->name,
-               name_hint('`', named->name, names, pipeline->resource_count, "").text);
-}
-
 /* Included files may have a contract for the same name. */
 static void refuse_second(struct reader *reader, const struct named_list *list)
 {
@@ -429,12 +411,14 @@ void read_contracts(struct reader *reader, const struct fields *top)
             pipeline->resources[k].contract = contract;
     }
     for (uint32_t i = 0; i < list.count; i++) {
-        struct resource *resource = find_resource(pipeline, list.items[i].name);
+        struct resource *resource = declared_find(pipeline, DECLARED_RESOURCE, list.items[i].name);
         if (!strcmp(list.items[i].name, "default"))
             continue;
         if (resource)
             resource->contract = read_contract(reader, &list.items[i]);
         else
-            report_unknown_resource(reader, &list.items[i]);
+            diag_error(reader->diag, list.items[i].loc, "no buffer or image `%s`%s",
+                       list.items[i].name,
+                       declared_hint(pipeline, DECLARED_RESOURCE, list.items[i].name, "").text);
     }
 }

@@ -4,6 +4,7 @@
 #define DIPTYCH_GEN_READER_H
 
 #include "model/expr.h"
+#include "model/names.h"
 #include "read.h"
 #include "base/yaml.h"
 #include "table.h"
