@@ -51,9 +51,8 @@ static void add_section(struct text *out, enum section section)
     if (info->example)
         text_add(out, "```yaml\n%s\n```\n\n", info->example);
     text_add(out, "| key | type | default | meaning | example |\n|---|---|---|---|---|\n");
-    for (size_t i = 0; i < table_key_count; i++)
-        if (table_keys[i].section == section)
-            add_key_row(out, &table_keys[i]);
+    for (const struct key *key = table_section(section); key->name; key++)
+        add_key_row(out, key);
 }
 
 void emit_reference(struct text *out)

@@ -120,9 +120,9 @@ static void add_required(struct text *out, enum section section)
 {
     const char *separator = "";
     text_add(out, "      \"required\": [");
-    for (size_t i = 0; i < table_key_count; i++)
-        if (table_keys[i].section == section && table_keys[i].required) {
-            text_add(out, "%s\"%s\"", separator, table_keys[i].name);
+    for (const struct key *key = table_section(section); key->name; key++)
+        if (key->required) {
+            text_add(out, "%s\"%s\"", separator, key->name);
             separator = ", ";
         }
     text_add(out, "],\n");
@@ -138,10 +138,7 @@ static void add_section(struct text *out, enum section section)
     text_add(out, ",\n");
     add_required(out, section);
     text_add(out, "      \"properties\": {");
-    for (size_t i = 0; i < table_key_count; i++) {
-        const struct key *key = &table_keys[i];
-        if (key->section != section)
-            continue;
+    for (const struct key *key = table_section(section); key->name; key++) {
         if (!strcmp(key->name, "*")) {
             any = key;
             continue;

@@ -145,9 +145,7 @@ static int former_type(struct reader *reader, const struct key *key, struct fy_n
     double value[4];
     uint32_t components;
     enum dt_type type;
-    bool is_param = key->section == SECTION_PARAMS ||
-                    (key->section == SECTION_PARAM && !strcmp(key->name, "value"));
-    if (!is_param)
+    if (key->type != KEY_VALUE)
         return -1;
     for (size_t i = 0; i < reader->override_count; i++) /* --set of the same value again */
         if (reader->overrides[i].node == old)
@@ -198,7 +196,7 @@ static void replace_value(struct reader *reader, struct setting *setting, const 
     struct fy_node *old = fy_node_pair_value(pair);
     struct fy_node_pair *inner = NULL;
     if (old && fy_node_get_type(old) == FYNT_MAPPING &&
-        (key->section == SECTION_PARAMS || key->section == SECTION_CONSTANTS))
+        (key->child == SECTION_PARAM || key->child == SECTION_CONSTANT))
         inner = fy_node_mapping_lookup_pair_by_string(old, "value", FY_NT);
     if (inner) {
         replace_value(reader, setting, table_find(key->child, "value"), inner);
@@ -280,9 +278,9 @@ static void report_unknown_setting(struct reader *reader, const struct setting *
         if (other != map)
             count = add_keys(reader, other, names, count);
     } while ((at = at->next));
-    for (size_t i = 0; i < table_key_count && count < DT_ARRAY_COUNT(names); i++)
-        if (table_keys[i].section == section && strcmp(table_keys[i].name, "*"))
-            names[count++] = table_keys[i].name;
+    for (const struct key *key = table_section(section); key->name; key++)
+        if (count < DT_ARRAY_COUNT(names) && strcmp(key->name, "*"))
+            names[count++] = key->name;
     report_path(reader, setting, table_sections[section].title, names, count);
 }
 

@@ -217,11 +217,9 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
     size_t count = 0;
     struct text list = {0};
     text_add(&list, "; known are");
-    for (size_t i = 0; i < table_key_count && count < MOST_KEYS; i++) {
-        if (table_keys[i].section != section)
-            continue;
-        text_add(&list, "%s %s", count ? "," : "", table_keys[i].name);
-        names[count++] = table_keys[i].name;
+    for (const struct key *key = table_section(section); key->name; key++) {
+        text_add(&list, "%s %s", count ? "," : "", key->name);
+        names[count++] = key->name;
     }
     if (!count)
         text_add(&list, " none");
@@ -264,9 +262,8 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
     struct fy_node_pair *pair;
     while ((pair = fy_node_mapping_iterate(node, &iterator)))
         read_pair(reader, pair, fields);
-    for (size_t i = 0; i < table_key_count; i++) {
-        const struct key *key = &table_keys[i];
-        bool there = key->section != section || !key->required;
+    for (const struct key *key = table_section(section); key->name; key++) {
+        bool there = !key->required;
         for (size_t k = 0; !there && k < fields->count; k++)
             there = fields->values[k].key == key;
         if (!there)
@@ -282,7 +279,7 @@ static int entry_count(const struct fields *fields, const char *key)
     return map && fy_node_get_type(map) == FYNT_MAPPING ? fy_node_mapping_item_count(map) : 0;
 }
 
-static void add_named(struct reader *reader, const struct key *entry, struct fy_node *map,
+static void add_named(struct reader *reader, const struct key *entry, bool top, struct fy_node *map,
                       struct named_list *list)
 {
     void *iterator = NULL;
@@ -298,7 +295,7 @@ static void add_named(struct reader *reader, const struct key *entry, struct fy_
             continue;
         }
         const struct key *child = table_find(entry->child, name);
-        if (entry->section == SECTION_TOP && !refers)
+        if (top && !refers)
             name = declared_name(reader, map, name);
         if (child && value_check(reader, child, fy_node_pair_value(pair), loc))
             list->items[list->count++] = (struct named){name, loc, fy_node_pair_value(pair)};
@@ -315,7 +312,7 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
     list.items = most && entry ? reader_alloc(reader, most, sizeof *list.items) : NULL;
     for (const struct fields *at = fields; list.items && at; at = at->next)
         if (entry_count(at, key))
-            add_named(reader, entry, field_node(at, key), &list);
+            add_named(reader, entry, fields->section == SECTION_TOP, field_node(at, key), &list);
     return list;
 }
 

@@ -1,5 +1,5 @@
-/* The table of all keys of the spec language. The reader checks documents against it; --schema and
- * --reference print it. */
+/* The table of all keys of the spec language, from language.def. The reader checks documents against
+ * it; --schema and --reference print it. */
 #ifndef DIPTYCH_GEN_TABLE_H
 #define DIPTYCH_GEN_TABLE_H
 
@@ -10,46 +10,11 @@
  * "*". */
 enum section {
     SECTION_NONE,
-    SECTION_TOP,
-    SECTION_PARAMS,
-    SECTION_PARAM,
-    SECTION_CONSTANTS,
-    SECTION_CONSTANT,
-    SECTION_STRUCTS,
-    SECTION_STRUCT,
-    SECTION_FIELD,
-    SECTION_BUFFERS,
-    SECTION_BUFFER,
-    SECTION_IMAGES,
-    SECTION_IMAGE,
-    SECTION_SAMPLERS,
-    SECTION_SAMPLER,
-    SECTION_METRICS,
-    SECTION_METRIC,
-    SECTION_INTERLEAVES,
-    SECTION_INTERLEAVE,
-    SECTION_PASS,
-    SECTION_PASS_INCLUDE,
-    SECTION_GROUPS,
-    SECTION_GROUP,
-    SECTION_USE,
-    SECTION_WITH,
-    SECTION_REPEAT,
-    SECTION_DRAW,
-    SECTION_CULL,
-    SECTION_DEPTH_BIAS,
-    SECTION_ACCESS,
-    SECTION_BLEND,
-    SECTION_RANGES,
-    SECTION_RANGE,
-    SECTION_DEFINES,
-    SECTION_ALLOW,
-    SECTION_VALUES,
-    SECTION_ASSERT,
-    SECTION_CONTRACTS,
-    SECTION_CONTRACT,
-    SECTION_IMAGE_CONTRACT,
-    SECTION_OUTPUT,
+#define SECTION(ENUMERATOR, ...) SECTION_##ENUMERATOR,
+#define KEY(...)
+#include "language.def"
+#undef SECTION
+#undef KEY
     SECTION_COUNT
 };
 
@@ -82,30 +47,25 @@ enum key_type {
 };
 
 struct key {
-    enum section section;
-    const char *name; /* "*": any identifier, a declared name */
+    enum section section; /* begins there; such a row is no key, and has no name */
+    const char *name;     /* "*": any identifier, a declared name */
     enum key_type type;
-    enum section child;
-    const char *choices; /* words joined by `|`, in the order of the enum that they stand for */
-    bool required;
     const char *fallback; /* the default, as text; NULL: none */
     const char *doc;
     const char *example; /* a value, YAML */
+    enum section child;
+    const char *choices; /* words joined by `|`, in the order of the enum that they stand for */
+    bool required;
 };
 
-struct section_info {
-    const char *title; /* "a pass": for messages */
-    const char *path;  /* "passes[]": for the reference */
-    const char
-        *anchor;     /* for links in the reference, and the name of the definition in the schema */
-    const char *doc; /* one paragraph */
-    const char *example; /* YAML of the whole section, or NULL */
+struct section_info { /* see language.def */
+    const char *title, *path, *anchor, *doc, *example;
 };
 
-extern const struct key table_keys[];
-extern const size_t table_key_count;
 extern const struct section_info table_sections[SECTION_COUNT];
 
+/* The keys of a section; a row without name follows them. */
+const struct key *table_section(enum section section);
 /* The key of this name in a section, else the section's key "*", else NULL. */
 const struct key *table_find(enum section section, const char *name);
 /* Index of `word` in choices joined by `|`; -1: not found. */
