@@ -405,7 +405,7 @@ static void check_assert(struct checker *c, const struct assertion *assertion)
     if (fill_message(c, assertion, &message) && good &&
         expr_eval(assertion->that, 1920, 1080, &holds) == EXPR_OK && !holds) {
         const char *text = message.data ? message.data : "assertion failed";
-        if (assertion->warning)
+        if (assertion->level == LEVEL_WARNING)
             diag_warning(c->diag, assertion->loc, "%s", text);
         else
             diag_error(c->diag, assertion->loc, "%s", text);

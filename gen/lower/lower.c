@@ -274,8 +274,8 @@ static void lower_program(struct lowering *l, const struct pass *pass, const str
     program->clip_distances = pass->clip_distances;
     program->attributes = input_locations(vertex);
     program->topology = pass->topology;
-    program->bias_constant = pass->bias_constant;
-    program->bias_slope = pass->bias_slope;
+    program->bias_constant = (float)pass->bias_constant;
+    program->bias_slope = (float)pass->bias_slope;
     if (program->depth && pass->depth_test) {
         program->depth_test = true;
         program->depth_write = pass->depth_write;

@@ -116,6 +116,19 @@ static struct expr *node(struct parser *p, enum operation operation, size_t from
     return expr;
 }
 
+/* A node over operands, of which a missing one was reported. */
+static struct expr *branch(struct parser *p, enum operation operation, size_t from, struct expr *a,
+                           struct expr *b, struct expr *c)
+{
+    struct expr *expr = a ? node(p, operation, from) : NULL;
+    if (expr) {
+        expr->operand[0] = a;
+        expr->operand[1] = b;
+        expr->operand[2] = c;
+    }
+    return expr;
+}
+
 static struct expr *parse_choose(struct parser *p);
 
 static struct expr *parse_number(struct parser *p)
@@ -161,12 +174,7 @@ static struct expr *parse_call(struct parser *p, enum operation operation, size_
         return NULL;
     if (!take_token(p, ")"))
         return expr_fail(p, p->at, p->at + 1, "expected `)`");
-    struct expr *expr = node(p, operation, from);
-    if (expr) {
-        expr->operand[0] = a;
-        expr->operand[1] = b;
-    }
-    return expr;
+    return branch(p, operation, from, a, b, NULL);
 }
 
 static size_t word_length(const char *text)
@@ -291,10 +299,7 @@ static struct expr *parse_unary(struct parser *p)
         return expr_fail(p, from, from + 1, "more than 64 nested levels");
     struct expr *operand = parse_unary(p);
     p->depth--;
-    struct expr *expr = operand ? node(p, c == '-' ? OP_NEGATE : OP_NOT, from) : NULL;
-    if (expr)
-        expr->operand[0] = operand;
-    return expr;
+    return branch(p, c == '-' ? OP_NEGATE : OP_NOT, from, operand, NULL, NULL);
 }
 
 /* Binary operators by level, loosest first. `<=` stands before `<`, or `<` would match first. */
@@ -327,12 +332,7 @@ static struct expr *parse_binary(struct parser *p, int level)
         if (!found)
             break;
         struct expr *right = parse_binary(p, level + 1);
-        struct expr *expr = right ? node(p, found->operation, from) : NULL;
-        if (expr) {
-            expr->operand[0] = left;
-            expr->operand[1] = right;
-        }
-        left = expr;
+        left = right ? branch(p, found->operation, from, left, right, NULL) : NULL;
     }
     return left;
 }
@@ -349,13 +349,7 @@ static struct expr *parse_choose(struct parser *p)
         if (yes && !take_token(p, ":"))
             return expr_fail(p, p->at, p->at + 1, "expected `:`");
         struct expr *no = yes ? parse_choose(p) : NULL;
-        struct expr *expr = no ? node(p, OP_CHOOSE, from) : NULL;
-        if (expr) {
-            expr->operand[0] = condition;
-            expr->operand[1] = yes;
-            expr->operand[2] = no;
-        }
-        condition = expr;
+        condition = no ? branch(p, OP_CHOOSE, from, condition, yes, no) : NULL;
     }
     p->depth--;
     return condition;
@@ -847,35 +841,21 @@ static void emit_leaf(const struct expr *expr, enum language language, struct te
     }
 }
 
-static void emit_call(const struct expr *expr, enum language language, struct text *out)
+/* Writes a pattern, in which $N is an operand, #N one without parentheses around it, and ~N one as a
+ * condition. */
+static void emit_pattern(const struct expr *expr, enum language language, const char *pattern,
+                         struct text *out)
 {
-    const struct expr *a = expr->operand[0], *b = expr->operand[1];
-    if (expr->operation == OP_CEIL_DIV) {
-        text_add(out, "(");
-        emit(a, language, true, out);
-        text_add(out, " / ");
-        emit(b, language, true, out);
-        text_add(out, language == LANGUAGE_C ? " + (" : " + int(");
-        emit(a, language, true, out);
-        text_add(out, " %% ");
-        emit(b, language, true, out);
-        text_add(out, " > 0))");
-    } else if (language == LANGUAGE_GLSL) {
-        text_add(out, expr->operation == OP_MIN ? "min(" : "max(");
-        emit(a, language, false, out);
-        text_add(out, ", ");
-        emit(b, language, false, out);
-        text_add(out, ")");
-    } else {
-        text_add(out, "(");
-        emit(a, language, true, out);
-        text_add(out, expr->operation == OP_MIN ? " < " : " > ");
-        emit(b, language, true, out);
-        text_add(out, " ? ");
-        emit(a, language, true, out);
-        text_add(out, " : ");
-        emit(b, language, true, out);
-        text_add(out, ")");
+    for (; *pattern; pattern++) {
+        const struct expr *operand =
+            strchr("$#~", *pattern) ? expr->operand[pattern[1] - '0'] : NULL;
+        if (*pattern == '~')
+            emit_condition(operand, language, out);
+        else if (operand)
+            emit(operand, language, *pattern == '$', out);
+        else
+            text_add_bytes(out, pattern, 1);
+        pattern += operand != NULL;
     }
 }
 
@@ -901,21 +881,12 @@ static void emit_comparison(const struct expr *expr, enum language language, str
         return;
     }
     if (expr->operation == OP_NOT) {
-        text_add(out, "!(");
-        emit_condition(expr->operand[0], language, out);
-        text_add(out, ")");
+        emit_pattern(expr, language, "!(~0)", out);
         return;
     }
-    for (int i = 0; i < 2; i++) {
-        if (i)
-            text_add(out, " %s ", operator_token(expr->operation));
-        text_add(out, logic ? "(" : "");
-        if (logic)
-            emit_condition(expr->operand[i], language, out);
-        else
-            emit(expr->operand[i], language, true, out);
-        text_add(out, logic ? ")" : "");
-    }
+    emit_pattern(expr, language, logic ? "(~0)" : "$0", out);
+    text_add(out, " %s ", operator_token(expr->operation));
+    emit_pattern(expr, language, logic ? "(~1)" : "$1", out);
 }
 
 /* Writes a boolean, because GLSL conditions do not convert int to bool. */
@@ -934,31 +905,16 @@ static void emit_condition(const struct expr *expr, enum language language, stru
     }
 }
 
-static void emit_nested(const struct expr *expr, enum language language, struct text *out)
+/* Of operations that are no conditions; NULL: a binary operator. */
+static const char *pattern_of(enum operation operation, enum language language)
 {
-    if (is_condition(expr)) {
-        text_add(out, language == LANGUAGE_GLSL ? "int(" : "(");
-        emit_comparison(expr, language, out);
-        text_add(out, ")");
-    } else if (expr->operation == OP_NEGATE) {
-        text_add(out, "(-");
-        emit(expr->operand[0], language, true, out);
-        text_add(out, ")");
-    } else if (expr->operation == OP_CHOOSE) {
-        text_add(out, "(");
-        emit_condition(expr->operand[0], language, out);
-        text_add(out, " ? ");
-        emit(expr->operand[1], language, true, out);
-        text_add(out, " : ");
-        emit(expr->operand[2], language, true, out);
-        text_add(out, ")");
-    } else {
-        text_add(out, "(");
-        emit(expr->operand[0], language, true, out);
-        text_add(out, " %s ", operator_token(expr->operation));
-        emit(expr->operand[1], language, true, out);
-        text_add(out, ")");
-    }
+    static const char *const patterns[][2] = {
+        [OP_NEGATE] = {"(-$0)", "(-$0)"},
+        [OP_CHOOSE] = {"(~0 ? $1 : $2)", "(~0 ? $1 : $2)"},
+        [OP_MIN] = {"($0 < $1 ? $0 : $1)", "min(#0, #1)"},
+        [OP_MAX] = {"($0 > $1 ? $0 : $1)", "max(#0, #1)"},
+        [OP_CEIL_DIV] = {"($0 / $1 + ($0 % $1 > 0))", "($0 / $1 + int($0 % $1 > 0))"}};
+    return patterns[operation][language];
 }
 
 static void emit(const struct expr *expr, enum language language, bool nested, struct text *out)
@@ -970,14 +926,18 @@ static void emit(const struct expr *expr, enum language language, bool nested, s
         text_add(out, nested && value < 0 ? "(%" PRId64 ")" : "%" PRId64, value);
     } else if (expr->operation <= OP_NAME) {
         emit_leaf(expr, language, out);
-    } else if (expr->operation >= OP_MIN) {
-        emit_call(expr, language, out);
-    } else if (!nested && expr->operation >= OP_MULTIPLY && expr->operation <= OP_SUBTRACT) {
-        emit(expr->operand[0], language, true, out);
-        text_add(out, " %s ", operator_token(expr->operation));
-        emit(expr->operand[1], language, true, out);
+    } else if (is_condition(expr)) {
+        text_add(out, language == LANGUAGE_GLSL ? "int(" : "(");
+        emit_comparison(expr, language, out);
+        text_add(out, ")");
+    } else if (pattern_of(expr->operation, language)) {
+        emit_pattern(expr, language, pattern_of(expr->operation, language), out);
     } else {
-        emit_nested(expr, language, out);
+        bool bare = !nested && expr->operation <= OP_SUBTRACT;
+        text_add(out, bare ? "" : "(");
+        emit_pattern(expr, language, "$0", out);
+        text_add(out, " %s ", operator_token(expr->operation));
+        emit_pattern(expr, language, bare ? "$1" : "$1)", out);
     }
 }
 

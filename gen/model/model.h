@@ -45,7 +45,7 @@ struct constant { /* named integer expression */
 };
 
 struct field {
-    const char *name;
+    const char *name, *doc; /* doc: none */
     struct loc loc;
     enum dt_type type;
     uint32_t array_count;          /* 0: no array */
@@ -95,7 +95,7 @@ struct resource {
      * NULL: 1 */
     struct expr *width, *height, *layers, *mips;
     double clear[4]; /* `clear`, default 0; depth: 1 */
-    bool srgb;       /* `encoding: srgb`: pictures from outside hold sRGB codes */
+    unsigned srgb;   /* 1: `encoding: srgb`: pictures from outside hold sRGB codes */
     bool encoding_is_given;
     struct loc encoding_loc;
     bool filter_mips; /* passes of read_copies.c fill the mips */
@@ -116,7 +116,8 @@ struct sampler {
     enum sampler_kind kind;
     struct expr *count; /* hammersley */
     enum sampler_map map;
-    bool linear, linear_mip, compare; /* filter */
+    unsigned linear, linear_mip; /* filter: 0 or 1 */
+    bool compare;
     enum dt_wrap wrap;
     enum dt_border border; /* DT_WRAP_BORDER */
     double anisotropy;     /* 1 */
@@ -193,7 +194,7 @@ enum loop_shape { LOOP_AUTO, LOOP_UNROLL, LOOP_ROLL };
 /* `count` elements of a buffer, one after the other, the same for all invocations of a workgroup.
  * The body iterates with `for (Type v : name) { ... }`. The plan chooses storage and loop shape. */
 struct range {
-    const char *name;
+    const char *name, *doc; /* doc: none */
     struct loc loc, of_loc;
     const char *of;        /* buffer, among the pass's reads */
     struct access *access; /* check */
@@ -301,7 +302,7 @@ struct pass {
     struct expr *vertices, *instances; /* draws of vertices; NULL: indirect; instances NULL: 1 */
     enum dt_topology topology;
     struct expr *viewport[4], *scissor[4]; /* x, y, width, height; NULL: all of the targets */
-    float bias_constant, bias_slope;
+    double bias_constant, bias_slope;
     bool own_vertices;                                      /* check: the body has a vertex part */
     struct loc blend_loc, topology_loc, bias_loc, clip_loc; /* draws: of the keys, if given */
     /* check and plan */
@@ -318,7 +319,7 @@ struct pass {
 struct assertion {
     struct loc loc;
     struct expr *that;
-    bool warning; /* level: warning or error */
+    enum { LEVEL_WARNING, LEVEL_ERROR } level;
     const char *message;
 };
 

@@ -10,7 +10,7 @@ const char *const scene_resources[SCENE_RESOURCES] = {
     "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
 
 /* An array of the pipeline. */
-static const struct array {
+static const struct declared_list {
     enum declared_kind kind; /* of its first kind */
     size_t list, count, size;
 } arrays[] = {
@@ -29,7 +29,7 @@ static const struct array {
     ARRAY(PASS, passes, pass_count, pass),
 };
 
-static enum declared_kind kind_of(enum declared_kind first, const void *of)
+static enum declared_kind declared_kind_of(enum declared_kind first, const void *of)
 {
     bool second = first == DECLARED_FLOAT    ? ((const struct param *)of)->type != DT_TYPE_FLOAT
                   : first == DECLARED_BUFFER ? ((const struct resource *)of)->kind == DT_IMAGE
@@ -46,7 +46,7 @@ struct declared *declared_at(const struct pipeline *pipeline, size_t index,
         uint32_t count = *(const uint32_t *)(base + arrays[i].count);
         if (index < count) {
             char *list = *(char *const *)(base + arrays[i].list) + index * arrays[i].size;
-            *kind = kind_of(arrays[i].kind, list);
+            *kind = declared_kind_of(arrays[i].kind, list);
             return (struct declared *)list;
         }
         index -= count;

@@ -66,10 +66,7 @@ static void refuse_size(struct reader *reader, const struct fields *fields,
 void read_content(struct reader *reader, const struct fields *fields, struct resource *resource)
 {
     const char *reason = NULL;
-    resource->keep = field_bool(reader, fields, "keep", false);
-    resource->file = field_text(reader, fields, "file");
-    resource->file_loc = field_loc(reader, fields, "file");
-    resource->input = resource->file || field_bool(reader, fields, "input", false);
+    resource->input |= resource->file != NULL;
     if (resource->input && field_given(fields, "history"))
         diag_error(reader->diag, field_loc(reader, fields, "history"),
                    "the content of `%s` comes from outside and stays; leave out `history`",

@@ -125,8 +125,8 @@ static void keep_frames(struct reader *reader, const char *name, uint32_t frames
         image->doc = arena_printf(reader->model->arena, "%s, %u frames ago", name, i + 1);
         image->file = image->file_path = NULL;
         image->mips = NULL;
-        image->input = image->keep = image->srgb = image->encoding_is_given = image->filter_mips =
-            false;
+        image->srgb = 0;
+        image->input = image->keep = image->encoding_is_given = image->filter_mips = false;
         image->history = true;
         image->index = count + i;
     }

@@ -7,7 +7,7 @@
 
 bool is_culled(struct fy_node *item)
 {
-    struct fy_node *cull = fy_node_mapping_lookup_value_by_string(item, "cull", FY_NT);
+    struct fy_node *cull = map_value(item, "cull");
     return cull && fy_node_get_type(cull) == FYNT_MAPPING;
 }
 
@@ -54,16 +54,15 @@ struct culled {
 /* Whether the value of a key, or of the argument that it names, is this word. */
 static bool value_is(const struct culled *c, struct fy_node *map, const char *key, const char *word)
 {
-    const char *text =
-        argument_text(c->reader, fy_node_mapping_lookup_value_by_string(map, key, FY_NT), NULL);
+    const char *text = argument_text(c->reader, map_value(map, key), NULL);
     return text && !strcmp(text, word);
 }
 
 /* The use of the group. */
 static struct fy_node *make_use(const struct culled *c, struct fy_document *yaml)
 {
-    struct fy_node *layers = fy_node_mapping_lookup_value_by_string(c->item, "layers", FY_NT);
-    struct fy_node *when = fy_node_mapping_lookup_value_by_string(c->item, "when", FY_NT);
+    struct fy_node *layers = map_value(c->item, "layers");
+    struct fy_node *when = map_value(c->item, "when");
     struct fy_node *use = placed(fy_node_create_mapping(yaml), c->node);
     struct fy_node *with = placed(fy_node_create_mapping(yaml), c->node);
     bool each = field_node(&c->cull, "each"), light = value_is(c, c->item, "view", "light");
@@ -99,7 +98,7 @@ static struct fy_node *make_draw(const struct culled *c, struct fy_document *yam
                                                                                              : NULL;
     /* It goes on where the draw of the lists ended. */
     struct fy_node *writes = node_remove(draw, "writes"), *item;
-    struct fy_node *updates = fy_node_mapping_lookup_value_by_string(draw, "updates", FY_NT);
+    struct fy_node *updates = map_value(draw, "updates");
     if (!updates)
         return good && (!writes || add_pair(draw, "updates", writes)) ? draw : NULL;
     while (writes && fy_node_is_sequence(updates) &&
@@ -136,7 +135,7 @@ static bool check_draw(const struct culled *c)
         good = false;
     }
     for (size_t i = 0; i < DT_ARRAY_COUNT(excluded); i++) {
-        if (!fy_node_mapping_lookup_value_by_string(c->item, excluded[i], FY_NT))
+        if (!map_value(c->item, excluded[i]))
             continue;
         diag_error(reader->diag, loc, "`cull` makes the draw's buffers; leave out `%s`",
                    excluded[i]);
@@ -149,7 +148,7 @@ bool expand_cull(struct use *use)
 {
     struct reader *reader = use->reader;
     struct culled c = {.reader = reader, .item = use->item};
-    c.node = fy_node_mapping_lookup_value_by_string(use->item, "cull", FY_NT);
+    c.node = map_value(use->item, "cull");
     c.name = element_name(reader, use->item);
     struct loc loc = node_loc(reader, c.node);
     if (!fields_read(reader, c.node, SECTION_CULL, loc, &c.cull) || !check_draw(&c) ||

@@ -33,6 +33,40 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node)
     return loc;
 }
 
+struct fy_node *map_value(struct fy_node *map, const char *key)
+{
+    bool is_map = map && fy_node_get_type(map) == FYNT_MAPPING;
+    struct fy_node_pair *pair = is_map ? yaml_pair(map, key, FY_NT) : NULL;
+    return pair ? fy_node_pair_value(pair) : NULL;
+}
+
+struct fy_node *section_of(const struct document *document, const char *key)
+{
+    return map_value(fy_document_root(document->yaml), key);
+}
+
+struct fy_node *next_item(struct fy_node *list, void **iterator)
+{
+    bool is_list = list && fy_node_get_type(list) == FYNT_SEQUENCE;
+    return is_list ? fy_node_sequence_iterate(list, iterator) : NULL;
+}
+
+int list_count(struct fy_node *list)
+{
+    return list ? fy_node_sequence_item_count(list) : 0;
+}
+
+struct fy_node_pair *next_pair(struct fy_node *map, void **iterator)
+{
+    bool is_map = map && fy_node_get_type(map) == FYNT_MAPPING;
+    return is_map ? fy_node_mapping_iterate(map, iterator) : NULL;
+}
+
+const char *pair_name(struct reader *reader, struct fy_node_pair *pair)
+{
+    return key_text(reader, fy_node_pair_key(pair));
+}
+
 const char *key_text(struct reader *reader, struct fy_node *node)
 {
     if (!node || fy_node_get_type(node) != FYNT_SCALAR)
@@ -50,9 +84,7 @@ const char *node_text(struct reader *reader, struct fy_node *node)
 
 const char *element_name(struct reader *reader, struct fy_node *item)
 {
-    return fy_node_get_type(item) == FYNT_MAPPING
-               ? key_text(reader, fy_node_mapping_lookup_value_by_string(item, "name", FY_NT))
-               : NULL;
+    return key_text(reader, map_value(item, "name"));
 }
 
 bool is_identifier(const char *text)
@@ -162,14 +194,12 @@ static void forget_overrides(struct reader *reader, struct fy_node *node)
     for (size_t i = 0; i < reader->override_count; i++)
         if (reader->overrides[i].node == node)
             reader->overrides[i].node = NULL;
-    if (node && fy_node_get_type(node) == FYNT_SEQUENCE)
-        while ((item = fy_node_sequence_iterate(node, &iterator)))
-            forget_overrides(reader, item);
-    if (node && fy_node_get_type(node) == FYNT_MAPPING)
-        while ((pair = fy_node_mapping_iterate(node, &iterator))) {
-            forget_overrides(reader, fy_node_pair_key(pair));
-            forget_overrides(reader, fy_node_pair_value(pair));
-        }
+    while ((item = next_item(node, &iterator)))
+        forget_overrides(reader, item);
+    while ((pair = next_pair(node, &iterator))) {
+        forget_overrides(reader, fy_node_pair_key(pair));
+        forget_overrides(reader, fy_node_pair_value(pair));
+    }
 }
 
 /* Keeps the text of a replaced value, so that --set causes no warnings about unused names in it. */
@@ -257,9 +287,7 @@ static size_t add_keys(struct reader *reader, struct fy_node *map, const char **
 {
     void *iterator = NULL;
     struct fy_node_pair *pair;
-    if (!map || fy_node_get_type(map) != FYNT_MAPPING)
-        return count;
-    while (count < MOST_NAMES && (pair = fy_node_mapping_iterate(map, &iterator)))
+    while (count < MOST_NAMES && (pair = next_pair(map, &iterator)))
         names[count++] = declared_name(reader, map, node_text(reader, fy_node_pair_key(pair)));
     return count;
 }
@@ -271,13 +299,11 @@ static void report_unknown_setting(struct reader *reader, const struct setting *
 {
     const char *names[MOST_NAMES + 64];
     size_t count = add_keys(reader, map, names, 0);
-    const struct document *at = &reader->spec;
-    do {
-        struct fy_node *other = fy_node_mapping_lookup_value_by_string(
-            fy_document_root(at->yaml), table_sections[section].path, FY_NT);
+    for (const struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *other = section_of(at, table_sections[section].path);
         if (other != map)
             count = add_keys(reader, other, names, count);
-    } while ((at = at->next));
+    }
     for (const struct key *key = table_section(section); key->name; key++)
         if (count < DT_ARRAY_COUNT(names) && strcmp(key->name, "*"))
             names[count++] = key->name;
@@ -303,22 +329,18 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
                    setting->source->text, number);
         return NULL;
     }
-    while ((item = fy_node_sequence_iterate(list, &iterator))) {
+    while ((item = next_item(list, &iterator))) {
         const char *text = has_own_name(item) ? element_name(reader, item) : NULL;
         if (text && !strcmp(text, setting->segment))
             return item;
     }
-    const struct document *at = &reader->spec;
-    do {
-        struct fy_node *passes =
-            fy_node_mapping_lookup_value_by_string(fy_document_root(at->yaml), "passes", FY_NT);
+    for (const struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *passes = section_of(at, "passes");
         iterator = NULL;
-        if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
-            continue;
-        while (count < MOST_NAMES && (item = fy_node_sequence_iterate(passes, &iterator)))
+        while (count < MOST_NAMES && (item = next_item(passes, &iterator)))
             if (element_name(reader, item) && !is_use(item))
                 names[count++] = declared_name(reader, item, element_name(reader, item));
-    } while ((at = at->next));
+    }
     report_path(reader, setting, "the list", names, count);
     return NULL;
 }
@@ -388,7 +410,7 @@ static void apply_bare(struct reader *reader, struct setting *setting)
 {
     size_t ends[3] = {0};
     struct fy_node *root = root_with(reader, "params", setting->segment, ends);
-    struct fy_node *params = fy_node_mapping_lookup_value_by_string(root, "params", FY_NT);
+    struct fy_node *params = map_value(root, "params");
     if (params && fy_node_get_type(params) != FYNT_MAPPING)
         params = NULL;
     bool is_param = params && yaml_pair(params, setting->segment, FY_NT);
@@ -420,22 +442,17 @@ static void apply_path(struct reader *reader, struct setting *setting)
 /* Whether the path goes on below the `cull` of a pass of a file, NAME.cull. */
 static bool sets_cull(struct reader *reader, const char *path)
 {
-    const struct document *at = &reader->spec;
-    do {
-        struct fy_node *passes = fy_node_mapping_lookup_value_by_string(fy_document_root(at->yaml),
-                                                                        "passes", FY_NT),
-                       *item;
+    for (const struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *passes = at->scope ? NULL : section_of(at, "passes"), *item;
         void *iterator = NULL;
-        if (at->scope || !passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
-            continue;
-        while ((item = fy_node_sequence_iterate(passes, &iterator))) {
+        while ((item = next_item(passes, &iterator))) {
             const char *name = element_name(reader, item);
             size_t length = name ? strlen(name) : 0;
             if (length && has_own_name(item) && is_culled(item) && !strncmp(path, name, length) &&
                 !strncmp(path + length, ".cull", 5) && strchr(".=", path[length + 5]))
                 return true;
         }
-    } while ((at = at->next));
+    }
     return false;
 }
 

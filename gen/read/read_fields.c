@@ -169,12 +169,11 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
 static struct fy_node *wrong_number(struct reader *reader, const struct key *key,
                                     struct fy_node *node)
 {
-    bool listed = (key->type == KEY_VALUE || key->type == KEY_NUMBERS) && node &&
-                  fy_node_get_type(node) == FYNT_SEQUENCE;
+    bool listed = key->type == KEY_VALUE || key->type == KEY_NUMBERS;
     void *iterator = NULL;
     double number;
     struct fy_node *item;
-    while (listed && (item = fy_node_sequence_iterate(node, &iterator))) {
+    while (listed && (item = next_item(node, &iterator))) {
         const char *text = node_text(reader, item);
         if (!text || !text_number(text, &number))
             return item;
@@ -251,7 +250,7 @@ static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct f
 bool fields_read(struct reader *reader, struct fy_node *node, enum section section, struct loc loc,
                  struct fields *fields)
 {
-    *fields = (struct fields){.section = section, .loc = loc};
+    *fields = (struct fields){.section = section, .loc = loc, .node = node};
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
         diag_error(reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
                    "%s must be a map, not %s", table_sections[section].title,
@@ -318,41 +317,32 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
 
 /* ---- Typed access ---------------------------------------------------------------------------- */
 
-struct fy_node *field_node(const struct fields *fields, const char *key)
+static const struct field_value *field_value_of(const struct fields *fields, const char *key)
 {
     for (size_t i = 0; i < fields->count; i++)
         if (!strcmp(fields->values[i].key->name, key))
-            return fields->values[i].value;
+            return &fields->values[i];
     return NULL;
+}
+
+struct fy_node *field_node(const struct fields *fields, const char *key)
+{
+    const struct field_value *value = field_value_of(fields, key);
+    return value ? value->value : NULL;
 }
 
 bool field_given(const struct fields *fields, const char *key)
 {
-    for (size_t i = 0; i < fields->count; i++)
-        if (!strcmp(fields->values[i].key->name, key))
-            return true;
-    return false;
+    return field_value_of(fields, key);
 }
 
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key)
 {
-    struct loc loc = {0};
-    for (size_t i = 0; i < fields->count && !loc.line; i++)
-        if (!strcmp(fields->values[i].key->name, key)) {
-            loc = node_loc(reader, fields->values[i].value);
-            if (!loc.line)
-                loc = node_loc(reader, fields->values[i].name);
-        }
+    const struct field_value *value = field_value_of(fields, key);
+    struct loc loc = value ? node_loc(reader, value->value) : fields->loc;
+    if (!loc.line && value)
+        loc = node_loc(reader, value->name);
     return loc.line ? loc : fields->loc;
-}
-
-void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
-                 const char *const *keys)
-{
-    for (; *keys; keys++)
-        if (field_node(fields, *keys))
-            diag_error(reader->diag, field_loc(reader, fields, *keys), "%s has no `%s`", what,
-                       *keys);
 }
 
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key)
@@ -364,14 +354,6 @@ bool field_bool(struct reader *reader, const struct fields *fields, const char *
 {
     const char *text = field_text(reader, fields, key);
     return text ? !strcmp(text, "true") : fallback;
-}
-
-double field_number(struct reader *reader, const struct fields *fields, const char *key,
-                    double fallback)
-{
-    const char *text = field_text(reader, fields, key);
-    double value;
-    return text && text_number(text, &value) ? value : fallback;
 }
 
 double field_amount(struct reader *reader, const struct fields *fields, const char *key,
@@ -388,11 +370,6 @@ int field_choice(struct reader *reader, const struct fields *fields, const char 
     return text ? table_choice(table_find(fields->section, key)->choices, text) : fallback;
 }
 
-const char *field_reference(struct reader *reader, const struct fields *fields, const char *key)
-{
-    return referred_name(reader, field_node(fields, key));
-}
-
 struct expr *node_expr(struct reader *reader, struct fy_node *node)
 {
     const char *text = node_text(reader, node);
@@ -404,4 +381,116 @@ struct expr *node_expr(struct reader *reader, struct fy_node *node)
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key)
 {
     return node_expr(reader, field_node(fields, key));
+}
+
+/* ---- Members of the model -------------------------------------------------------------------- */
+
+int node_exprs(struct reader *reader, struct fy_node *node, struct expr **exprs)
+{
+    if (fy_node_get_type(node) == FYNT_SCALAR) {
+        exprs[0] = node_expr(reader, node);
+        return 1;
+    }
+    int count = fy_node_sequence_item_count(node);
+    for (int i = 0; i < count; i++)
+        exprs[i] = node_expr(reader, fy_node_sequence_get_by_index(node, i));
+    return count;
+}
+
+/* Sets a member by its key's type. Without a value or a default it stays as it is. */
+static void take_member(struct reader *reader, const struct key *key, struct fy_node *node,
+                        void *member)
+{
+    const char *fallback = key->fallback && !strchr(key->fallback, ' ') ? key->fallback : NULL;
+    const char *text = node ? node_text(reader, node) : fallback;
+    double number;
+    switch (key->type) {
+    case KEY_NAME:
+    case KEY_TEXT:
+    case KEY_LENGTH:
+        *(const char **)member = text;
+        break;
+    case KEY_REFERENCE:
+        *(const char **)member = referred_name(reader, node);
+        break;
+    case KEY_BOOL:
+        *(bool *)member = text && !strcmp(text, "true");
+        break;
+    case KEY_NUMBER:
+        if (text && text_number(text, &number))
+            *(double *)member = number;
+        break;
+    case KEY_INTEGER:
+        if (text && text_number(text, &number))
+            *(uint32_t *)member = (uint32_t)number;
+        break;
+    case KEY_CHOICE:
+        if (text && table_choice(key->choices, text) >= 0)
+            *(int *)member = table_choice(key->choices, text);
+        break;
+    case KEY_EXPR:
+    case KEY_RECT:
+        if (node)
+            node_exprs(reader, node, member);
+        break;
+    default:
+        break;
+    }
+}
+
+void record_read(struct reader *reader, const struct fields *fields, unsigned of, void *record)
+{
+    static const char *const titles[] = {"a draw",
+                                         "a fullscreen draw",
+                                         "a draw of vertices",
+                                         "a dispatch",
+                                         "a sampler of kind hammersley",
+                                         "a sampler of kind filter"};
+    for (const struct key *key = table_section(fields->section); key->name; key++) {
+        struct fy_node *node = field_node(fields, key->name);
+        if (node && key->of && !(key->of & of))
+            diag_error(reader->diag, field_loc(reader, fields, key->name), "%s has no `%s`",
+                       titles[__builtin_ctz(of)], key->name);
+        if (key->at)
+            take_member(reader, key, node, (char *)record + key->at - 1);
+        if (key->place)
+            *(struct loc *)((char *)record + key->place - 1) = field_loc(reader, fields, key->name);
+    }
+}
+
+bool map_read(struct reader *reader, const struct fields *fields, const char *key, void *record)
+{
+    struct fy_node *node = field_node(fields, key);
+    struct fields map;
+    bool good = node && fy_node_get_type(node) == FYNT_MAPPING &&
+                fields_read(reader, node, table_find(fields->section, key)->child,
+                            node_loc(reader, node), &map);
+    if (good)
+        record_read(reader, &map, 0, record);
+    return good;
+}
+
+void *entries_read(struct reader *reader, const struct fields *fields, const struct entries *kind,
+                   uint32_t *count)
+{
+    struct named_list list = fields_named(reader, fields, kind->key);
+    const struct key *entry = table_find(table_find(fields->section, kind->key)->child, "*");
+    char *records = reader_alloc(reader, list.count, kind->size);
+    for (*count = 0; records && *count < list.count; ++*count) {
+        const struct named *named = &list.items[*count];
+        char *record = records + *count * kind->size;
+        struct fields map = {.section = entry->child, .loc = named->loc, .count = 1};
+        if (kind->initial)
+            memcpy(record, kind->initial, kind->size);
+        *(struct declared *)record = (struct declared){.name = named->name, .loc = named->loc};
+        if (fy_node_get_type(named->value) == FYNT_MAPPING)
+            fields_read(reader, named->value, entry->child, named->loc, &map);
+        else /* short for a map with its first key */
+            map.values[0] = (struct field_value){table_section(entry->child), NULL, named->value};
+        if (!kind->of)
+            record_read(reader, &map, 0, record);
+        if (kind->finish)
+            kind->finish(reader, &map, record);
+    }
+    return records;
 }

@@ -50,27 +50,17 @@ const char *declared_name(struct reader *reader, struct fy_node *node, const cha
     return name ? full_name(node_scope(reader, node), name) : NULL;
 }
 
-static struct fy_node *map_value(struct fy_node *map, const char *key)
-{
-    struct fy_node_pair *pair = yaml_pair(map, key, FY_NT);
-    return pair ? fy_node_pair_value(pair) : NULL;
-}
-
 /* Whether one of the passes, or of those in a repeat among them, has this name. */
 static bool list_declares(struct fy_node *passes, const char *word, size_t length)
 {
     static const char *const keys[] = {"name", "as"};
     void *iterator = NULL;
     struct fy_node *item;
-    if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
-        return false;
-    while ((item = fy_node_sequence_iterate(passes, &iterator))) {
-        if (fy_node_get_type(item) != FYNT_MAPPING)
-            continue;
+    while ((item = next_item(passes, &iterator))) {
         for (int i = 0; i < 2; i++) {
+            struct fy_node *name = map_value(item, keys[i]);
             size_t own = 0;
-            const char *text =
-                fy_node_mapping_lookup_scalar_by_simple_key(item, &own, keys[i], strlen(keys[i]));
+            const char *text = name ? fy_node_get_scalar(name, &own) : NULL;
             if (text && own == length && !strncmp(text, word, length))
                 return true;
         }
@@ -177,9 +167,9 @@ void each_word(struct reader *reader, struct fy_node *node,
         void *iterator = NULL;
         for (uint32_t i = 0; i < scope->binding_count; i++)
             visit(user, scope->bindings[i].name, scope->bindings[i].at);
-        while (constants && (pair = fy_node_mapping_iterate(constants, &iterator)))
-            if (key_text(reader, fy_node_pair_key(pair)))
-                visit(user, key_text(reader, fy_node_pair_key(pair)), fy_node_pair_key(pair));
+        while ((pair = next_pair(constants, &iterator)))
+            if (pair_name(reader, pair))
+                visit(user, pair_name(reader, pair), fy_node_pair_key(pair));
     }
 }
 
@@ -456,23 +446,20 @@ static struct fy_node *find_group(struct use *use)
 {
     struct reader *reader = use->reader;
     const char *name = field_text(reader, &use->fields, "group"), *names[64];
-    const struct document *at = &reader->spec;
     size_t count = 0;
-    if (!name)
-        return NULL;
-    do {
-        struct fy_node *groups = map_value(fy_document_root(at->yaml), "groups");
+    for (const struct document *at = &reader->spec; name && at; at = at->next) {
+        struct fy_node *groups = section_of(at, "groups");
+        struct fy_node *group = map_value(groups, name);
         struct fy_node_pair *pair;
         void *iterator = NULL;
-        if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
-            continue;
-        struct fy_node *group = map_value(groups, name);
         if (group)
             return group;
-        while (count < DT_ARRAY_COUNT(names) && (pair = fy_node_mapping_iterate(groups, &iterator)))
-            if (key_text(reader, fy_node_pair_key(pair)))
-                names[count++] = key_text(reader, fy_node_pair_key(pair));
-    } while ((at = at->next));
+        while (count < DT_ARRAY_COUNT(names) && (pair = next_pair(groups, &iterator)))
+            if (pair_name(reader, pair))
+                names[count++] = pair_name(reader, pair);
+    }
+    if (!name)
+        return NULL;
     diag_error(reader->diag, field_loc(reader, &use->fields, "group"), "unknown group `%s`%s", name,
                name_hint('`', name, names, count, "").text);
     return NULL;
@@ -490,8 +477,8 @@ static void report_unknown_arguments(struct use *use, const struct scope *scope,
         names[count] = scope->bindings[count].name;
         count++;
     }
-    while (with && (pair = fy_node_mapping_iterate(with, &iterator))) {
-        const char *name = key_text(reader, fy_node_pair_key(pair));
+    while ((pair = next_pair(with, &iterator))) {
+        const char *name = pair_name(reader, pair);
         if (!name || find_binding(scope, name, strlen(name)))
             continue;
         diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
@@ -508,7 +495,7 @@ static void bind_arguments(struct use *use, struct scope *scope, struct fy_node 
     void *iterator = NULL;
     size_t count = args ? (size_t)fy_node_sequence_item_count(args) : 0;
     scope->bindings = reader_alloc(reader, count, sizeof *scope->bindings);
-    while (scope->bindings && args && (item = fy_node_sequence_iterate(args, &iterator))) {
+    while (scope->bindings && (item = next_item(args, &iterator))) {
         const char *name = key_text(reader, item);
         if (!name || !is_identifier(name)) {
             diag_error(reader->diag, node_loc(reader, item), "an argument must be a name");
@@ -595,8 +582,7 @@ int group_exactness(struct reader *reader, struct fy_node *node)
 
 bool is_use(struct fy_node *item)
 {
-    return fy_node_get_type(item) == FYNT_MAPPING &&
-           (map_value(item, "repeat") || map_value(item, "group") || is_culled(item));
+    return map_value(item, "repeat") || map_value(item, "group") || is_culled(item);
 }
 
 bool has_own_name(struct fy_node *item)
@@ -608,31 +594,26 @@ bool has_own_name(struct fy_node *item)
 /* Errors in an unused group go unnoticed. Those of included files may be meant for other specs. */
 static void warn_of_unused_groups(struct reader *reader)
 {
-    struct fy_node *groups = map_value(fy_document_root(reader->spec.yaml), "groups");
+    struct fy_node *groups = section_of(&reader->spec, "groups");
     struct fy_node_pair *pair;
     void *iterator = NULL;
-    if (!groups || fy_node_get_type(groups) != FYNT_MAPPING)
-        return;
-    while ((pair = fy_node_mapping_iterate(groups, &iterator))) {
+    while ((pair = next_pair(groups, &iterator))) {
         const struct document *at = reader->spec.next;
         while (at && at->group != fy_node_pair_value(pair))
             at = at->next;
-        if (!at && key_text(reader, fy_node_pair_key(pair)))
+        if (!at && pair_name(reader, pair))
             diag_warning(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
-                         "the group `%s` is not used", key_text(reader, fy_node_pair_key(pair)));
+                         "the group `%s` is not used", pair_name(reader, pair));
     }
 }
 
 bool documents_expand(struct reader *reader)
 {
     unsigned errors = diag_error_count(reader->diag);
-    struct document *at = &reader->spec;
-    do {
-        struct fy_node *passes = map_value(fy_document_root(at->yaml), "passes"), *item;
+    for (struct document *at = &reader->spec; at; at = at->next) {
+        struct fy_node *passes = section_of(at, "passes"), *item;
         void *iterator = NULL;
-        if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
-            continue;
-        while ((item = fy_node_sequence_iterate(passes, &iterator))) {
+        while ((item = next_item(passes, &iterator))) {
             struct use use = {.reader = reader, .from = at, .item = item};
             if (is_use(item) && !(map_value(item, "repeat")  ? expand_repeat(&use)
                                   : map_value(item, "group") ? expand_group(&use)
@@ -642,7 +623,7 @@ bool documents_expand(struct reader *reader)
                 diag_error(reader->diag, node_loc(reader, item),
                            "`include` cannot stand in a group or repeat");
         }
-    } while ((at = at->next));
+    }
     if (diag_error_count(reader->diag) > errors)
         return false;
     warn_of_unused_groups(reader);

@@ -36,24 +36,20 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
                           size_t ends[3])
 {
     struct fy_node *found = NULL, *first = NULL;
-    const struct document *at = &reader->spec;
-    do {
+    for (const struct document *at = &reader->spec; at; at = at->next) {
         struct fy_node *root = fy_document_root(at->yaml), *item;
-        struct fy_node_pair *pair = yaml_pair(root, section, FY_NT);
-        struct fy_node *value = pair ? fy_node_pair_value(pair) : NULL;
+        struct fy_node *value = map_value(root, section);
+        struct fy_node_pair *pair;
         void *iterator = NULL;
         if (value && !first)
             first = root;
-        if (value && fy_node_get_type(value) == FYNT_MAPPING)
-            while ((pair = fy_node_mapping_iterate(value, &iterator)))
-                if (begins(reader, root, key_text(reader, fy_node_pair_key(pair)), path, ends))
-                    found = root;
-        if (value && fy_node_get_type(value) == FYNT_SEQUENCE)
-            while ((item = fy_node_sequence_iterate(value, &iterator)))
-                if (has_own_name(item) &&
-                    begins(reader, root, element_name(reader, item), path, ends))
-                    found = root;
-    } while ((at = at->next));
+        while ((pair = next_pair(value, &iterator)))
+            if (begins(reader, root, pair_name(reader, pair), path, ends))
+                found = root;
+        while ((item = next_item(value, &iterator)))
+            if (has_own_name(item) && begins(reader, root, element_name(reader, item), path, ends))
+                found = root;
+    }
     return found ? found : first ? first : fy_document_root(reader->spec.yaml);
 }
 
@@ -152,25 +148,19 @@ static bool include(struct reader *reader, struct document *from, const char *na
 
 bool is_include(struct fy_node *item)
 {
-    return fy_node_get_type(item) == FYNT_MAPPING &&
-           fy_node_mapping_lookup_pair_by_string(item, "include", FY_NT);
+    return fy_node_get_type(item) == FYNT_MAPPING && yaml_pair(item, "include", FY_NT);
 }
 
 static bool read_includes(struct reader *reader, struct document *document)
 {
-    struct fy_node *root = fy_document_root(document->yaml), *item;
-    struct fy_node *files = fy_node_mapping_lookup_value_by_string(root, "include", FY_NT);
-    struct fy_node *passes = fy_node_mapping_lookup_value_by_string(root, "passes", FY_NT);
+    struct fy_node *files = section_of(document, "include"), *item;
+    struct fy_node *passes = section_of(document, "passes");
     void *iterator = NULL;
     bool good = true;
-    if (files && fy_node_get_type(files) == FYNT_SEQUENCE)
-        while ((item = fy_node_sequence_iterate(files, &iterator)))
-            good &=
-                include(reader, document, node_text(reader, item), node_loc(reader, item), NULL);
+    while ((item = next_item(files, &iterator)))
+        good &= include(reader, document, node_text(reader, item), node_loc(reader, item), NULL);
     iterator = NULL;
-    if (!passes || fy_node_get_type(passes) != FYNT_SEQUENCE)
-        return good;
-    while ((item = fy_node_sequence_iterate(passes, &iterator))) {
+    while ((item = next_item(passes, &iterator))) {
         struct fields fields;
         if (!is_include(item))
             continue;
@@ -206,16 +196,16 @@ static void refuse_spec_keys(struct reader *reader, const struct document *docum
 
 const struct fields *documents_fields(struct reader *reader)
 {
-    struct document *spec = &reader->spec, *at = spec;
+    struct document *spec = &reader->spec;
     bool has_passes = false;
-    do {
+    for (struct document *at = spec; at; at = at->next) {
         struct loc start = {.source = at->source, .line = 1, .column = 1, .length = 1};
         fields_read(reader, fy_document_root(at->yaml), SECTION_TOP, start, &at->fields);
         at->fields.next = at->next ? &at->next->fields : NULL;
         has_passes |= field_given(&at->fields, "passes");
         if (at != spec && !at->scope)
             refuse_spec_keys(reader, at);
-    } while ((at = at->next));
+    }
     if (!field_given(&spec->fields, "pipeline"))
         diag_error(reader->diag, spec->fields.loc, "the spec needs the key `pipeline`");
     if (!has_passes)
@@ -231,7 +221,7 @@ static void add_document_passes(const struct reader *reader, const struct docume
     for (const struct document *at = document->next; at; at = at->next)
         if (at->parent == document && !at->entry)
             add_document_passes(reader, at, items, count);
-    while (list && (item = fy_node_sequence_iterate(list, &iterator))) {
+    while ((item = next_item(list, &iterator))) {
         bool stands = !is_include(item) && !is_use(item);
         for (const struct document *at = document->next; !stands && at; at = at->next)
             if (at->entry == item)

@@ -4,9 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats.h"
 #include "reader.h"
-
-/* ---- Parameters ------------------------------------------------------------------------------ */
 
 static bool scalar_value(const char *text, double *value, enum dt_type *type)
 {
@@ -43,19 +42,6 @@ bool param_value(struct reader *reader, struct fy_node *node, double value[4], u
     *components = (uint32_t)count;
     *type = (enum dt_type)((int)(real ? DT_TYPE_FLOAT : DT_TYPE_INT) + count - 1);
     return true;
-}
-
-static uint32_t type_components(enum dt_type type)
-{
-    return type < DT_TYPE_BOOL ? (uint32_t)type % 4 + 1 : 1;
-}
-
-static const char *type_name(struct reader *reader, enum dt_type type)
-{
-    const char *at = table_find(SECTION_PARAM, "type")->choices;
-    for (int i = 0; i < (int)type; i++)
-        at += strcspn(at, "|") + 1;
-    return arena_strndup(reader->model->arena, at, strcspn(at, "|"));
 }
 
 static bool fits_type(const struct param *param, uint32_t components, enum dt_type own,
@@ -110,7 +96,7 @@ static bool take_value(struct reader *reader, struct param *param, struct fy_nod
         fits &= fits_type(param, components, own, param->value[i]);
     if (!fits)
         diag_error(reader->diag, param->value_loc, "`%s` has type %s; this value does not fit",
-                   param->name, type_name(reader, param->type));
+                   param->name, type_info(param->type)->name);
     return fits;
 }
 
@@ -137,68 +123,33 @@ static void limit_value(struct reader *reader, struct param *param)
                    param->name, wrong, FLT_MAX);
 }
 
-static void set_value(struct reader *reader, struct param *param, struct fy_node *node, int type)
+static void finish_param(struct reader *reader, const struct fields *fields, void *record)
 {
-    if (take_value(reader, param, node, type))
-        limit_value(reader, param);
-}
-
-static void read_param(struct reader *reader, const struct named *named, struct param *param)
-{
-    *param =
-        (struct param){.name = named->name, .loc = named->loc, .min = -INFINITY, .max = INFINITY};
-    if (fy_node_get_type(named->value) != FYNT_MAPPING) {
-        set_value(reader, param, named->value, -1);
-        return;
-    }
-    struct fields fields;
-    if (!fields_read(reader, named->value, SECTION_PARAM, named->loc, &fields))
-        return;
-    param->doc = field_text(reader, &fields, "doc");
-    param->min = field_number(reader, &fields, "min", -INFINITY);
-    param->max = field_number(reader, &fields, "max", INFINITY);
-    param->step = field_number(reader, &fields, "step", 0);
-    param->live = field_bool(reader, &fields, "live", false);
-    param->uniform = field_bool(reader, &fields, "uniform", false);
+    struct param *param = record;
     if (param->live && param->uniform) {
         diag_error(
-            reader->diag, node_loc(reader, field_node(&fields, "uniform")),
+            reader->diag, node_loc(reader, field_node(fields, "uniform")),
             "live parameters are already in the uniform block; remove `uniform`. If counts or "
             "sizes depend on `%s`, remove `live` instead",
             param->name);
         param->uniform = false;
     }
-    int type = field_choice(reader, &fields, "type", -1);
-    set_value(reader, param, field_node(&fields, "value"), type);
+    if (take_value(reader, param, field_node(fields, "value"),
+                   field_choice(reader, fields, "type", -1)))
+        limit_value(reader, param);
 }
 
 void read_params(struct reader *reader, const struct fields *top)
 {
+    static const struct param initial = {.min = -INFINITY, .max = INFINITY};
+    static const struct entries kind = {"params", sizeof initial, &initial, finish_param, false};
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list list = fields_named(reader, top, "params");
-    pipeline->params = reader_alloc(reader, list.count, sizeof *pipeline->params);
-    for (uint32_t i = 0; pipeline->params && i < list.count; i++)
-        read_param(reader, &list.items[i], &pipeline->params[pipeline->param_count++]);
+    pipeline->params = entries_read(reader, top, &kind, &pipeline->param_count);
 }
-
-/* ---- Constants ------------------------------------------------------------------------------- */
 
 void read_constants(struct reader *reader, const struct fields *top)
 {
+    static const struct entries kind = {.key = "constants", .size = sizeof(struct constant)};
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list list = fields_named(reader, top, "constants");
-    pipeline->constants = reader_alloc(reader, list.count, sizeof *pipeline->constants);
-    for (uint32_t i = 0; pipeline->constants && i < list.count; i++) {
-        struct named *named = &list.items[i];
-        struct constant *constant = &pipeline->constants[pipeline->constant_count++];
-        *constant = (struct constant){.name = named->name, .loc = named->loc};
-        struct fields fields;
-        if (fy_node_get_type(named->value) != FYNT_MAPPING) {
-            constant->value = node_expr(reader, named->value);
-        } else if (fields_read(reader, named->value, SECTION_CONSTANT, named->loc, &fields)) {
-            constant->doc = field_text(reader, &fields, "doc");
-            constant->literal = field_bool(reader, &fields, "literal", false);
-            constant->value = field_expr(reader, &fields, "value");
-        }
-    }
+    pipeline->constants = entries_read(reader, top, &kind, &pipeline->constant_count);
 }

@@ -8,11 +8,6 @@
 
 /* ---- Lists ----------------------------------------------------------------------------------- */
 
-static int list_count(struct fy_node *list)
-{
-    return list ? fy_node_sequence_item_count(list) : 0;
-}
-
 /* Reads a list of references; reports and skips other items. */
 static uint32_t read_names(struct reader *reader, struct fy_node *list, const char ***names,
                            struct loc **locs)
@@ -46,20 +41,24 @@ static const struct dt_blend *read_blend(struct reader *reader, const struct fie
                DT_FACTOR_ZERO, DT_BLEND_ADD},
     };
     struct fy_node *node = field_node(fields, "blend");
-    struct fields map;
     if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
         int word = field_choice(reader, fields, "blend", 0);
         return word ? &words[word] : NULL;
     }
+    const int not_given = -1;
     struct dt_blend *blend = reader_alloc(reader, 1, sizeof *blend);
-    if (!blend || !fields_read(reader, node, SECTION_BLEND, node_loc(reader, node), &map))
+    if (!blend)
         return NULL;
-    blend->src = (enum dt_factor)field_choice(reader, &map, "src", DT_FACTOR_ONE);
-    blend->dst = (enum dt_factor)field_choice(reader, &map, "dst", DT_FACTOR_ONE);
-    blend->op = (enum dt_blend_op)field_choice(reader, &map, "op", DT_BLEND_ADD);
-    blend->alpha_src = (enum dt_factor)field_choice(reader, &map, "alpha_src", (int)blend->src);
-    blend->alpha_dst = (enum dt_factor)field_choice(reader, &map, "alpha_dst", (int)blend->dst);
-    blend->alpha_op = (enum dt_blend_op)field_choice(reader, &map, "alpha_op", (int)blend->op);
+    *blend =
+        (struct dt_blend){.alpha_src = not_given, .alpha_dst = not_given, .alpha_op = not_given};
+    if (!map_read(reader, fields, "blend", blend))
+        return NULL;
+    if ((int)blend->alpha_src == not_given)
+        blend->alpha_src = blend->src;
+    if ((int)blend->alpha_dst == not_given)
+        blend->alpha_dst = blend->dst;
+    if ((int)blend->alpha_op == not_given)
+        blend->alpha_op = blend->op;
     return blend;
 }
 
@@ -68,7 +67,7 @@ static void set_name(struct reader *reader, struct fy_node *node, struct access 
 {
     const char *text = node_text(reader, node);
     access->name = referred_name(reader, node);
-    if (!text || !access->name || (!strcmp(text, access->name) && !strchr(text, '.')))
+    if (access->as || !text || !access->name || (!strcmp(text, access->name) && !strchr(text, '.')))
         return;
     struct text word = {0};
     text_add_word(&word, text);
@@ -93,24 +92,12 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     struct fields fields;
     if (!fields_read(reader, node, SECTION_ACCESS, access->loc, &fields))
         return false;
-    access->loc = field_loc(reader, &fields, "name");
+    record_read(reader, &fields, 0, access);
     set_name(reader, field_node(&fields, "name"), access);
-    if (field_node(&fields, "as")) {
-        access->as = field_text(reader, &fields, "as");
-        access->as_loc = field_loc(reader, &fields, "as");
-    }
-    access->sampler = field_reference(reader, &fields, "sampler");
-    access->sampler_loc = field_loc(reader, &fields, "sampler");
-    double previous = field_number(reader, &fields, "previous", 0);
-    access->previous = previous < UINT16_MAX ? (uint32_t)previous : UINT16_MAX;
-    access->mip = field_expr(reader, &fields, "mip");
-    access->layer = field_expr(reader, &fields, "layer");
     access->own_blend = field_given(&fields, "blend");
     access->blend = read_blend(reader, &fields);
-    access->blend_loc = field_loc(reader, &fields, "blend");
     access->own_mask = field_given(&fields, "mask");
     access->keep = (uint8_t)(14 - field_choice(reader, &fields, "mask", 14));
-    access->mask_loc = field_loc(reader, &fields, "mask");
     if (access->layer && mode == MODE_WRITE)
         diag_error(reader->diag, field_loc(reader, &fields, "layer"),
                    "`writes` replaces all layers of a mip; list one layer in `updates`");
@@ -133,29 +120,6 @@ static void read_accesses(struct reader *reader, const struct fields *fields, st
             if (read_access(reader, fy_node_sequence_get_by_index(list, i), (enum access_mode)k,
                             &pass->accesses[pass->access_count]))
                 pass->access_count++;
-    }
-}
-
-static void read_ranges(struct reader *reader, const struct fields *fields, struct pass *pass)
-{
-    struct named_list list = fields_named(reader, fields, "ranges");
-    if (!list.count)
-        return;
-    pass->ranges = reader_alloc(reader, list.count, sizeof *pass->ranges);
-    for (uint32_t i = 0; pass->ranges && i < list.count; i++) {
-        struct fields inner;
-        struct range *range = &pass->ranges[pass->range_count];
-        *range = (struct range){.name = list.items[i].name, .loc = list.items[i].loc, .first = "0"};
-        if (!fields_read(reader, list.items[i].value, SECTION_RANGE, range->loc, &inner))
-            continue;
-        pass->range_count++;
-        range->of = field_reference(reader, &inner, "of");
-        range->of_loc = field_loc(reader, &inner, "of");
-        range->count = field_expr(reader, &inner, "count");
-        if (field_node(&inner, "first"))
-            range->first = field_text(reader, &inner, "first");
-        range->storage = (enum storage_class)field_choice(reader, &inner, "storage", STORAGE_AUTO);
-        range->loop = (enum loop_shape)field_choice(reader, &inner, "loop", LOOP_AUTO);
     }
 }
 
@@ -244,26 +208,12 @@ static bool names_image(const struct pipeline *pipeline, const char *text)
            !declared_find(pipeline, DECLARED_PARAM | DECLARED_CONSTANT, text);
 }
 
-/* One to three expressions; returns their number. */
-static int read_exprs(struct reader *reader, struct fy_node *node, struct expr *exprs[3])
-{
-    if (fy_node_get_type(node) == FYNT_SCALAR) {
-        exprs[0] = node_expr(reader, node);
-        return 1;
-    }
-    int count = fy_node_sequence_item_count(node);
-    for (int i = 0; i < count && i < 3; i++)
-        exprs[i] = node_expr(reader, fy_node_sequence_get_by_index(node, i));
-    return count;
-}
-
 /* Returns the number of dimensions. */
 static int read_dispatch(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     const char *key = field_node(fields, "dispatch") ? "dispatch" : "groups";
     struct fy_node *node = field_node(fields, key);
     const char *text = referred_name(reader, node);
-    pass->kind = DT_PASS_DISPATCH;
     pass->size_loc = field_loc(reader, fields, key);
     pass->size = !strcmp(key, "groups") ? SIZE_GROUPS : SIZE_INVOCATIONS;
     if (pass->size == SIZE_INVOCATIONS && text && names_image(&reader->model->pipeline, text)) {
@@ -271,7 +221,7 @@ static int read_dispatch(struct reader *reader, const struct fields *fields, str
         pass->dispatch_image = text;
         return 2;
     }
-    return read_exprs(reader, node, pass->dispatch);
+    return node_exprs(reader, node, pass->dispatch);
 }
 
 static void read_local(struct reader *reader, const struct fields *fields, struct pass *pass,
@@ -283,46 +233,25 @@ static void read_local(struct reader *reader, const struct fields *fields, struc
     pass->local[1] = node || dimensions == 1 ? 1 : 8;
     pass->local[2] = 1;
     if (node)
-        read_exprs(reader, node, pass->local_size);
+        node_exprs(reader, node, pass->local_size);
 }
 
-static void refuse_others(struct reader *reader, const struct fields *fields,
-                          const struct pass *pass)
+static enum dt_pass_kind pass_kind(struct reader *reader, const struct fields *fields)
 {
-    static const char *const scene[] = {"local", "gpu_local", "ranges", NULL};
-    static const char *const fullscreen[] = {"local",          "gpu_local", "ranges",  "indirect",
-                                             "view",           "layers",    "indices", "cull",
-                                             "clip_distances", NULL};
-    static const char *const vertices[] = {"local", "gpu_local", "ranges", "view", "indices", NULL};
-    static const char *const dispatch[] = {
-        "view",  "layers",         "indices",  "cull",    "depth",      "depth_write",
-        "blend", "clip_distances", "viewport", "scissor", "depth_bias", NULL};
-    if (pass->kind == DT_PASS_DRAW_SCENE)
-        refuse_keys(reader, fields, "a draw", scene);
-    else if (pass->kind == DT_PASS_DRAW_FULLSCREEN)
-        refuse_keys(reader, fields, "a fullscreen draw", fullscreen);
-    else if (pass->kind == DT_PASS_DRAW_VERTICES)
-        refuse_keys(reader, fields, "a draw of vertices", vertices);
-    else
-        refuse_keys(reader, fields, "a dispatch", dispatch);
+    struct fy_node *draw = field_node(fields, "draw");
+    if (draw && fy_node_get_type(draw) == FYNT_MAPPING)
+        return DT_PASS_DRAW_VERTICES;
+    return draw ? (enum dt_pass_kind)field_choice(reader, fields, "draw", 0) : DT_PASS_DISPATCH;
 }
 
 static void read_draw(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     struct fy_node *node = field_node(fields, "draw");
     struct fields map;
-    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
-        pass->kind =
-            field_choice(reader, fields, "draw", 0) ? DT_PASS_DRAW_FULLSCREEN : DT_PASS_DRAW_SCENE;
+    if (pass->kind != DT_PASS_DRAW_VERTICES ||
+        !fields_read(reader, node, SECTION_DRAW, node_loc(reader, node), &map))
         return;
-    }
-    pass->kind = DT_PASS_DRAW_VERTICES;
-    if (!fields_read(reader, node, SECTION_DRAW, node_loc(reader, node), &map))
-        return;
-    pass->vertices = field_expr(reader, &map, "vertices");
-    pass->instances = field_expr(reader, &map, "instances");
-    pass->topology = (enum dt_topology)field_choice(reader, &map, "topology", DT_TRIANGLES);
-    pass->topology_loc = field_loc(reader, &map, "topology");
+    record_read(reader, &map, 0, pass);
     if (!pass->indirect && !field_given(&map, "vertices"))
         diag_error(reader->diag, node_loc(reader, node),
                    "a draw of vertices needs the key `vertices`, or `indirect` beside `draw`");
@@ -350,7 +279,6 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
         else
             found = keys[i];
     }
-    pass->kind = DT_PASS_DISPATCH;
     pass->size = SIZE_INDIRECT;
     pass->size_loc = pass->indirect_loc;
     if (found && !strcmp(found, "draw")) {
@@ -376,7 +304,6 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
                    "`indirect` excludes `%s`: the buffer gives the number of workgroups", found);
     if (pass->kind == DT_PASS_DISPATCH)
         read_local(reader, fields, pass, dimensions);
-    refuse_others(reader, fields, pass);
 }
 
 /* ---- A pass ---------------------------------------------------------------------------------- */
@@ -392,29 +319,18 @@ static bool has_depth_target(const struct pipeline *pipeline, const struct pass 
     return false;
 }
 
-/* x, y, width and height. */
-static void read_rect(struct reader *reader, const struct fields *fields, const char *key,
-                      struct expr *rect[4])
-{
-    struct fy_node *list = field_node(fields, key);
-    for (int i = 0; list && i < 4; i++)
-        rect[i] = node_expr(reader, fy_node_sequence_get_by_index(list, i));
-}
-
 static void read_depth_bias(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
+    static const char *const keys[] = {"constant", "slope"};
     struct fy_node *node = field_node(fields, "depth_bias");
     struct fields map;
     if (!node || !fields_read(reader, node, SECTION_DEPTH_BIAS, node_loc(reader, node), &map))
         return;
-    static const char *const keys[] = {"constant", "slope"};
-    float *const values[] = {&pass->bias_constant, &pass->bias_slope};
-    for (int i = 0; i < 2; i++) {
-        *values[i] = (float)field_number(reader, &map, keys[i], 0);
-        if (!isfinite(*values[i]))
+    record_read(reader, &map, 0, pass);
+    for (int i = 0; i < 2; i++)
+        if (!isfinite((float)(i ? pass->bias_slope : pass->bias_constant)))
             diag_error(reader->diag, field_loc(reader, &map, keys[i]),
                        "`%s` is larger than a 32-bit float can be", keys[i]);
-    }
 }
 
 static void read_draw_state(struct reader *reader, const struct fields *fields, struct pass *pass)
@@ -423,35 +339,23 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
         return;
     bool depth = has_depth_target(&reader->model->pipeline, pass);
     pass->view = field_choice(reader, fields, "view", 0) ? "light" : "camera";
-    pass->layers = field_expr(reader, fields, "layers");
-    pass->cull = (enum dt_cull)field_choice(reader, fields, "cull", DT_CULL_NONE);
     int compare = field_choice(reader, fields, "depth", depth ? 1 : 0); /* 0: off */
     pass->depth_test = compare > 0;
     pass->depth_compare = pass->depth_test ? (enum dt_compare)(compare - 1) : DT_COMPARE_LESS;
-    pass->depth_write = field_bool(reader, fields, "depth_write", true);
-    read_rect(reader, fields, "viewport", pass->viewport);
-    read_rect(reader, fields, "scissor", pass->scissor);
     read_depth_bias(reader, fields, pass);
-    pass->bias_loc = field_loc(reader, fields, "depth_bias");
-    pass->blend_loc = field_loc(reader, fields, "blend");
-    pass->clip_loc = field_loc(reader, fields, "clip_distances");
     const struct dt_blend *blend = read_blend(reader, fields);
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (!pass->accesses[i].own_blend)
             pass->accesses[i].blend = blend;
-    double distances = field_number(reader, fields, "clip_distances", 0);
-    if (distances > 8)
-        diag_error(reader->diag, field_loc(reader, fields, "clip_distances"),
-                   "at most 8 clip distances");
-    else
-        pass->clip_distances = (uint32_t)distances;
+    if (pass->clip_distances > 8)
+        diag_error(reader->diag, pass->clip_loc, "at most 8 clip distances");
     if (pass->depth_test && !depth)
         diag_error(reader->diag, field_loc(reader, fields, "depth"),
                    "`depth` needs a depth target: the pass `%s` writes no image of format d32f",
                    pass->name);
     if (field_given(fields, "depth_bias") && !depth)
         diag_error(
-            reader->diag, field_loc(reader, fields, "depth_bias"),
+            reader->diag, pass->bias_loc,
             "`depth_bias` needs a depth target: the pass `%s` writes no image of format d32f",
             pass->name);
 }
@@ -464,7 +368,6 @@ static void read_files(struct reader *reader, const struct fields *fields, struc
         first = fy_node_sequence_get_by_index(shader, 0);
         pass->more = node_text(reader, fy_node_sequence_get_by_index(shader, 1));
     }
-    pass->shader_loc = field_loc(reader, fields, "shader");
     pass->shader = argument_text(reader, first, &pass->shader_loc);
 }
 
@@ -501,30 +404,21 @@ static void read_exactness(struct reader *reader, const struct fields *fields, s
 
 static void read_pass(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
+    static const struct entries ranges = {.key = "ranges", .size = sizeof(struct range)};
     *pass = (struct pass){
         .frame_binding = -1, .live_binding = -1, .textures_binding = -1, .materials_binding = -1};
-    pass->name =
-        declared_name(reader, field_node(fields, "name"), field_text(reader, fields, "name"));
-    pass->loc = field_loc(reader, fields, "name");
-    if (!pass->name)
-        pass->name = "?";
-    pass->doc = field_text(reader, fields, "doc");
+    pass->kind = pass_kind(reader, fields);
+    record_read(reader, fields, 1U << pass->kind, pass);
+    pass->name = pass->name ? declared_name(reader, field_node(fields, "name"), pass->name) : "?";
     read_exactness(reader, fields, pass);
     read_files(reader, fields, pass);
-    pass->interleave_name = field_reference(reader, fields, "interleave");
-    pass->interleave_loc = field_loc(reader, fields, "interleave");
-    pass->indirect = field_reference(reader, fields, "indirect");
-    pass->indirect_loc = field_loc(reader, fields, "indirect");
-    pass->indices = field_reference(reader, fields, "indices");
-    pass->indices_loc = field_loc(reader, fields, "indices");
-    pass->when = field_expr(reader, fields, "when");
     pass->when_text = argument_text(reader, field_node(fields, "when"), NULL);
     pass->use_count = read_names(reader, field_node(fields, "uses"), &pass->uses, &pass->use_locs);
     pass->after_count =
         read_names(reader, field_node(fields, "after"), &pass->after, &pass->after_locs);
     read_accesses(reader, fields, pass);
     read_kind(reader, fields, pass);
-    read_ranges(reader, fields, pass);
+    pass->ranges = entries_read(reader, fields, &ranges, &pass->range_count);
     read_defines(reader, fields, pass);
     read_allows(reader, fields, pass);
     pass->value_count = read_shader_values(reader, fields, &pass->values);

@@ -42,69 +42,51 @@ static void set_type(struct reader *reader, struct field *field, const char *tex
     }
 }
 
-static void read_field(struct reader *reader, const struct named *named, struct field *field)
+static void finish_field(struct reader *reader, const struct fields *fields, void *record)
 {
-    *field = (struct field){.name = named->name, .loc = named->loc};
-    struct fields fields;
-    if (fy_node_get_type(named->value) == FYNT_SCALAR) {
-        set_type(reader, field, node_text(reader, named->value), node_loc(reader, named->value));
-    } else if (fields_read(reader, named->value, SECTION_FIELD, named->loc, &fields)) {
-        const char *type = field_text(reader, &fields, "type");
-        if (type)
-            set_type(reader, field, type, field_loc(reader, &fields, "type"));
-        double count = field_number(reader, &fields, "count", 0);
-        if (field_node(&fields, "count") && (count < 1 || count > 65536))
-            diag_error(reader->diag, field_loc(reader, &fields, "count"),
-                       "an array has 1 to 65536 elements");
-        else if (count > 0)
-            field->array_count = (uint32_t)count;
-    }
+    struct field *field = record;
+    struct fy_node *count = field_node(fields, "count");
+    uint32_t elements = field->array_count;
+    const char *type = field_text(reader, fields, "type");
+    field->array_count = 0;
+    if (type)
+        set_type(reader, field, type, field_loc(reader, fields, "type"));
+    if (count && (elements < 1 || elements > 65536))
+        diag_error(reader->diag, node_loc(reader, count), "an array has 1 to 65536 elements");
+    else if (count)
+        field->array_count = elements;
 }
 
 /* A struct is a section of free names in a section of free names. `wrapper` makes the inner section
- * readable for fields_named. */
-static void read_struct(struct reader *reader, const struct named *named,
-                        struct structure *structure)
+ * readable for entries_read. */
+static void finish_struct(struct reader *reader, const struct fields *fields, void *record)
 {
-    struct field_value entry = {table_find(SECTION_STRUCTS, "*"), NULL, named->value};
-    struct fields wrapper = {
-        .section = SECTION_STRUCTS, .loc = named->loc, .values = {entry}, .count = 1};
-    *structure = (struct structure){.name = named->name, .loc = named->loc};
-    struct named_list list = fields_named(reader, &wrapper, "*");
-    structure->fields = reader_alloc(reader, list.count, sizeof *structure->fields);
-    for (uint32_t i = 0; structure->fields && i < list.count; i++)
-        read_field(reader, &list.items[i], &structure->fields[structure->field_count++]);
-    if (!list.count)
-        diag_error(reader->diag, named->loc, "the struct `%s` has no fields", named->name);
+    static const struct entries kind = {"*", sizeof(struct field), NULL, finish_field, false};
+    struct structure *structure = record;
+    struct fields wrapper = {.section = SECTION_STRUCTS, .loc = fields->loc, .count = 1};
+    wrapper.values[0] = (struct field_value){table_find(SECTION_STRUCTS, "*"), NULL, fields->node};
+    structure->fields = entries_read(reader, &wrapper, &kind, &structure->field_count);
+    if (!structure->field_count)
+        diag_error(reader->diag, fields->loc, "the struct `%s` has no fields", structure->name);
 }
 
 void read_structs(struct reader *reader, const struct fields *top)
 {
+    static const struct entries kind = {"structs", sizeof(struct structure), NULL, finish_struct,
+                                        false};
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list list = fields_named(reader, top, "structs");
-    pipeline->structs = reader_alloc(reader, list.count, sizeof *pipeline->structs);
-    for (uint32_t i = 0; pipeline->structs && i < list.count; i++)
-        read_struct(reader, &list.items[i], &pipeline->structs[pipeline->struct_count++]);
+    pipeline->structs = entries_read(reader, top, &kind, &pipeline->struct_count);
 }
 
 /* ---- Buffers and images ---------------------------------------------------------------------- */
 
-static void read_buffer_keys(struct reader *reader, const struct named *named,
-                             struct resource *buffer)
+static void finish_buffer(struct reader *reader, const struct fields *fields, void *record)
 {
-    struct fields fields;
-    *buffer =
-        (struct resource){.name = named->name, .loc = named->loc, .kind = DT_BUFFER, .share = -1};
-    if (!fields_read(reader, named->value, SECTION_BUFFER, named->loc, &fields))
-        return;
-    buffer->doc = field_text(reader, &fields, "doc");
-    buffer->of = argument_text(reader, field_node(&fields, "of"), NULL);
-    buffer->of_loc = field_loc(reader, &fields, "of");
-    buffer->count = field_expr(reader, &fields, "count");
-    buffer->history = field_bool(reader, &fields, "history", false);
-    read_content(reader, &fields, buffer);
-    if (!field_given(&fields, "count") && !buffer->file)
-        diag_error(reader->diag, named->loc, "a buffer needs the key `count`");
+    struct resource *buffer = record;
+    buffer->of = argument_text(reader, field_node(fields, "of"), NULL);
+    read_content(reader, fields, buffer);
+    if (!field_given(fields, "count") && !buffer->file)
+        diag_error(reader->diag, fields->loc, "a buffer needs the key `count`");
 }
 
 static void read_clear(struct reader *reader, struct fy_node *node, struct resource *image)
@@ -130,7 +112,6 @@ static void read_shape(struct reader *reader, const struct fields *fields, struc
     bool cube = field_bool(reader, fields, "cube", false);
     bool volume =
         size && fy_node_get_type(size) == FYNT_SEQUENCE && fy_node_sequence_item_count(size) == 3;
-    image->layers = field_expr(reader, fields, "layers");
     if (volume && (cube || image->layers))
         diag_error(reader->diag, field_loc(reader, fields, "size"),
                    "`%s` has a depth, so it cannot have `%s`", image->name,
@@ -147,102 +128,63 @@ static void read_shape(struct reader *reader, const struct fields *fields, struc
     }
 }
 
-static void read_image_keys(struct reader *reader, const struct named *named,
-                            struct resource *image)
+static void finish_image(struct reader *reader, const struct fields *fields, void *record)
 {
-    struct fields fields;
-    *image =
-        (struct resource){.name = named->name, .loc = named->loc, .kind = DT_IMAGE, .share = -1};
-    image->format = DT_FORMAT_RGBA8;
-    if (!fields_read(reader, named->value, SECTION_IMAGE, named->loc, &fields))
-        return;
-    image->doc = field_text(reader, &fields, "doc");
-    image->format = (enum dt_format)field_choice(reader, &fields, "format", DT_FORMAT_RGBA8);
-    struct fy_node *size = field_node(&fields, "size");
+    struct resource *image = record;
+    struct fy_node *size = field_node(fields, "size");
     if (size && fy_node_get_type(size) == FYNT_SEQUENCE) {
         image->width = node_expr(reader, fy_node_sequence_get_by_index(size, 0));
         image->height = node_expr(reader, fy_node_sequence_get_by_index(size, 1));
     } else {
-        struct loc loc = field_loc(reader, &fields, "size");
+        struct loc loc = field_loc(reader, fields, "size");
         image->width = expr_parse(reader->model, "frame.width", loc, NULL, reader->diag);
         image->height = expr_parse(reader->model, "frame.height", loc, NULL, reader->diag);
     }
-    read_shape(reader, &fields, size, image);
-    image->mips = field_expr(reader, &fields, "mips");
-    image->filter_mips = field_bool(reader, &fields, "filter_mips", false);
-    image->history = field_bool(reader, &fields, "history", false);
-    image->srgb = field_choice(reader, &fields, "encoding", 0) == 1;
-    image->encoding_is_given = field_given(&fields, "encoding");
-    image->encoding_loc = field_loc(reader, &fields, "encoding");
-    read_content(reader, &fields, image);
-    if (!field_given(&fields, "size") && !image->input)
-        diag_error(reader->diag, named->loc, "an image needs the key `size`");
-    read_clear(reader, field_node(&fields, "clear"), image);
+    read_shape(reader, fields, size, image);
+    image->encoding_is_given = field_given(fields, "encoding");
+    read_content(reader, fields, image);
+    if (!field_given(fields, "size") && !image->input)
+        diag_error(reader->diag, fields->loc, "an image needs the key `size`");
+    read_clear(reader, field_node(fields, "clear"), image);
 }
 
 void read_resources(struct reader *reader, const struct fields *top)
 {
+    static const struct resource buffer = {.kind = DT_BUFFER, .share = -1};
+    static const struct resource image = {.kind = DT_IMAGE, .share = -1, .format = DT_FORMAT_RGBA8};
+    static const struct entries kinds[] = {
+        {"buffers", sizeof buffer, &buffer, finish_buffer, false},
+        {"images", sizeof image, &image, finish_image, false}};
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list buffers = fields_named(reader, top, "buffers"),
-                      images = fields_named(reader, top, "images");
-    pipeline->resources = reader_alloc(reader, buffers.count + images.count + SANITIZE_RESOURCES,
+    uint32_t counts[2];
+    struct resource *lists[2];
+    for (int i = 0; i < 2; i++)
+        lists[i] = entries_read(reader, top, &kinds[i], &counts[i]);
+    pipeline->resources = reader_alloc(reader, counts[0] + counts[1] + SANITIZE_RESOURCES,
                                        sizeof *pipeline->resources);
-    if (!pipeline->resources)
-        return;
-    for (uint32_t i = 0; i < buffers.count; i++)
-        read_buffer_keys(reader, &buffers.items[i],
-                         &pipeline->resources[pipeline->resource_count++]);
-    for (uint32_t i = 0; i < images.count; i++)
-        read_image_keys(reader, &images.items[i], &pipeline->resources[pipeline->resource_count++]);
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        pipeline->resources[i].index = i;
+    for (int i = 0; i < 2 && pipeline->resources; i++)
+        for (uint32_t k = 0; k < counts[i]; k++) {
+            lists[i][k].index = pipeline->resource_count;
+            pipeline->resources[pipeline->resource_count++] = lists[i][k];
+        }
 }
 
 /* ---- Samplers, metrics, interleaves ---------------------------------------------------------- */
 
-static void read_sampler(struct reader *reader, const struct named *named, struct sampler *sampler)
+static void finish_sampler(struct reader *reader, const struct fields *fields, void *record)
 {
-    static const char *const points[] = {"count", "map", NULL};
-    static const char *const filters[] = {"filter",  "mip_filter", "wrap", "border",
-                                          "compare", "anisotropy", NULL};
-    struct fields fields;
-    *sampler = (struct sampler){.name = named->name, .loc = named->loc, .anisotropy = 1};
-    if (!fields_read(reader, named->value, SECTION_SAMPLER, named->loc, &fields))
-        return;
-    sampler->kind = (enum sampler_kind)field_choice(reader, &fields, "kind", SAMPLER_FILTER);
-    sampler->doc = field_text(reader, &fields, "doc");
-    if (!field_node(&fields, "kind"))
-        return;
-    if (sampler->kind == SAMPLER_HAMMERSLEY) {
-        refuse_keys(reader, &fields, "a sampler of kind hammersley", filters);
-        sampler->count = field_expr(reader, &fields, "count");
-        sampler->map = (enum sampler_map)field_choice(reader, &fields, "map", MAP_SQUARE);
-        if (!field_node(&fields, "count"))
-            diag_error(reader->diag, named->loc,
-                       "a sampler of kind hammersley needs the key `count`");
-        return;
-    }
-    refuse_keys(reader, &fields, "a sampler of kind filter", points);
-    sampler->linear = field_choice(reader, &fields, "filter", 0) == 1;
-    sampler->linear_mip = field_choice(reader, &fields, "mip_filter", 0) == 1;
-    sampler->wrap = (enum dt_wrap)field_choice(reader, &fields, "wrap", DT_WRAP_CLAMP);
-    sampler->border = (enum dt_border)field_choice(reader, &fields, "border", 0);
-    if (field_given(&fields, "border") && sampler->wrap != DT_WRAP_BORDER)
-        diag_error(reader->diag, field_loc(reader, &fields, "border"),
+    struct sampler *sampler = record;
+    sampler->kind = (enum sampler_kind)field_choice(reader, fields, "kind", SAMPLER_FILTER);
+    bool points = sampler->kind == SAMPLER_HAMMERSLEY;
+    if (field_node(fields, "kind"))
+        record_read(reader, fields, points ? OF_POINTS : OF_FILTER, sampler);
+    if (points && !field_node(fields, "count"))
+        diag_error(reader->diag, fields->loc, "a sampler of kind hammersley needs the key `count`");
+    if (!points && field_given(fields, "border") && sampler->wrap != DT_WRAP_BORDER)
+        diag_error(reader->diag, field_loc(reader, fields, "border"),
                    "`%s` has a border colour, but not `wrap: border`", sampler->name);
-    sampler->compare = field_bool(reader, &fields, "compare", false);
-    sampler->anisotropy = field_number(reader, &fields, "anisotropy", 1);
     if (sampler->anisotropy < 1 || sampler->anisotropy > 16)
-        diag_error(reader->diag, field_loc(reader, &fields, "anisotropy"), "anisotropy is 1 to 16");
-}
-
-void read_samplers(struct reader *reader, const struct fields *top)
-{
-    struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list list = fields_named(reader, top, "samplers");
-    pipeline->samplers = reader_alloc(reader, list.count, sizeof *pipeline->samplers);
-    for (uint32_t i = 0; pipeline->samplers && i < list.count; i++)
-        read_sampler(reader, &list.items[i], &pipeline->samplers[pipeline->sampler_count++]);
+        diag_error(reader->diag, field_loc(reader, fields, "anisotropy"), "anisotropy is 1 to 16");
 }
 
 static struct weight read_weight(struct reader *reader, const struct fields *fields,
@@ -257,54 +199,27 @@ static struct weight read_weight(struct reader *reader, const struct fields *fie
     return weight;
 }
 
-static void read_metric(struct reader *reader, const struct named *named, struct metric *metric)
+static void finish_metric(struct reader *reader, const struct fields *fields, void *record)
 {
-    struct fields fields;
-    *metric = (struct metric){.name = named->name,
-                              .loc = named->loc,
-                              .position_field = "position",
-                              .normal_field = "normal",
-                              .scale = "scene_radius"};
-    if (!fields_read(reader, named->value, SECTION_METRIC, named->loc, &fields))
-        return;
-    metric->doc = field_text(reader, &fields, "doc");
-    metric->position = read_weight(reader, &fields, "position");
-    metric->normal = read_weight(reader, &fields, "normal");
-    if (field_node(&fields, "position_field"))
-        metric->position_field = field_text(reader, &fields, "position_field");
-    if (field_node(&fields, "normal_field"))
-        metric->normal_field = field_text(reader, &fields, "normal_field");
-    if (field_node(&fields, "scale"))
-        metric->scale = field_text(reader, &fields, "scale");
-    metric->normal_term =
-        (enum normal_term)field_choice(reader, &fields, "normal_term", TERM_ONE_MINUS_DOT);
+    struct metric *metric = record;
+    metric->position = read_weight(reader, fields, "position");
+    metric->normal = read_weight(reader, fields, "normal");
 }
 
-void read_metrics(struct reader *reader, const struct fields *top)
+void read_functions(struct reader *reader, const struct fields *top)
 {
+    static const struct sampler sampler = {.kind = SAMPLER_FILTER, .anisotropy = 1};
+    static const struct interleave interleave = {.tile = {1, 1}};
+    static const struct entries samplers = {"samplers", sizeof sampler, &sampler, finish_sampler,
+                                            true};
+    static const struct entries metrics = {"metrics", sizeof(struct metric), NULL, finish_metric,
+                                           false};
+    static const struct entries interleaves = {"interleaves", sizeof interleave, &interleave, NULL,
+                                               false};
     struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list list = fields_named(reader, top, "metrics");
-    pipeline->metrics = reader_alloc(reader, list.count, sizeof *pipeline->metrics);
-    for (uint32_t i = 0; pipeline->metrics && i < list.count; i++)
-        read_metric(reader, &list.items[i], &pipeline->metrics[pipeline->metric_count++]);
-}
-
-void read_interleaves(struct reader *reader, const struct fields *top)
-{
-    struct pipeline *pipeline = &reader->model->pipeline;
-    struct named_list list = fields_named(reader, top, "interleaves");
-    pipeline->interleaves = reader_alloc(reader, list.count, sizeof *pipeline->interleaves);
-    for (uint32_t i = 0; pipeline->interleaves && i < list.count; i++) {
-        struct named *named = &list.items[i];
-        struct interleave *interleave = &pipeline->interleaves[pipeline->interleave_count++];
-        *interleave = (struct interleave){.name = named->name, .loc = named->loc, .tile = {1, 1}};
-        struct fields fields;
-        if (!fields_read(reader, named->value, SECTION_INTERLEAVE, named->loc, &fields))
-            continue;
-        interleave->doc = field_text(reader, &fields, "doc");
-        interleave->x = field_expr(reader, &fields, "x");
-        interleave->y = field_expr(reader, &fields, "y");
-    }
+    pipeline->samplers = entries_read(reader, top, &samplers, &pipeline->sampler_count);
+    pipeline->metrics = entries_read(reader, top, &metrics, &pipeline->metric_count);
+    pipeline->interleaves = entries_read(reader, top, &interleaves, &pipeline->interleave_count);
 }
 
 /* ---- Contracts ------------------------------------------------------------------------------- */

@@ -27,7 +27,8 @@ struct field_value {
 };
 struct fields {
     enum section section;
-    struct loc loc; /* of the map, or of the name that it belongs to */
+    struct loc loc;       /* of the map, or of the name that it belongs to */
+    struct fy_node *node; /* the map */
     struct field_value values[MOST_KEYS];
     size_t count;
     const struct fields *next; /* top level: of the next file */
@@ -136,6 +137,13 @@ bool expand_cull(struct use *use);
  * the others. */
 void document_set(struct reader *reader, const char *const *sets, size_t set_count, bool early);
 struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 0 for NULL */
+/* NULL where there is no such value, or no map or list. */
+struct fy_node *map_value(struct fy_node *map, const char *key);
+struct fy_node *section_of(const struct document *document, const char *key);
+struct fy_node *next_item(struct fy_node *list, void **iterator);
+int list_count(struct fy_node *list);
+struct fy_node_pair *next_pair(struct fy_node *map, void **iterator);
+const char *pair_name(struct reader *reader, struct fy_node_pair *pair);
 /* NULL unless a scalar. key_text: as written; node_text: with `{EXPR}` replaced. */
 const char *key_text(struct reader *reader, struct fy_node *node);
 const char *node_text(struct reader *reader, struct fy_node *node);
@@ -151,20 +159,32 @@ struct named_list fields_named(struct reader *reader, const struct fields *field
 struct fy_node *field_node(const struct fields *fields, const char *key);
 bool field_given(const struct fields *fields, const char *key); /* also with a wrong value */
 struct loc field_loc(const struct reader *reader, const struct fields *fields, const char *key);
-/* Reports those of the keys, up to NULL, that are given: `what` has none of them. */
-void refuse_keys(struct reader *reader, const struct fields *fields, const char *what,
-                 const char *const *keys);
 const char *field_text(struct reader *reader, const struct fields *fields, const char *key);
-/* Of a resource, pass or file; an argument stands for its value. */
-const char *field_reference(struct reader *reader, const struct fields *fields, const char *key);
 bool field_bool(struct reader *reader, const struct fields *fields, const char *key, bool fallback);
-double field_number(struct reader *reader, const struct fields *fields, const char *key,
-                    double fallback);
 double field_amount(struct reader *reader, const struct fields *fields, const char *key,
                     double fallback);
 int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback);
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
 struct expr *node_expr(struct reader *reader, struct fy_node *node);
+/* One to four expressions; returns their number. */
+int node_exprs(struct reader *reader, struct fy_node *node, struct expr **exprs);
+/* Sets the members of the section's struct by the table. of: kind of map, one of enum key_of; reports keys
+ * that it cannot have. */
+void record_read(struct reader *reader, const struct fields *fields, unsigned of, void *record);
+/* The same of a map below the key; false: there is none. */
+bool map_read(struct reader *reader, const struct fields *fields, const char *key, void *record);
+
+/* The entries of a section of free names, as structs that begin with struct declared. */
+struct entries {
+    const char *key;
+    size_t size;
+    const void *initial; /* before reading; NULL: zeros */
+    /* After record_read, which it calls itself where `of` is set. */
+    void (*finish)(struct reader *reader, const struct fields *fields, void *record);
+    bool of;
+};
+void *entries_read(struct reader *reader, const struct fields *fields, const struct entries *kind,
+                   uint32_t *count);
 void *reader_alloc(struct reader *reader, size_t count, size_t size); /* at least one element */
 
 /* read_params.c */
@@ -175,12 +195,10 @@ void read_constants(struct reader *reader, const struct fields *top);
 /* read_resources.c */
 void read_structs(struct reader *reader, const struct fields *top);
 void read_resources(struct reader *reader, const struct fields *top);
-void read_samplers(struct reader *reader, const struct fields *top);
-void read_metrics(struct reader *reader, const struct fields *top);
-void read_interleaves(struct reader *reader, const struct fields *top);
+/* What a pass may list in `uses`. */
+void read_functions(struct reader *reader, const struct fields *top);
 void read_contracts(struct reader *reader, const struct fields *top);
-/* read_content.c: `file`, `input` and `keep` of a buffer or image. With `file` it finds the file
- * and sets the resource's size from its header. */
+/* read_content.c: with `file` it finds the file and sets the resource's size from its header. */
 void read_content(struct reader *reader, const struct fields *fields, struct resource *resource);
 /* read_passes.c */
 uint32_t read_shader_values(struct reader *reader, const struct fields *fields,

@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+#include "model/model.h"
+
 static const char param_types[] = /* no matrices */
 #define COLUMNS_1(name) "|" name
 #define COLUMNS_4(name)
@@ -30,6 +32,8 @@ static const char formats[] =
 #define KEEP_DOC                                                                                   \
     "true: shares no memory with other resources, so a host may read the content after the frame."
 
+#define AT(type, member)    .at = 1 + offsetof(struct type, member)
+#define PLACE(type, member) .place = 1 + offsetof(struct type, member)
 static const struct key table_keys[] = {
 #define SECTION(ENUMERATOR, ...) {.section = SECTION_##ENUMERATOR},
 #define KEY(key, key_type, default, text, value, ...)                                              \

@@ -56,6 +56,19 @@ struct key {
     enum section child;
     const char *choices; /* words joined by `|`, in the order of the enum that they stand for */
     bool required;
+    unsigned of;      /* mask of enum key_of: the maps that may have it; 0: all */
+    size_t at, place; /* 1 + offset in the section's struct of the model; 0: not there */
+};
+
+/* Kinds of passes and samplers. */
+enum key_of {
+    OF_SCENE = 1 << 0,
+    OF_FULLSCREEN = 1 << 1,
+    OF_VERTICES = 1 << 2,
+    OF_DISPATCH = 1 << 3,
+    OF_POINTS = 1 << 4,
+    OF_FILTER = 1 << 5,
+    OF_DRAW = OF_SCENE | OF_FULLSCREEN | OF_VERTICES
 };
 
 struct section_info { /* see language.def */
