@@ -54,13 +54,11 @@ static void node_matrix(struct gltf *gltf, struct gltf_item node, double out[4][
     compose(t, q, s, out);
 }
 
-/* Nodes are trees: each has one parent at most. Writes -1 for those without. A node that stood twice
- * would double whatever is below it. */
-static bool find_parents(struct gltf *gltf, int32_t *parents)
+/* Nodes are trees: each has one parent at most. A node that stood twice would double whatever is below
+ * it. */
+static bool find_parents(struct gltf *gltf)
 {
-    uint32_t count = gltf->list[GLTF_NODES].count;
-    memset(parents, 0xff, count * sizeof *parents);
-    for (uint32_t i = 0; i < count && !gltf->failed; i++) {
+    for (uint32_t i = 0; i < gltf->list[GLTF_NODES].count && !gltf->failed; i++) {
         struct gltf_item node = gltf_item(gltf, GLTF_NODES, i);
         const cJSON *element;
         cJSON_ArrayForEach(element, cJSON_GetObjectItemCaseSensitive(node.json, "children"))
@@ -68,11 +66,12 @@ static bool find_parents(struct gltf *gltf, int32_t *parents)
             int32_t child = gltf_element(gltf, node, "children", element, GLTF_NODES);
             if (child < 0)
                 return false;
-            if (parents[child] >= 0)
+            uint32_t *parent = &gltf->list[GLTF_NODES].objects[child].parent;
+            if (*parent)
                 return gltf_error(gltf, node, "children",
-                                  "nodes[%d] is a child of nodes[%d] already; nodes are trees",
-                                  child, parents[child]);
-            parents[child] = (int32_t)i;
+                                  "nodes[%d] is a child of nodes[%u] already; nodes are trees",
+                                  child, *parent - 1);
+            *parent = i + 1;
         }
     }
     return !gltf->failed;
@@ -100,47 +99,49 @@ static uint32_t push(struct gltf *gltf, struct gltf_item item, const char *key, 
     return count;
 }
 
-static uint32_t push_roots(struct gltf *gltf, const int32_t *parents, uint32_t *stack)
+static uint32_t push_roots(struct gltf *gltf, uint32_t *stack)
 {
     struct gltf_item root = {gltf->root, GLTF_SCENES, 0};
+    const struct gltf_object *nodes = gltf->list[GLTF_NODES].objects;
     int32_t scene = gltf_index(gltf, root, "scene", GLTF_SCENES);
     uint32_t count = 0;
     if (scene < 0 && gltf->list[GLTF_SCENES].count)
         scene = 0;
     if (scene < 0) {
         for (uint32_t i = gltf->list[GLTF_NODES].count; i-- > 0;)
-            if (parents[i] < 0)
+            if (!nodes[i].parent)
                 stack[count++] = i;
         return count;
     }
     struct gltf_item item = gltf_item(gltf, GLTF_SCENES, (uint32_t)scene);
     count = push(gltf, item, "nodes", stack);
     for (uint32_t i = 0; i < count; i++)
-        if (parents[stack[i]] >= 0)
-            gltf_error(gltf, item, "nodes", "nodes[%u] is no root, but a child of nodes[%d]",
-                       stack[i], parents[stack[i]]);
+        if (nodes[stack[i]].parent)
+            gltf_error(gltf, item, "nodes", "nodes[%u] is no root, but a child of nodes[%u]",
+                       stack[i], nodes[stack[i]].parent - 1);
     return count;
 }
 
 /* Writes the nodes of the scene, parents first and in the order of the file, and their matrices.
  * Returns their number. `stack` and `order` have room for all nodes. */
-static uint32_t flatten(struct gltf *gltf, const int32_t *parents, uint32_t *stack, uint32_t *order)
+static uint32_t flatten(struct gltf *gltf, uint32_t *stack, uint32_t *order)
 {
-    uint32_t depth = push_roots(gltf, parents, stack), count = 0;
+    uint32_t depth = push_roots(gltf, stack), count = 0;
     while (depth > 0 && !gltf->failed) {
         uint32_t index = stack[--depth];
         struct gltf_item node = gltf_item(gltf, GLTF_NODES, index);
+        struct gltf_object *object = gltf_object(gltf, node), *all = gltf->list[GLTF_NODES].objects;
         double own[4][4];
-        if (gltf->matrices[index][3][3] != 0) {
+        if (object->matrix[3][3] != 0) {
             gltf_error(gltf, node, NULL, "stands twice in the scene");
             break;
         }
         node_matrix(gltf, node, own);
-        if (parents[index] < 0)
-            memcpy(gltf->matrices[index], own, sizeof own);
+        if (object->parent)
+            multiply(all[object->parent - 1].matrix, own, object->matrix);
         else
-            multiply(gltf->matrices[parents[index]], own, gltf->matrices[index]);
-        gltf->matrices[index][3][3] = 1;
+            memcpy(object->matrix, own, sizeof own);
+        object->matrix[3][3] = 1;
         order[count++] = index;
         depth += push(gltf, node, "children", stack + depth);
     }
@@ -277,6 +278,7 @@ static bool take_primitive(struct gltf *gltf, struct mesh *mesh, struct gltf_ite
 
 /* ---- The whole ------------------------------------------------------------------------------- */
 
+/* The mesh of a node; no `json`: it has none. */
 static struct gltf_item node_mesh(struct gltf *gltf, uint32_t node)
 {
     int32_t index = gltf_index(gltf, gltf_item(gltf, GLTF_NODES, node), "mesh", GLTF_MESHES);
@@ -289,33 +291,32 @@ static const cJSON *primitives(struct gltf_item mesh)
     return mesh.json ? cJSON_GetObjectItemCaseSensitive(mesh.json, "primitives") : NULL;
 }
 
-/* Numbers of the first primitives of meshes, over the whole file, and triangles of meshes. */
-struct counts {
-    uint32_t first;
-    uint64_t triangles;
-};
-
-static void count_mesh(struct gltf *gltf, uint32_t index, struct counts *counts)
+/* Numbers the primitives over the whole file, and adds up the triangles of each mesh. */
+static void count_meshes(struct gltf *gltf)
 {
-    struct gltf_item mesh = gltf_item(gltf, GLTF_MESHES, index);
-    const cJSON *primitive;
-    counts[1].first = counts->first;
-    cJSON_ArrayForEach(primitive, primitives(mesh))
-    {
-        struct gltf_item item = {primitive, GLTF_MESHES, index};
-        counts->triangles += claimed_triangles(gltf, item);
-        counts[1].first++;
+    uint32_t number = 0;
+    for (uint32_t i = 0; i < gltf->list[GLTF_MESHES].count && !gltf->failed; i++) {
+        struct gltf_item mesh = gltf_item(gltf, GLTF_MESHES, i);
+        struct gltf_object *object = gltf_object(gltf, mesh);
+        const cJSON *primitive;
+        object->first = number;
+        cJSON_ArrayForEach(primitive, primitives(mesh))
+        {
+            object->triangles +=
+                claimed_triangles(gltf, (struct gltf_item){primitive, GLTF_MESHES, i});
+            number++;
+        }
     }
 }
 
 static bool take_nodes(struct gltf *gltf, struct mesh *mesh, const uint32_t *order, uint32_t count,
-                       const struct counts *counts, float scale)
+                       float scale)
 {
     uint64_t triangles = 0;
     for (uint32_t i = 0; i < count; i++) {
         struct gltf_item from = node_mesh(gltf, order[i]);
-        triangles += from.json ? counts[from.index].triangles : 0;
-        if (cJSON_GetObjectItemCaseSensitive(gltf->list[GLTF_NODES].items[order[i]], "skin"))
+        triangles += from.json ? gltf_object(gltf, from)->triangles : 0;
+        if (cJSON_GetObjectItemCaseSensitive(gltf_item(gltf, GLTF_NODES, order[i]).json, "skin"))
             gltf_warn(gltf, "skins are not supported; meshes stand where their nodes are");
     }
     if (cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(gltf->root, "animations")))
@@ -323,13 +324,14 @@ static bool take_nodes(struct gltf *gltf, struct mesh *mesh, const uint32_t *ord
     if (gltf->failed || !mesh_reserve(mesh, triangles, gltf->path, gltf->log))
         return false;
     for (uint32_t i = 0; i < count && !gltf->failed; i++) {
+        struct gltf_item node = gltf_item(gltf, GLTF_NODES, order[i]);
         struct gltf_item from = node_mesh(gltf, order[i]);
-        struct mesh_part part = {.mesh = from.json ? counts[from.index].first : 0};
+        struct mesh_part part = {.mesh = from.json ? gltf_object(gltf, from)->first : 0};
         const cJSON *primitive;
         cJSON_ArrayForEach(primitive, primitives(from))
         {
             struct gltf_item item = {primitive, GLTF_MESHES, from.index};
-            if (!take_primitive(gltf, mesh, item, part, gltf->matrices[order[i]], scale))
+            if (!take_primitive(gltf, mesh, item, part, gltf_object(gltf, node)->matrix, scale))
                 break;
             part.mesh++;
         }
@@ -340,25 +342,15 @@ static bool take_nodes(struct gltf *gltf, struct mesh *mesh, const uint32_t *ord
 static bool take_scene(struct gltf *gltf, struct mesh *mesh, float scale)
 {
     size_t nodes = gltf->list[GLTF_NODES].count;
-    uint32_t meshes = gltf->list[GLTF_MESHES].count;
-    int32_t *parents = calloc(nodes + 1, sizeof *parents);
-    uint32_t *stack = calloc(2 * nodes + 1, sizeof *stack),
-             *order = calloc(nodes + 1, sizeof *order);
-    struct counts *counts = calloc(meshes + 1, sizeof *counts);
-    bool good = parents && stack && order && counts;
-    if (!good)
-        gltf_out_of_memory(gltf);
-    if (good && find_parents(gltf, parents)) {
-        uint32_t count = flatten(gltf, parents, stack, order);
-        for (uint32_t i = 0; i < meshes && !gltf->failed; i++)
-            count_mesh(gltf, i, &counts[i]);
-        good = !gltf->failed && take_nodes(gltf, mesh, order, count, counts, scale);
-    }
-    free(parents);
-    free(stack);
-    free(order);
-    free(counts);
-    return good && !gltf->failed;
+    uint32_t *stack = arena_alloc(gltf->arena, 2 * nodes * sizeof *stack);
+    uint32_t *order = arena_alloc(gltf->arena, nodes * sizeof *order);
+    if (!stack || !order)
+        return gltf_out_of_memory(gltf);
+    if (!find_parents(gltf))
+        return false;
+    uint32_t count = flatten(gltf, stack, order);
+    count_meshes(gltf);
+    return !gltf->failed && take_nodes(gltf, mesh, order, count, scale);
 }
 
 bool gltf_import(struct mesh *mesh, float scale, const struct dt_log *log)

@@ -7,6 +7,7 @@
 #ifndef DIPTYCH_SCENES_GLTF_H
 #define DIPTYCH_SCENES_GLTF_H
 
+#include "base/arena.h"
 #include "mesh.h"
 
 #include <cjson/cJSON.h>
@@ -46,8 +47,21 @@ struct gltf_array {
     uint32_t count, components;
 };
 
+/* An object of one of the file's lists, and what the import keeps of it. */
+struct gltf_object {
+    const cJSON *json;
+    struct gltf_bytes bytes; /* of a buffer or view; data: NULL until used */
+    void *file;              /* of a buffer: the file's bytes; owned */
+    struct gltf_array array; /* of an accessor */
+    double matrix[4][4];     /* of a node to the scene, by columns; all zero: not in the scene */
+    uint32_t parent;         /* of a node, counted from 1; 0: it has none */
+    uint32_t texture;        /* of an image, counted from 1; 0: not yet used */
+    uint32_t first;          /* of a mesh: the primitives of those before it */
+    uint64_t triangles;      /* of a mesh */
+};
+
 struct gltf_list {
-    const cJSON **items;
+    struct gltf_object *objects;
     uint32_t count;
 };
 
@@ -60,13 +74,9 @@ struct gltf {
     cJSON *root;
     struct gltf_bytes binary; /* the chunk of a .glb, in `text` */
     struct gltf_list list[GLTF_KINDS];
-    struct gltf_bytes *buffers, *views; /* data: NULL until used; owned */
-    bool *view_is_owned;
-    struct gltf_array *arrays; /* of accessors */
-    double (*matrices)[4][4];  /* of nodes to the scene, by columns; all zero: not in the scene */
-    int32_t *textures;         /* of images: index in the mesh; INT32_MIN: not yet used */
-    size_t spent;              /* bytes of buffers and arrays */
-    cJSON *warned;             /* texts that were logged */
+    struct arena *arena; /* has all but `text`, `root` and files */
+    size_t spent;        /* bytes of buffers and arrays */
+    cJSON *warned;       /* texts that were logged */
 };
 
 /* ---- gltf_file.c ----------------------------------------------------------------------------- */
@@ -74,17 +84,18 @@ struct gltf {
 bool gltf_open(struct gltf *gltf, const struct mesh *mesh, const struct dt_log *log);
 void gltf_close(struct gltf *gltf);
 
-/* Logs one error at the item, with `key` (may be NULL). Returns false. */
+/* Logs one error at the item, with `key` (may be NULL); of kind GLTF_KINDS: of the file. Returns false. */
 bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 /* Logs one warning, each text once. */
 void gltf_warn(struct gltf *gltf, const char *format, ...) __attribute__((format(printf, 2, 3)));
 bool gltf_out_of_memory(struct gltf *gltf);
 
-/* zeroed memory within the file's budget; NULL: failed. */
+/* Zeroed memory within the file's budget, until gltf_close; NULL: failed. */
 void *gltf_alloc(struct gltf *gltf, struct gltf_item item, size_t count, size_t size);
 
 struct gltf_item gltf_item(const struct gltf *gltf, enum gltf_kind kind, uint32_t index);
+struct gltf_object *gltf_object(const struct gltf *gltf, struct gltf_item item);
 /* A part of the item; `json` is NULL where the key is missing or no object. */
 struct gltf_item gltf_part(struct gltf *gltf, struct gltf_item item, const char *key);
 struct gltf_item gltf_extension(struct gltf *gltf, struct gltf_item item, const char *name);
@@ -107,8 +118,8 @@ int32_t gltf_element(struct gltf *gltf, struct gltf_item item, const char *key,
 
 /* Bytes of a buffer view. NULL data: failed. */
 struct gltf_bytes gltf_view(struct gltf *gltf, uint32_t index);
-/* Reads a URI that is no file: base64. *size is that of the result. NULL: failed. For free(). */
-uint8_t *gltf_data_uri(struct gltf *gltf, struct gltf_item item, const char *uri, size_t *size);
+/* Reads a URI that is no file: base64. NULL data: failed. */
+struct gltf_bytes gltf_data_uri(struct gltf *gltf, struct gltf_item item, const char *uri);
 /* The path of a URI beside the file; NULL: failed. For free(). */
 char *gltf_uri_path(struct gltf *gltf, struct gltf_item item, const char *uri);
 /* The accessor's elements as floats, or as indices. NULL: failed. */

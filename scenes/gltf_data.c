@@ -6,6 +6,7 @@
 
 #include <meshoptimizer.h>
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -22,39 +23,32 @@ static int base64(char digit)
     return found ? (int)(found - digits) : digit == '-' ? 62 : digit == '_' ? 63 : -1;
 }
 
-uint8_t *gltf_data_uri(struct gltf *gltf, struct gltf_item item, const char *uri, size_t *size)
+struct gltf_bytes gltf_data_uri(struct gltf *gltf, struct gltf_item item, const char *uri)
 {
     const char *comma = strchr(uri, ',');
+    const struct gltf_bytes none = {NULL, 0};
     if (!comma || comma - uri < 7 || memcmp(comma - 7, ";base64", 7) != 0) {
         gltf_error(gltf, item, "uri", "this data URI is not base64");
-        return NULL;
+        return none;
     }
     const char *text = comma + 1;
     uint8_t *bytes = gltf_alloc(gltf, item, strlen(text), 1);
     uint32_t bits = 0;
     int count = 0;
-    for (*size = 0; bytes && *text && *text != '='; text++) {
+    size_t size = 0;
+    for (; bytes && *text && *text != '='; text++) {
         int digit = base64(*text);
         if (digit < 0) {
             gltf_error(gltf, item, "uri", "the character %zu of the data is no base64",
                        (size_t)(text - comma));
-            free(bytes);
-            return NULL;
+            return none;
         }
         bits = bits << 6 | (uint32_t)digit;
         count += 6;
         if (count >= 8)
-            bytes[(*size)++] = (uint8_t)(bits >> (count -= 8));
+            bytes[size++] = (uint8_t)(bits >> (count -= 8));
     }
-    return bytes;
-}
-
-static int hex(char digit)
-{
-    return digit >= '0' && digit <= '9'   ? digit - '0'
-           : digit >= 'a' && digit <= 'f' ? digit - 'a' + 10
-           : digit >= 'A' && digit <= 'F' ? digit - 'A' + 10
-                                          : -1;
+    return (struct gltf_bytes){bytes, size};
 }
 
 char *gltf_uri_path(struct gltf *gltf, struct gltf_item item, const char *uri)
@@ -66,9 +60,12 @@ char *gltf_uri_path(struct gltf *gltf, struct gltf_item item, const char *uri)
     char *path = mesh_path_beside(gltf->path, strncmp(uri, "file://", 7) == 0 ? uri + 7 : uri);
     char *to = path;
     for (const char *from = path; from && *from; from++, to++) {
-        bool escaped = *from == '%' && hex(from[1]) >= 0 && hex(from[2]) >= 0;
-        *to = escaped ? (char)(16 * hex(from[1]) + hex(from[2])) : *from;
-        from += escaped ? 2 : 0;
+        unsigned code = (unsigned char)*from;
+        if (*from == '%' && isxdigit((uint8_t)from[1]) && isxdigit((uint8_t)from[2])) {
+            sscanf(from + 1, "%2x", &code);
+            from += 2;
+        }
+        *to = (char)code;
     }
     if (to)
         *to = '\0';
@@ -84,35 +81,35 @@ char *gltf_uri_path(struct gltf *gltf, struct gltf_item item, const char *uri)
 
 /* ---- Buffers --------------------------------------------------------------------------------- */
 
-static uint8_t *read_buffer_file(struct gltf *gltf, struct gltf_item item, const char *uri,
-                                 size_t *size)
+static struct gltf_bytes read_buffer_file(struct gltf *gltf, struct gltf_item item, const char *uri)
 {
     const char *reason;
     char *path = gltf_uri_path(gltf, item, uri), *bytes = NULL;
+    size_t size = 0;
     if (path) {
         child_opens(path);
-        bytes = input_read(path, MESH_MOST_BYTES - gltf->spent, size, &reason);
+        bytes = input_read(path, MESH_MOST_BYTES - gltf->spent, &size, &reason);
         child_opens(gltf->path);
-        gltf->spent += bytes ? *size : 0;
+        gltf->spent += bytes ? size : 0;
         if (!bytes)
             gltf_error(gltf, item, "uri", "cannot read %s: %s", path, reason);
     }
     free(path);
-    return (uint8_t *)bytes;
+    gltf_object(gltf, item)->file = bytes;
+    return (struct gltf_bytes){(uint8_t *)bytes, size};
 }
 
 static struct gltf_bytes buffer(struct gltf *gltf, uint32_t index)
 {
     struct gltf_item item = gltf_item(gltf, GLTF_BUFFERS, index);
-    struct gltf_bytes *own = &gltf->buffers[index];
+    struct gltf_bytes *own = &gltf_object(gltf, item)->bytes;
     const char *uri = gltf_text(item, "uri", NULL);
     size_t length = gltf_size(gltf, item, "byteLength");
     if (own->data || gltf->failed)
         return *own;
-    if (uri && strncmp(uri, "data:", 5) == 0)
-        own->data = gltf_data_uri(gltf, item, uri, &own->size);
-    else if (uri)
-        own->data = read_buffer_file(gltf, item, uri, &own->size);
+    if (uri)
+        *own = strncmp(uri, "data:", 5) == 0 ? gltf_data_uri(gltf, item, uri)
+                                             : read_buffer_file(gltf, item, uri);
     else if (index == 0 && gltf->binary.data)
         *own = gltf->binary;
     else
@@ -189,20 +186,18 @@ static struct gltf_bytes decompressed(struct gltf *gltf, struct gltf_item item)
     uint8_t *to = gltf->failed ? NULL : gltf_alloc(gltf, item, count, stride);
     if (to && decompress(mode, filter, count, stride, from, to))
         return (struct gltf_bytes){to, count * stride};
-    free(to);
     gltf_error(gltf, item, "EXT_meshopt_compression", "cannot be decompressed; it is damaged");
     return none;
 }
 
 struct gltf_bytes gltf_view(struct gltf *gltf, uint32_t index)
 {
-    struct gltf_bytes *own = &gltf->views[index];
     struct gltf_item item = gltf_item(gltf, GLTF_VIEWS, index);
+    struct gltf_bytes *own = &gltf_object(gltf, item)->bytes;
     if (own->data || gltf->failed)
         return *own;
     struct gltf_item compressed = gltf_extension(gltf, item, "EXT_meshopt_compression");
     *own = compressed.json ? decompressed(gltf, compressed) : slice(gltf, item);
-    gltf->view_is_owned[index] = compressed.json;
     return *own;
 }
 
@@ -216,12 +211,22 @@ struct layout {
     bool normalized;
 };
 
-static uint32_t component_bytes(uint32_t type)
+static const struct number {
+    uint8_t bytes;
+    bool is_signed;
+    float most;
+} numbers[] = {
+    [BYTE - BYTE] = {1, true, INT8_MAX},
+    [UNSIGNED_BYTE - BYTE] = {1, false, UINT8_MAX},
+    [SHORT - BYTE] = {2, true, INT16_MAX},
+    [UNSIGNED_SHORT - BYTE] = {2, false, UINT16_MAX},
+    [UNSIGNED_INT - BYTE] = {4, false, (float)UINT32_MAX},
+    [FLOAT - BYTE] = {4, true, 1},
+};
+
+static size_t component_bytes(uint32_t type)
 {
-    return type == BYTE || type == UNSIGNED_BYTE     ? 1
-           : type == SHORT || type == UNSIGNED_SHORT ? 2
-           : type == UNSIGNED_INT || type == FLOAT   ? 4
-                                                     : 0;
+    return type >= BYTE && type <= FLOAT ? numbers[type - BYTE].bytes : 0;
 }
 
 static uint32_t components_of(const char *type)
@@ -235,7 +240,7 @@ static uint32_t components_of(const char *type)
 /* Whether `count` elements of the view's bytes are there; takes view, offset and stride. */
 static bool find_bytes(struct gltf *gltf, struct gltf_item item, struct layout *layout)
 {
-    size_t element = (size_t)component_bytes(layout->type) * layout->components;
+    size_t element = component_bytes(layout->type) * layout->components;
     int32_t view = gltf_index(gltf, item, "bufferView", GLTF_VIEWS);
     if (element == 0)
         return gltf_error(gltf, item, "componentType", "%u, with this `type`, is not supported",
@@ -270,49 +275,25 @@ static bool find_layout(struct gltf *gltf, struct gltf_item item, struct layout 
     return !gltf->failed && find_bytes(gltf, item, layout);
 }
 
-static uint32_t whole_at(const struct layout *layout, size_t element)
+static uint32_t bits_at(const struct layout *layout, size_t element, uint32_t component)
 {
-    const uint8_t *at = layout->bytes.data + layout->offset + element * layout->stride;
-    uint32_t value = 0;
-    memcpy(&value, at, component_bytes(layout->type)); /* little-endian, as the file */
-    return value;
+    size_t bytes = component_bytes(layout->type);
+    uint32_t bits = 0; /* little-endian, as the file */
+    memcpy(&bits,
+           layout->bytes.data + layout->offset + element * layout->stride + component * bytes,
+           bytes);
+    return bits;
 }
 
 /* A component; whole numbers are those of KHR_mesh_quantization where they are not normalized. */
 static float float_at(const struct layout *layout, size_t element, uint32_t component)
 {
-    const uint8_t *at = layout->bytes.data + layout->offset + element * layout->stride +
-                        (size_t)component * component_bytes(layout->type);
-    int8_t byte;
-    int16_t two;
-    uint16_t word;
-    uint32_t four;
-    float value, most;
-    switch (layout->type) {
-    case BYTE:
-        memcpy(&byte, at, sizeof byte);
-        value = byte, most = INT8_MAX;
-        break;
-    case UNSIGNED_BYTE:
-        value = *at, most = UINT8_MAX;
-        break;
-    case SHORT:
-        memcpy(&two, at, sizeof two);
-        value = two, most = INT16_MAX;
-        break;
-    case UNSIGNED_SHORT:
-        memcpy(&word, at, sizeof word);
-        value = word, most = UINT16_MAX;
-        break;
-    case UNSIGNED_INT:
-        memcpy(&four, at, sizeof four);
-        value = (float)four, most = (float)UINT32_MAX;
-        break;
-    default:
-        memcpy(&value, at, sizeof value);
-        return value;
-    }
-    return layout->normalized ? fmaxf(value / most, -1) : value;
+    const struct number *number = &numbers[layout->type - BYTE];
+    uint32_t bits = bits_at(layout, element, component), unused = 32 - 8 * number->bytes;
+    float value = number->is_signed ? (float)((int32_t)(bits << unused) >> unused) : (float)bits;
+    if (layout->type == FLOAT)
+        memcpy(&value, &bits, sizeof value);
+    return layout->type != FLOAT && layout->normalized ? fmaxf(value / number->most, -1) : value;
 }
 
 /* Sparse accessors: elements that replace those of the view, or of the zeros. */
@@ -340,8 +321,8 @@ static bool find_sparse(struct gltf *gltf, struct gltf_item item, const struct l
     if (count && (!sparse->indices.bytes.data || !sparse->values.bytes.data))
         return gltf_error(gltf, item, "sparse", "has no `bufferView`");
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t index = whole_at(&sparse->indices, i);
-        if (index >= layout->count || (i > 0 && index <= whole_at(&sparse->indices, i - 1)))
+        uint32_t index = bits_at(&sparse->indices, i, 0);
+        if (index >= layout->count || (i > 0 && index <= bits_at(&sparse->indices, i - 1, 0)))
             return gltf_error(gltf, item, "sparse",
                               "its index %u is %u; indices grow, below the count of %zu", i, index,
                               layout->count);
@@ -349,59 +330,61 @@ static bool find_sparse(struct gltf *gltf, struct gltf_item item, const struct l
     return true;
 }
 
-const struct gltf_array *gltf_floats(struct gltf *gltf, uint32_t index, uint32_t components)
+/* Copies elements of the layout to those places of the array; NULL: to the first ones. */
+static void place(const struct gltf_array *array, const struct layout *layout,
+                  const struct layout *places)
 {
-    struct gltf_array *array = &gltf->arrays[index];
+    uint32_t width = layout->components;
+    for (size_t i = 0; layout->bytes.data && i < layout->count; i++) {
+        size_t to = (places ? bits_at(places, i, 0) : i) * width;
+        if (array->indices)
+            array->indices[to] = bits_at(layout, i, 0);
+        for (uint32_t k = 0; array->floats && k < width; k++)
+            array->floats[to + k] = float_at(layout, i, k);
+    }
+}
+
+/* Makes the accessor's floats or indices. NULL: failed. */
+static const struct gltf_array *elements(struct gltf *gltf, uint32_t index, bool whole)
+{
     struct gltf_item item = gltf_item(gltf, GLTF_ACCESSORS, index);
+    struct gltf_array *array = &gltf_object(gltf, item)->array, made = {0};
     struct layout layout;
     struct sparse sparse;
-    if (!array->floats) {
-        if (gltf->failed || !find_layout(gltf, item, &layout) ||
-            !find_sparse(gltf, item, &layout, &sparse))
-            return NULL;
-        size_t all = layout.count * layout.components;
-        array->floats = gltf_alloc(gltf, item, all, sizeof *array->floats);
-        if (!array->floats)
-            return NULL;
-        array->count = (uint32_t)layout.count;
-        array->components = layout.components;
-        for (size_t i = 0; layout.bytes.data && i < all; i++)
-            array->floats[i] =
-                float_at(&layout, i / layout.components, (uint32_t)(i % layout.components));
-        for (size_t i = 0; i < sparse.values.count * layout.components && sparse.indices.count; i++)
-            array->floats[(size_t)whole_at(&sparse.indices, i / layout.components) *
-                              layout.components +
-                          i % layout.components] =
-                float_at(&sparse.values, i / layout.components, (uint32_t)(i % layout.components));
-    }
-    if (array->components != components) {
-        gltf_error(gltf, item, "type", "has %u components, and %u are needed", array->components,
-                   components);
+    if (gltf->failed || (whole ? (void *)array->indices : array->floats))
+        return gltf->failed ? NULL : array;
+    if (!find_layout(gltf, item, &layout) || !find_sparse(gltf, item, &layout, &sparse))
+        return NULL;
+    if (whole &&
+        (layout.components != 1 || layout.type == FLOAT || numbers[layout.type - BYTE].is_signed)) {
+        gltf_error(gltf, item, "componentType", "indices are unsigned scalars");
         return NULL;
     }
+    void *memory = gltf_alloc(gltf, item, layout.count * layout.components, sizeof(float));
+    if (!memory)
+        return NULL;
+    made.floats = whole ? NULL : memory;
+    made.indices = whole ? memory : NULL;
+    place(&made, &layout, NULL);
+    place(&made, &sparse.values, &sparse.indices);
+    array->floats = whole ? array->floats : memory;
+    array->indices = whole ? memory : array->indices;
+    array->count = (uint32_t)layout.count;
+    array->components = layout.components;
     return array;
+}
+
+const struct gltf_array *gltf_floats(struct gltf *gltf, uint32_t index, uint32_t components)
+{
+    const struct gltf_array *array = elements(gltf, index, false);
+    if (!array || array->components == components)
+        return array;
+    gltf_error(gltf, gltf_item(gltf, GLTF_ACCESSORS, index), "type",
+               "has %u components, and %u are needed", array->components, components);
+    return NULL;
 }
 
 const struct gltf_array *gltf_indices(struct gltf *gltf, uint32_t index)
 {
-    struct gltf_array *array = &gltf->arrays[index];
-    struct gltf_item item = gltf_item(gltf, GLTF_ACCESSORS, index);
-    struct layout layout;
-    struct sparse sparse;
-    if (array->indices || gltf->failed)
-        return gltf->failed ? NULL : array;
-    if (!find_layout(gltf, item, &layout) || !find_sparse(gltf, item, &layout, &sparse))
-        return NULL;
-    if (layout.components != 1 || (layout.type != UNSIGNED_BYTE && layout.type != UNSIGNED_SHORT &&
-                                   layout.type != UNSIGNED_INT)) {
-        gltf_error(gltf, item, "componentType", "indices are unsigned scalars");
-        return NULL;
-    }
-    array->indices = gltf_alloc(gltf, item, layout.count, sizeof *array->indices);
-    array->count = (uint32_t)layout.count;
-    for (size_t i = 0; array->indices && layout.bytes.data && i < layout.count; i++)
-        array->indices[i] = whole_at(&layout, i);
-    for (size_t i = 0; array->indices && i < sparse.indices.count; i++)
-        array->indices[whole_at(&sparse.indices, i)] = whole_at(&sparse.values, i);
-    return array->indices ? array : NULL;
+    return elements(gltf, index, true);
 }

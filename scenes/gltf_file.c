@@ -19,6 +19,8 @@ static const char *const names[GLTF_KINDS] = {
     [GLTF_SAMPLERS] = "samplers",   [GLTF_SCENES] = "scenes",   [GLTF_TEXTURES] = "textures",
 };
 
+static const struct gltf_item the_file = {.kind = GLTF_KINDS};
+
 /* ---- Messages -------------------------------------------------------------------------------- */
 
 bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const char *format, ...)
@@ -28,24 +30,19 @@ bool gltf_error(struct gltf *gltf, struct gltf_item item, const char *key, const
     va_start(values, format);
     vsnprintf(text, sizeof text, format, values);
     va_end(values);
-    if (!gltf->failed)
+    if (!gltf->failed && item.kind == GLTF_KINDS)
+        report_error(gltf->log, "%s: %s", gltf->path, text);
+    else if (!gltf->failed)
         report_error(gltf->log, "%s: %s[%u]%s%s: %s", gltf->path, names[item.kind], item.index,
                      key ? "." : "", key ? key : "", text);
     gltf->failed = true;
     return false;
 }
 
-static bool file_error(struct gltf *gltf, const char *text)
-{
-    if (!gltf->failed)
-        report_error(gltf->log, "%s: %s", gltf->path, text);
-    gltf->failed = true;
-    return false;
-}
-
 bool gltf_out_of_memory(struct gltf *gltf)
 {
-    return file_error(gltf, "out of memory; the mesh is too large for this machine");
+    return gltf_error(gltf, the_file, NULL,
+                      "out of memory; the mesh is too large for this machine");
 }
 
 void gltf_warn(struct gltf *gltf, const char *format, ...)
@@ -69,7 +66,7 @@ void *gltf_alloc(struct gltf *gltf, struct gltf_item item, size_t count, size_t 
                    MESH_MOST_BYTES >> 20);
         return NULL;
     }
-    void *memory = calloc(count ? count : 1, size);
+    void *memory = arena_alloc(gltf->arena, count * size);
     if (!memory)
         gltf_out_of_memory(gltf);
     gltf->spent += count * size;
@@ -85,7 +82,12 @@ static const cJSON *find_member(struct gltf_item item, const char *key)
 
 struct gltf_item gltf_item(const struct gltf *gltf, enum gltf_kind kind, uint32_t index)
 {
-    return (struct gltf_item){gltf->list[kind].items[index], kind, index};
+    return (struct gltf_item){gltf->list[kind].objects[index].json, kind, index};
+}
+
+struct gltf_object *gltf_object(const struct gltf *gltf, struct gltf_item item)
+{
+    return &gltf->list[item.kind].objects[item.index];
 }
 
 struct gltf_item gltf_part(struct gltf *gltf, struct gltf_item item, const char *key)
@@ -212,12 +214,10 @@ static bool check_extensions(struct gltf *gltf)
     const cJSON *name;
     cJSON_ArrayForEach(name, cJSON_GetObjectItemCaseSensitive(gltf->root, "extensionsRequired"))
     {
-        if (!cJSON_IsString(name) || is_supported(name->valuestring))
-            continue;
-        char text[512];
-        snprintf(text, sizeof text, "it requires the extension %s, which is not supported",
-                 name->valuestring);
-        return file_error(gltf, text);
+        if (cJSON_IsString(name) && !is_supported(name->valuestring))
+            return gltf_error(gltf, the_file, NULL,
+                              "it requires the extension %s, which is not supported",
+                              name->valuestring);
     }
     cJSON_ArrayForEach(name, cJSON_GetObjectItemCaseSensitive(gltf->root, "extensionsUsed"))
     {
@@ -241,16 +241,14 @@ static uint32_t little(const char *at)
 static bool open_chunks(struct gltf *gltf, size_t length, struct gltf_bytes *json)
 {
     enum { HEADER = 12, CHUNK = 8 };
-    char text[96];
     uint32_t version = length >= HEADER ? little(gltf->text + 4) : 0;
-    if (length >= HEADER && version != 2) {
-        snprintf(text, sizeof text, "it is glTF %u; glTF 2 is supported", version);
-        return file_error(gltf, text);
-    }
+    if (length >= HEADER && version != 2)
+        return gltf_error(gltf, the_file, NULL, "it is glTF %u; glTF 2 is supported", version);
     for (size_t at = HEADER, chunk = 0; chunk < 2 && at < length; chunk++) {
         size_t size = length - at >= CHUNK ? little(gltf->text + at) : SIZE_MAX;
         if (size > length - at - CHUNK)
-            return file_error(gltf, "it is cut off: a chunk is longer than the file");
+            return gltf_error(gltf, the_file, NULL,
+                              "it is cut off: a chunk is longer than the file");
         const struct gltf_bytes bytes = {(const uint8_t *)gltf->text + at + CHUNK, size};
         bool is_json = memcmp(gltf->text + at + 4, "JSON", 4) == 0;
         if (is_json && chunk == 0)
@@ -259,7 +257,7 @@ static bool open_chunks(struct gltf *gltf, size_t length, struct gltf_bytes *jso
             gltf->binary = bytes;
         at += CHUNK + size + (-size & 3);
     }
-    return json->data || file_error(gltf, "its first chunk is no JSON");
+    return json->data || gltf_error(gltf, the_file, NULL, "its first chunk is no JSON");
 }
 
 static bool parse_json(struct gltf *gltf, struct gltf_bytes json)
@@ -288,14 +286,12 @@ static bool check_version(struct gltf *gltf)
     if (!item)
         item = cJSON_GetObjectItemCaseSensitive(asset, "version");
     const char *version = cJSON_GetStringValue(item);
-    char text[128];
     if (!version)
-        return file_error(gltf, "it has no `asset.version`, so it is no glTF 2");
+        return gltf_error(gltf, the_file, NULL, "it has no `asset.version`, so it is no glTF 2");
     if (strncmp(version, "2.", 2) == 0 &&
         (strcmp(version, "2.0") == 0 || !cJSON_GetObjectItemCaseSensitive(asset, "minVersion")))
         return true;
-    snprintf(text, sizeof text, "it is glTF %.32s; glTF 2.0 is supported", version);
-    return file_error(gltf, text);
+    return gltf_error(gltf, the_file, NULL, "it is glTF %.32s; glTF 2.0 is supported", version);
 }
 
 /* cJSON's arrays are linked lists. */
@@ -303,20 +299,18 @@ static bool index_list(struct gltf *gltf, const cJSON *array, enum gltf_kind kin
 {
     struct gltf_list *list = &gltf->list[kind];
     const cJSON *item;
-    list->items = calloc((size_t)cJSON_GetArraySize(array) + 1, sizeof *list->items);
-    if (!list->items)
+    if (array && !cJSON_IsArray(array))
+        return gltf_error(gltf, the_file, NULL, "`%s` is no array", names[kind]);
+    list->objects =
+        arena_alloc(gltf->arena, (size_t)cJSON_GetArraySize(array) * sizeof *list->objects);
+    if (!list->objects)
         return gltf_out_of_memory(gltf);
-    if (array && !cJSON_IsArray(array)) {
-        char text[64];
-        snprintf(text, sizeof text, "`%s` is no array", names[kind]);
-        return file_error(gltf, text);
-    }
     cJSON_ArrayForEach(item, array)
     {
         struct gltf_item place = {item, kind, list->count};
         if (!cJSON_IsObject(item))
             return gltf_error(gltf, place, NULL, "is no object");
-        list->items[list->count++] = item;
+        list->objects[list->count++].json = item;
     }
     return true;
 }
@@ -335,32 +329,20 @@ static bool index_lists(struct gltf *gltf)
     return true;
 }
 
-static bool gltf_allocate(struct gltf *gltf)
-{
-    const struct gltf_list *list = gltf->list;
-    gltf->buffers = calloc(list[GLTF_BUFFERS].count + 1, sizeof *gltf->buffers);
-    gltf->views = calloc(list[GLTF_VIEWS].count + 1, sizeof *gltf->views);
-    gltf->view_is_owned = calloc(list[GLTF_VIEWS].count + 1, sizeof *gltf->view_is_owned);
-    gltf->arrays = calloc(list[GLTF_ACCESSORS].count + 1, sizeof *gltf->arrays);
-    gltf->matrices = calloc(list[GLTF_NODES].count + 1, sizeof *gltf->matrices);
-    gltf->textures = calloc(list[GLTF_IMAGES].count + 1, sizeof *gltf->textures);
-    if (!gltf->buffers || !gltf->views || !gltf->view_is_owned || !gltf->arrays ||
-        !gltf->matrices || !gltf->textures)
-        return gltf_out_of_memory(gltf);
-    for (uint32_t i = 0; i < list[GLTF_IMAGES].count; i++)
-        gltf->textures[i] = INT32_MIN;
-    return true;
-}
-
 bool gltf_open(struct gltf *gltf, const struct mesh *mesh, const struct dt_log *log)
 {
     size_t length = 0;
     const char *reason;
-    *gltf =
-        (struct gltf){.path = mesh->path, .mesh = mesh, .log = log, .warned = cJSON_CreateObject()};
+    *gltf = (struct gltf){.path = mesh->path,
+                          .mesh = mesh,
+                          .log = log,
+                          .arena = arena_create(),
+                          .warned = cJSON_CreateObject()};
+    if (!gltf->arena)
+        return gltf_out_of_memory(gltf);
     gltf->text = input_read(gltf->path, MESH_MOST_BYTES, &length, &reason);
     if (!gltf->text)
-        return file_error(gltf, reason);
+        return gltf_error(gltf, the_file, NULL, "%s", reason);
     struct gltf_bytes json = {(const uint8_t *)gltf->text, length};
     if (length >= 4 && memcmp(gltf->text, "glTF", 4) == 0) {
         json = (struct gltf_bytes){NULL, 0};
@@ -368,29 +350,14 @@ bool gltf_open(struct gltf *gltf, const struct mesh *mesh, const struct dt_log *
             return false;
     }
     return parse_json(gltf, json) && check_version(gltf) && check_extensions(gltf) &&
-           index_lists(gltf) && gltf_allocate(gltf);
+           index_lists(gltf);
 }
 
 void gltf_close(struct gltf *gltf)
 {
-    for (uint32_t i = 0; gltf->buffers && i < gltf->list[GLTF_BUFFERS].count; i++)
-        if (gltf->buffers[i].data != gltf->binary.data)
-            free((void *)gltf->buffers[i].data);
-    for (uint32_t i = 0; gltf->view_is_owned && i < gltf->list[GLTF_VIEWS].count; i++)
-        if (gltf->view_is_owned[i])
-            free((void *)gltf->views[i].data);
-    for (uint32_t i = 0; gltf->arrays && i < gltf->list[GLTF_ACCESSORS].count; i++) {
-        free(gltf->arrays[i].floats);
-        free(gltf->arrays[i].indices);
-    }
-    for (int kind = 0; kind < GLTF_KINDS; kind++)
-        free(gltf->list[kind].items);
-    free(gltf->buffers);
-    free(gltf->views);
-    free(gltf->view_is_owned);
-    free(gltf->arrays);
-    free(gltf->matrices);
-    free(gltf->textures);
+    for (uint32_t i = 0; i < gltf->list[GLTF_BUFFERS].count; i++)
+        free(gltf->list[GLTF_BUFFERS].objects[i].file);
+    arena_free(gltf->arena);
     cJSON_Delete(gltf->warned);
     cJSON_Delete(gltf->root);
     free(gltf->text);

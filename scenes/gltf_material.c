@@ -15,39 +15,42 @@ static float clamp_unit(float x)
 
 /* ---- Images ---------------------------------------------------------------------------------- */
 
-/* The image's bytes where the file has them, in memory of their own: a data URI or a buffer view. */
-static uint8_t *embedded(struct gltf *gltf, struct gltf_item image, const char *uri, size_t *size)
+/* The image's bytes where the file has them: a data URI or a buffer view. NULL data: failed. */
+static struct gltf_bytes embedded(struct gltf *gltf, struct gltf_item image, const char *uri)
 {
     if (uri)
-        return gltf_data_uri(gltf, image, uri, size);
+        return gltf_data_uri(gltf, image, uri);
     int32_t view = gltf_index(gltf, image, "bufferView", GLTF_VIEWS);
     if (view < 0)
         gltf_error(gltf, image, NULL, "has neither `uri` nor `bufferView`");
-    struct gltf_bytes bytes =
-        gltf->failed ? (struct gltf_bytes){NULL, 0} : gltf_view(gltf, (uint32_t)view);
-    uint8_t *copy = bytes.data ? gltf_alloc(gltf, image, bytes.size, 1) : NULL;
-    *size = bytes.size;
-    return copy ? memcpy(copy, bytes.data, bytes.size) : NULL;
+    return gltf->failed ? (struct gltf_bytes){NULL, 0} : gltf_view(gltf, (uint32_t)view);
 }
 
-/* Index in the mesh; -1: none, or failed. */
+/* Index in the mesh; -1: failed. */
 static int32_t image_texture(struct gltf *gltf, struct mesh *mesh, uint32_t index)
 {
-    int32_t *known = &gltf->textures[index];
-    if (*known != INT32_MIN || gltf->failed)
-        return *known;
     struct gltf_item image = gltf_item(gltf, GLTF_IMAGES, index);
+    uint32_t *known = &gltf_object(gltf, image)->texture;
     struct mesh_texture texture = {0};
     const char *uri = gltf_text(image, "uri", NULL);
-    if (uri && strncmp(uri, "data:", 5) != 0)
+    if (*known || gltf->failed)
+        return (int32_t)*known - 1;
+    if (uri && strncmp(uri, "data:", 5) != 0) {
         texture.color = gltf_uri_path(gltf, image, uri);
-    else if ((texture.bytes = embedded(gltf, image, uri, &texture.size)) &&
-             asprintf(&texture.color, "%s: images[%u]", gltf->path, index) < 0)
-        texture.color = NULL;
-    *known = gltf->failed ? -1 : mesh_add_texture(mesh, texture);
-    if (*known < 0 && !gltf->failed)
+    } else {
+        struct gltf_bytes bytes = embedded(gltf, image, uri);
+        texture.bytes = bytes.data ? malloc(bytes.size + 1) : NULL;
+        texture.size = bytes.size;
+        if (!texture.bytes || asprintf(&texture.color, "%s: images[%u]", gltf->path, index) < 0)
+            texture.color = NULL;
+        else
+            memcpy(texture.bytes, bytes.data, bytes.size);
+    }
+    int32_t made = mesh_add_texture(mesh, texture);
+    if (made < 0 && !gltf->failed)
         gltf_out_of_memory(gltf);
-    return *known;
+    *known = (uint32_t)(made + 1);
+    return gltf->failed ? -1 : made;
 }
 
 static const char *sampler_value(uint32_t value)

@@ -61,7 +61,7 @@ static void add_view(struct gltf *gltf, struct mesh *mesh, uint32_t index, struc
                      float scale)
 {
     struct gltf_item node = gltf_item(gltf, GLTF_NODES, index);
-    struct mesh_view view = view_at(gltf->matrices[index], scale);
+    struct mesh_view view = view_at(gltf_object(gltf, node)->matrix, scale);
     if (from.kind == GLTF_CAMERAS)
         take_camera(gltf, from, &view);
     else
@@ -83,7 +83,7 @@ bool gltf_views(struct gltf *gltf, struct mesh *mesh, float scale)
         struct gltf_item lamp = gltf_extension(gltf, node, "KHR_lights_punctual");
         int32_t camera = gltf_index(gltf, node, "camera", GLTF_CAMERAS);
         int32_t light = gltf_index(gltf, lamp, "light", GLTF_LIGHTS);
-        if (gltf->matrices[i][3][3] == 0)
+        if (gltf_object(gltf, node)->matrix[3][3] == 0)
             continue; /* not in the scene */
         if (camera >= 0)
             add_view(gltf, mesh, i, gltf_item(gltf, GLTF_CAMERAS, (uint32_t)camera), scale);
