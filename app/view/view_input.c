@@ -44,149 +44,122 @@ static void change_mip(struct view *view, int way)
         shown->layer = -1;
 }
 
-static void change_font(struct view *view, float by)
+static void change_font(struct view *view, int by)
 {
-    view->settings.font = fminf(fmaxf(view->settings.font + by, 8), 48);
+    view->settings.font = fminf(fmaxf(view->settings.font + (float)by, 8), 48);
 }
 
-static bool press_command(struct view *view, int key)
+static void change_gain(struct view *view, int way)
 {
-    switch (key) {
-    case GLFW_KEY_S:
-        view->wishes |= OVERLAY_SAVE_CAMERA;
-        return true;
-    case GLFW_KEY_Z:
-        view->wishes |= OVERLAY_UNDO;
-        return true;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-        change_font(view, 1);
-        return true;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-        change_font(view, -1);
-        return true;
-    default:
-        return false;
-    }
+    float *gain = &view->shown.gain;
+    *gain = fminf(fmaxf(way > 0 ? *gain * 2 : *gain / 2, 1), 65536);
 }
 
-/* Keys that choose what is shown; most need a frame, since resources share memory. */
-static bool press_shown(struct view *view, int key, bool shift)
+static void change_mode(struct view *view, int by)
 {
-    struct overlay_shown *shown = &view->shown;
-    switch (key) {
-    case GLFW_KEY_TAB:
-        cycle(view, shift ? -1 : 1);
-        return true;
-    case GLFW_KEY_RIGHT:
-        cycle(view, 1);
-        return true;
-    case GLFW_KEY_LEFT:
-        cycle(view, -1);
-        return true;
-    case GLFW_KEY_HOME:
-        view_show(view, view->home);
-        return true;
-    case GLFW_KEY_UP:
-        change_layer(view, 1);
-        return true;
-    case GLFW_KEY_DOWN:
-        change_layer(view, -1);
-        return true;
-    case GLFW_KEY_PAGE_UP:
-        change_mip(view, 1);
-        return true;
-    case GLFW_KEY_PAGE_DOWN:
-        change_mip(view, -1);
-        return true;
-    case GLFW_KEY_V:
-        view->shown_points = (view->shown_points + 1) % (view->points_count + 1);
-        return true;
-    case GLFW_KEY_C:
-        shown->mode = (shown->mode + 1) % OVERLAY_MODES;
-        return true;
-    case GLFW_KEY_EQUAL:
-    case GLFW_KEY_KP_ADD:
-        shown->gain = fminf(shown->gain * 2, 65536);
-        return true;
-    case GLFW_KEY_MINUS:
-    case GLFW_KEY_KP_SUBTRACT:
-        shown->gain = fmaxf(shown->gain / 2, 1);
-        return true;
-    case GLFW_KEY_T:
-        shown->look.tinted = !shown->look.tinted;
-        return true;
-    default:
-        return false;
-    }
+    view->shown.mode = (view->shown.mode + (unsigned)by) % OVERLAY_MODES;
 }
 
-static bool press_wish(struct view *view, int key)
+static void change_points(struct view *view, int by)
 {
-    static const struct {
-        int key;
-        unsigned wishes;
-    } keys[] = {{GLFW_KEY_G, OVERLAY_FIRST},
-                {GLFW_KEY_R, OVERLAY_FIT},
-                {GLFW_KEY_B, OVERLAY_SWAP},
-                {GLFW_KEY_P, OVERLAY_SAVE_PNG},
-                {GLFW_KEY_PERIOD, OVERLAY_STEP | OVERLAY_ALONE}};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
-        if (keys[i].key == key) {
-            view->wishes ^= keys[i].wishes; /* twice A or B between two frames is none */
-            return true;
-        }
-    return false;
+    view->shown_points = (view->shown_points + (unsigned)by) % (view->points_count + 1);
+}
+
+static void change_tint(struct view *view, int unused)
+{
+    (void)unused;
+    view->shown.look.tinted = !view->shown.look.tinted;
+}
+
+static void go_home(struct view *view, int unused)
+{
+    (void)unused;
+    view_show(view, view->home);
+}
+
+static void wish(struct view *view, int wishes)
+{
+    if (wishes == OVERLAY_SWAP)
+        view->wishes ^= OVERLAY_SWAP; /* twice between two frames is none */
+    else
+        view->wishes |= (unsigned)wishes;
 }
 
 /* The panes, and the window itself. */
 static void press_window(struct view *view, int key)
 {
     struct overlay_settings *settings = &view->settings;
-    switch (key) {
-    case GLFW_KEY_ESCAPE:
+    bool *const folds[] = {&settings->left_folded, &settings->right_folded,
+                           &settings->bottom_folded};
+    if (key == GLFW_KEY_ESCAPE)
         view->quit = true;
-        break;
-    case GLFW_KEY_SPACE:
+    else if (key == GLFW_KEY_SPACE)
         view->paused = !view->paused;
-        view->step = true;
-        break;
-    case GLFW_KEY_H:
+    else if (key == GLFW_KEY_H)
         settings->hidden = !settings->hidden;
-        break;
-    case GLFW_KEY_F:
+    else if (key == GLFW_KEY_F)
         overlay_whole_picture(view->overlay);
-        break;
-    case GLFW_KEY_F1:
-        settings->hidden = settings->bottom_folded = false;
-        overlay_keys(view->overlay);
-        break;
-    case GLFW_KEY_F2:
-        settings->left_folded = !settings->left_folded;
-        break;
-    case GLFW_KEY_F3:
-        settings->right_folded = !settings->right_folded;
-        break;
-    case GLFW_KEY_F4:
-        settings->bottom_folded = !settings->bottom_folded;
-        break;
-    default:
-        break;
-    }
+    else if (key >= GLFW_KEY_F2 && key <= GLFW_KEY_F4)
+        *folds[key - GLFW_KEY_F2] = !*folds[key - GLFW_KEY_F2];
+    if (key != GLFW_KEY_F1)
+        return;
+    settings->hidden = settings->bottom_folded = false;
+    overlay_keys(view->overlay);
 }
+
+/* `draws`: what is shown needs a frame, since resources share memory. The first row that fits counts. */
+static const struct binding {
+    int key, modifiers;
+    void (*act)(struct view *view, int argument);
+    int argument;
+    bool draws;
+} bindings[] = {
+    {GLFW_KEY_S, GLFW_MOD_CONTROL, wish, OVERLAY_SAVE_CAMERA, false},
+    {GLFW_KEY_Z, GLFW_MOD_CONTROL, wish, OVERLAY_UNDO, false},
+    {GLFW_KEY_EQUAL, GLFW_MOD_CONTROL, change_font, 1, false},
+    {GLFW_KEY_KP_ADD, GLFW_MOD_CONTROL, change_font, 1, false},
+    {GLFW_KEY_MINUS, GLFW_MOD_CONTROL, change_font, -1, false},
+    {GLFW_KEY_KP_SUBTRACT, GLFW_MOD_CONTROL, change_font, -1, false},
+    {GLFW_KEY_TAB, GLFW_MOD_SHIFT, cycle, -1, true},
+    {GLFW_KEY_TAB, 0, cycle, 1, true},
+    {GLFW_KEY_RIGHT, 0, cycle, 1, true},
+    {GLFW_KEY_LEFT, 0, cycle, -1, true},
+    {GLFW_KEY_HOME, 0, go_home, 0, true},
+    {GLFW_KEY_UP, 0, change_layer, 1, true},
+    {GLFW_KEY_DOWN, 0, change_layer, -1, true},
+    {GLFW_KEY_PAGE_UP, 0, change_mip, 1, true},
+    {GLFW_KEY_PAGE_DOWN, 0, change_mip, -1, true},
+    {GLFW_KEY_V, 0, change_points, 1, true},
+    {GLFW_KEY_C, 0, change_mode, 1, true},
+    {GLFW_KEY_EQUAL, 0, change_gain, 1, true},
+    {GLFW_KEY_KP_ADD, 0, change_gain, 1, true},
+    {GLFW_KEY_MINUS, 0, change_gain, -1, true},
+    {GLFW_KEY_KP_SUBTRACT, 0, change_gain, -1, true},
+    {GLFW_KEY_T, 0, change_tint, 0, true},
+    {GLFW_KEY_G, 0, wish, OVERLAY_FIRST, false},
+    {GLFW_KEY_R, 0, wish, OVERLAY_FIT, false},
+    {GLFW_KEY_B, 0, wish, OVERLAY_SWAP, false},
+    {GLFW_KEY_P, 0, wish, OVERLAY_SAVE_PNG, false},
+    {GLFW_KEY_PERIOD, 0, wish, OVERLAY_STEP | OVERLAY_ALONE, false},
+    {GLFW_KEY_SPACE, 0, press_window, GLFW_KEY_SPACE, true},
+};
 
 static void press(struct view *view, int key, int modifiers)
 {
-    char digit = (char)(key - GLFW_KEY_0);
-    if (modifiers & GLFW_MOD_CONTROL && press_command(view, key))
-        return;
-    if (digit >= 0 && digit <= 9 && view->digits)
+    int digit = key - GLFW_KEY_0;
+    if (digit >= 0 && digit <= 9 && view->digits) {
         view_params_set(view, view->digits->name, digit);
-    else if (press_shown(view, key, modifiers & GLFW_MOD_SHIFT))
-        view->step = true;
-    else if (!press_wish(view, key))
-        press_window(view, key);
+        return;
+    }
+    for (size_t i = 0; i < DT_ARRAY_COUNT(bindings); i++) {
+        const struct binding *binding = &bindings[i];
+        if (binding->key != key || (modifiers & binding->modifiers) != binding->modifiers)
+            continue;
+        binding->act(view, binding->argument);
+        view->step |= binding->draws;
+        return;
+    }
+    press_window(view, key);
 }
 
 static void on_key(GLFWwindow *window, int key, int scancode, int action, int modifiers)
