@@ -52,13 +52,13 @@ static const struct verb verbs[] = {
      verb_reference, EXIT_FAILED},
     {"metrics", VERB_METRICS, "measure how far a picture is from its reference",
      "RMSE, relative MSE, PSNR and FLIP, of linear light and after tone mapping, at one "
-     "exposure.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
+     "exposure.\nNeeds Python with NumPy.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_metrics, EXIT_FAILED},
     {"flicker", VERB_FLICKER, "measure how much pictures of a motion change from frame to frame",
      "Compares pixels where both frames show the same surface, found by casting rays. Change\n"
      "is the mean absolute difference of a pixel between two frames. Flicker is the mean\n"
      "absolute difference between the pictures' and the reference's differences. Percentages\n"
-     "are of the mean of the reference, or without one, of the pictures.\n"
+     "are of the mean of the reference, or without one, of the pictures. Needs Python with NumPy.\n"
      "Exit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_flicker, EXIT_FAILED},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",

@@ -331,19 +331,3 @@ bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t
     free(file);
     return good;
 }
-
-bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,
-                       float luminance, float field_of_view, uint64_t *failing,
-                       const struct dt_log *log)
-{
-    void *shim = shim_open(log);
-    if (!shim)
-        return false;
-    image_oiio_yee_fn *yee = (image_oiio_yee_fn *)shim_function(shim, "image_oiio_yee", log);
-    struct image_error error = {""};
-    bool ok = yee && yee(width, height, a, b, luminance, field_of_view, failing, &error);
-    if (yee && !ok)
-        report_error(log, "cannot compare two pictures: %s", error.text);
-    dlclose(shim);
-    return ok;
-}

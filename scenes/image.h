@@ -40,14 +40,6 @@ bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t
 bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
                       const struct dt_log *log);
 
-/* OpenImageIO's version of Yee, Pattanaik, Greenberg, A perceptual metric for production testing
- * (2004): number of pixels of two pictures, linear RGB in 0..1, that a viewer can tell apart. White
- * of the screen has `luminance` cd/m2; the screen fills `field_of_view` degrees across. OpenImageIO
- * up to 3.1 misses differences of lightness alone (its issue 4948). */
-bool image_compare_yee(uint32_t width, uint32_t height, const float *a, const float *b,
-                       float luminance, float field_of_view, uint64_t *failing,
-                       const struct dt_log *log);
-
 #ifdef __cplusplus
 }
 #endif

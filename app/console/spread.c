@@ -12,12 +12,9 @@ static int compare_numbers(const void *a, const void *b)
     return (left > right) - (left < right);
 }
 
-void sort_numbers(double *values, uint64_t count)
-{
-    qsort(values, count, sizeof *values, compare_numbers);
-}
-
-double quantile(const double *sorted, uint64_t count, double q)
+/* Of a sorted list: linear between neighbours in order, the quantile q, 0..1, of n values lies at
+ * (n - 1) q (Hyndman and Fan 1996, type 7, as NumPy and R have it). count: 1 and up. */
+static double quantile(const double *sorted, uint64_t count, double q)
 {
     double place = (double)(count - 1) * q;
     uint64_t below = (uint64_t)place;
@@ -33,7 +30,7 @@ struct spread spread_of(const double *values, uint32_t count, uint32_t step)
         if (!isnan(values[(size_t)i * step]))
             sorted[spread.count++] = values[(size_t)i * step];
     if (spread.count) {
-        sort_numbers(sorted, spread.count);
+        qsort(sorted, spread.count, sizeof *sorted, compare_numbers);
         spread.p5 = quantile(sorted, spread.count, 0.05);
         spread.median = quantile(sorted, spread.count, 0.5);
         spread.p95 = quantile(sorted, spread.count, 0.95);

@@ -68,3 +68,21 @@ finish() {
     [ "$tap_failed" = 0 ]
     exit
 }
+
+# Each test of these files becomes a line; without pytest all are skipped.
+run_pytest() { # file...
+    local outcome name status
+    if ! /usr/bin/python3 -c 'import numpy, pytest' 2>"$work/output"; then
+        skip "tests in Python" "needs python3-numpy and python3-pytest"
+        return
+    fi
+    (cd "$work" && DIPTYCH_BUILD=$build PYTHONPATH=$root/app/python /usr/bin/python3 -B -m pytest -p no:cacheprovider \
+        -W error -rA --tb=short "$@") >"$work/output" 2>&1
+    status=$?
+    while read -r outcome name _; do
+        [ "$outcome" = PASSED ]
+        tap_result $? "${name#*::}"
+    done < <(sed -n '/short test summary info/,$p' "$work/output" | grep -E '^(PASSED|FAILED|ERROR) ')
+    [ $status = 0 ]
+    tap_result $? "pytest passed them all"
+}

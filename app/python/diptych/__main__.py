@@ -13,7 +13,10 @@ from .console import Console, Failure
 
 # A verb's module has `main(console, request)`, which returns the exit status and the members of --json.
 # The number is the exit status of a failure.
-VERBS: dict[str, tuple[str, int]] = {}
+VERBS: dict[str, tuple[str, int]] = {
+    "flicker": ("flicker", 1),
+    "metrics": ("metrics", 1),
+}
 
 
 def interrupted(number: int, _frame: Any) -> None:
@@ -32,6 +35,8 @@ def main() -> int:
         status, result = importlib.import_module("." + module, __package__).main(console, request)
     except Failure:
         pass
+    except ModuleNotFoundError as error:
+        console.error(f"{verb}: needs the Python package {error.name}; install python3-{error.name}")
     except OSError as error:
         console.error(f"{error.filename}: {error.strerror}" if error.filename else str(error))
     if "json" in request:

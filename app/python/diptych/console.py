@@ -45,12 +45,12 @@ class Console:
         write(path, json.dumps({**head, **result}, indent=1))
 
 
-def write(path: str, text: str) -> None:
+def write(path: str, content: str | bytes) -> None:
     """Writes a file whole or not at all."""
     draft = f"{path}.diptych-tmp-{os.getpid()}"
     try:
-        with open(draft, "w", encoding="utf-8") as file:
-            file.write(text)
+        with open(draft, "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
         os.replace(draft, path)
     except BaseException:
         if os.path.exists(draft):

@@ -4,14 +4,14 @@ import json
 import operator
 import os
 import re
-import struct
 import sysconfig
 import threading
 import warnings
-import zlib
 from builtins import open as _builtin_open
 
 import numpy
+
+from .png import encode_png
 
 __all__ = ["Error", "Pipeline", "Comparison", "Tap", "open", "compare", "tap"]
 
@@ -176,19 +176,6 @@ def _text(text):
     if b"\0" in text:
         raise Error(f"{text!r}: has a NUL")
     return text
-
-
-def _png(array):
-    """PNG of bytes of (height, width) or (height, width, channels); row 0 is the bottom."""
-    height, width, *channels = array.shape
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    color = {(): 0, (2,): 4, (4,): 6}[tuple(channels)]  # grey, grey with alpha, RGBA
-    rows = b"".join(b"\0" + row.tobytes() for row in array[::-1])
-    head = struct.pack(">IIBBBBB", width, height, 8, color, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
 # ---- Pipelines ---------------------------------------------------------------------------------
@@ -420,7 +407,7 @@ class Pipeline:
         array = self.read(name)
         if array.dtype != "u1" or array.ndim - len(array.shape[2:]) != 2 or array.ndim > 3:
             raise Error(f"png {name}: it is no plain image of 8 bit codes")
-        return _png(array)
+        return encode_png(array[::-1])
 
     def _repr_png_(self):
         """What notebooks show."""
