@@ -147,10 +147,10 @@ bool fingerprint(const struct dt_resource *resource, struct dt_bytes *bytes, uin
 struct judge {
     struct blame *blame;
     const struct replay *replay;
-    const struct first_run *first;
-    bool repeated;    /* the first side's second run equals its first so far */
-    uint32_t strayed; /* the first row that differed */
-    bool *edges;      /* of the scene draw at hand; NULL: none */
+    struct sheet *sheet;      /* of the first run */
+    struct sheet_row *broken, /* its first */
+        *strayed; /* the first row in which the first side's second run differs from its first */
+    bool *edges;  /* of the scene draw at hand; NULL: none */
     uint32_t edges_extent[3];
 };
 
@@ -207,22 +207,30 @@ static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
         report_error(&judge->replay->console->log, "out of memory");
         return false;
     }
-    if (judge->repeated && hash != judge->first->fingerprints[index]) {
-        judge->repeated = false;
-        judge->strayed = index;
-    }
+    struct sheet_row *before = &judge->sheet->rows[judge->sheet->early + index];
+    if (!judge->strayed && hash != before->hash)
+        judge->strayed = before;
     return true;
 }
 
-static void find_inherited(struct blame *blame, const struct rows *rows,
-                           const struct first_run *first)
+/* Says of the outputs what the passes found in the first run, and their own errors. */
+static void fill_outputs(const struct judge *judge)
 {
+    const struct rows *rows = judge->replay->rows;
+    struct sheet_row *outputs = judge->sheet->rows + judge->sheet->early;
+    for (uint32_t i = 0; i < rows->outputs.count; i++) {
+        outputs[i].own = &judge->blame->own[i];
+        outputs[i].inputs = "equal";
+    }
     for (uint32_t i = 0; i < rows->inputs.count; i++) {
         const struct row *input = &rows->inputs.list[i];
+        const uint32_t *first = &rows->outputs.first[input->pass];
         uint32_t index;
-        bool differs = rows_origin(rows, input, &index) ? first->outputs_differ[index]
-                                                        : first->history_differs[index];
-        blame->inputs_differ[input->pass] |= differs;
+        bool written = rows_origin(rows, input, &index);
+        bool differs = written ? outputs[index].differs
+                               : index < judge->sheet->early && judge->sheet->rows[index].differs;
+        for (uint32_t k = first[0]; differs && k < first[1]; k++)
+            outputs[k].inputs = "differ";
     }
 }
 
@@ -251,50 +259,45 @@ static void judge_all(const struct judge *judge)
 {
     struct blame *blame = judge->blame;
     const struct replay *replay = judge->replay;
-    const struct row_list *outputs = &replay->rows->outputs;
-    blame->row = judge->first->broken_row;
-    if (!judge->repeated) {
+    struct sheet_row *outputs = judge->sheet->rows + judge->sheet->early, *broken = judge->broken;
+    bool early = sheet_is_early(judge->sheet, broken);
+    fill_outputs(judge);
+    blame->row = broken;
+    if (judge->strayed) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[0].session.side;
         blame->row = judge->strayed;
         return;
     }
-    for (uint32_t i = 0; i < outputs->count; i++) {
+    for (uint32_t i = 0; i < replay->rows->outputs.count; i++) {
         if (difference_verdict(&blame->own[i]) == VERDICT_DIFFERS) {
             blame->outcome = BLAME_GUILTY;
-            blame->row = i;
+            blame->row = &outputs[i];
             return;
         }
     }
-    const struct difference *own = &blame->own[blame->row];
-    bool repeats = judge->first->early || own->differing || own->other_depths ||
-                   blame->inputs_differ[outputs->list[blame->row].pass];
-    blame->outcome = judge->first->early    ? BLAME_EARLIER
-                     : lets_inherit(replay) ? BLAME_WITHIN
-                                            : BLAME_INHERITED;
+    bool repeats = early || broken->own->differing || broken->own->other_depths ||
+                   strcmp(broken->inputs, "equal") != 0;
+    blame->outcome = early ? BLAME_EARLIER : lets_inherit(replay) ? BLAME_WITHIN : BLAME_INHERITED;
     if (!repeats) {
         blame->outcome = BLAME_NOT_REPEATABLE;
         blame->side = replay->workers[1].session.side;
     }
 }
 
-bool blame_find(struct blame *blame, const struct replay *replay, const struct first_run *first)
+bool blame_find(struct blame *blame, const struct replay *replay, struct sheet *sheet,
+                struct sheet_row *broken)
 {
-    const struct rows *rows = replay->rows;
-    struct judge judge = {.blame = blame, .replay = replay, .first = first, .repeated = true};
+    struct judge judge = {.blame = blame, .replay = replay, .sheet = sheet, .broken = broken};
     const struct replay_viewer viewer = {.edges = has_raster(replay) ? keep_edges : NULL,
                                          .edges_depth = add_coincident,
                                          .output = weigh,
                                          .user = &judge};
     *blame = (struct blame){.frame = replay->frame};
-    blame->inputs_differ = calloc(rows->pipeline->pass_count, sizeof *blame->inputs_differ);
-    blame->own = calloc(rows->outputs.count, sizeof *blame->own);
-    if (!blame->inputs_differ || !blame->own) {
+    blame->own = calloc(replay->rows->outputs.count, sizeof *blame->own);
+    if (!blame->own)
         report_error(&replay->console->log, "out of memory");
-        return false;
-    }
-    find_inherited(blame, rows, first);
-    bool good = replay_run(replay, &viewer);
+    bool good = blame->own && replay_run(replay, &viewer);
     free(judge.edges);
     if (good)
         judge_all(&judge);
@@ -303,7 +306,6 @@ bool blame_find(struct blame *blame, const struct replay *replay, const struct f
 
 void blame_free(struct blame *blame)
 {
-    free(blame->inputs_differ);
     free(blame->own);
     *blame = (struct blame){0};
 }

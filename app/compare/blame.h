@@ -4,7 +4,7 @@
 #ifndef DIPTYCH_BLAME_H
 #define DIPTYCH_BLAME_H
 
-#include "result/difference.h"
+#include "result/sheet.h"
 #include "run/source.h"
 
 /* One frame of one pair, to be run again. */
@@ -37,15 +37,6 @@ bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
 /* Hash of all declared numbers of a resource; zeroes the padding. False when out of memory. */
 bool fingerprint(const struct dt_resource *resource, struct dt_bytes *bytes, uint64_t *hash);
 
-/* Results of the first run for that frame. */
-struct first_run {
-    uint32_t broken_row;          /* first row of outputs that broke its contract, */
-    bool early;                   /* or of history, before the frame */
-    const bool *outputs_differ;   /* per row of outputs: bits differ */
-    const bool *history_differs;  /* per row of history, before the frame */
-    const uint64_t *fingerprints; /* of outputs on the first side */
-};
-
 enum blame_outcome {
     BLAME_NOT_RUN,
     BLAME_GUILTY,         /* `row` is the first with an own error beyond its contract */
@@ -58,14 +49,15 @@ enum blame_outcome {
 struct blame {
     enum blame_outcome outcome;
     uint32_t frame;          /* the frame that ran again */
-    uint32_t row;            /* index into outputs, unless the outcome says otherwise */
+    struct sheet_row *row;   /* of the outputs, unless the outcome says otherwise */
     const struct side *side; /* BLAME_NOT_REPEATABLE */
-    bool *inputs_differ;     /* per pass: its inputs differed in the first run */
-    struct difference *own;  /* per row of outputs: the pass's own error */
+    struct difference *own;  /* per row of outputs: the pass's own error; owned */
 };
 
-/* False with the error logged; call blame_free either way. */
-bool blame_find(struct blame *blame, const struct replay *replay, const struct first_run *first);
+/* After a first run, whose sheet has rows of history, then of outputs, as the frame left them; `broken` was the first that
+ * broke its contract. Fills `inputs` and `own` of the outputs. False with the error logged; call blame_free either way. */
+bool blame_find(struct blame *blame, const struct replay *replay, struct sheet *sheet,
+                struct sheet_row *broken);
 void blame_free(struct blame *blame); /* takes a zeroed one */
 
 #endif

@@ -66,15 +66,15 @@ static bool compare_copies(struct compare *compare, const struct row *row, uint3
     return good;
 }
 
-static bool bits_differ(const struct difference *found)
+/* Both copies of a pair at this stop. */
+static bool take_both(struct compare *compare, uint32_t pair, const struct row *row,
+                      struct dt_bytes copies[2])
 {
-    return found->differing || found->size_differs;
-}
-
-/* Blame only uses the first frame that broke. */
-static bool wants_frame(const struct pair *pair, uint32_t frame)
-{
-    return !pair->broken || pair->broken_frame == frame;
+    struct row_source *sources[2] = {&compare->sources[0], &compare->sources[pair + 1]};
+    for (int i = 0; i < 2; i++)
+        if (!source_ask(sources[i], row) || !source_take(sources[i], row, &copies[i]))
+            return false;
+    return true;
 }
 
 /* Adds the margins at which the flips found last were decided. */
@@ -83,39 +83,57 @@ static bool add_margins(struct compare *compare, uint32_t index, const struct ro
     const struct dt_pipeline *info = compare->pipeline.info;
     const struct dt_resource *resource = &info->resources[row->resource];
     const struct row margin = {.pass = row->pass, .resource = resource->contract.margin_resource};
-    struct row_source *sources[2] = {&compare->sources[0], &compare->sources[index + 1]};
     struct dt_bytes copies[2];
     if (!difference_needs_margins(&compare->pairs[index].found, resource))
         return true;
-    for (int i = 0; i < 2; i++)
-        if (!source_ask(sources[i], &margin) || !source_take(sources[i], &margin, &copies[i]))
-            return false;
+    if (!take_both(compare, index, &margin, copies))
+        return false;
     difference_add_margins(&compare->pairs[index].found, resource,
                            &info->resources[margin.resource], copies);
     return true;
 }
 
-/* Whether the last result is worse than in all earlier frames. */
-static bool is_kept(const struct pair *pair, uint32_t index)
+/* --pictures and --html: what they show of a row's result. Files are named as in a dump. */
+static bool draw(struct compare *compare, uint32_t index, struct sheet_row *result,
+                 const struct row *row)
 {
-    const struct difference *before = &pair->results[index].difference;
-    return !before->elements || is_worse(&pair->found, before);
+    const struct dt_log *log = &compare->console->log;
+    const struct sheet_files files = {compare->options.pictures, compare->options.html,
+                                      compare->pair_count > 1};
+    struct dt_bytes copies[2];
+    if (!sheet_shows(&files, result))
+        return true;
+    char *name = row->mip ? format_string("%s.mip%u", result->resource->name, row->mip)
+                          : strdup(result->resource->name);
+    if (!name)
+        report_error(log, "out of memory");
+    bool good =
+        name && take_both(compare, index, row, copies) &&
+        sheet_draw(&compare->pairs[index].sheet, result, &files, row->pass, name, copies, log);
+    free(name);
+    return good;
 }
 
-static void keep_result(struct pair *pair, uint32_t index, uint32_t frame)
+/* Keeps what was found of a row in a frame, unless an earlier frame was worse. */
+static bool keep_result(struct pair *pair, struct sheet_row *result, uint32_t frame, uint64_t hash)
 {
-    struct sheet_row *result = &pair->results[index];
-    enum verdict verdict = difference_verdict(&pair->found);
+    const struct difference *found = &pair->found;
+    enum verdict verdict = difference_verdict(found);
+    bool kept = !result->difference.elements || is_worse(found, &result->difference);
     result->frames_differing += verdict != VERDICT_EQUAL;
-    if (is_kept(pair, index)) {
-        result->difference = pair->found;
+    if (kept) {
+        result->difference = *found;
         result->frame = frame;
     }
     if (!pair->broken && verdict == VERDICT_DIFFERS) {
-        pair->broken = true;
+        pair->broken = result;
         pair->broken_frame = frame;
-        pair->broken_row = index;
     }
+    if (!pair->broken || pair->broken_frame == frame) { /* for blame */
+        result->differs = found->differing || found->size_differs;
+        result->hash = hash;
+    }
+    return kept;
 }
 
 static bool compare_output(struct compare *compare, uint32_t index, uint32_t frame)
@@ -130,33 +148,16 @@ static bool compare_output(struct compare *compare, uint32_t index, uint32_t fra
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         if (!add_margins(compare, i, row) ||
-            (is_kept(pair, index) && !compare_add_picture(compare, i, index)))
+            (keep_result(pair, &pair->results[index], frame, hash) &&
+             !draw(compare, i, &pair->results[index], row)))
             return false;
-        keep_result(pair, index, frame);
         compare->compared += pair->found.elements;
-        if (wants_frame(pair, frame)) {
-            pair->outputs_differ[index] = bits_differ(&pair->found);
-            pair->fingerprints[index] = hash;
-        }
     }
     return true;
 }
 
-/* For the first frame only: later frames start from results that were compared after the frame
- * before. */
-static void keep_history(struct pair *pair, uint32_t index, uint32_t frame)
-{
-    pair->sheet.rows[index].difference = pair->found;
-    pair->sheet.rows[index].frame = frame;
-    pair->sheet.rows[index].frames_differing = difference_verdict(&pair->found) != VERDICT_EQUAL;
-    if (!pair->broken && difference_verdict(&pair->found) == VERDICT_DIFFERS) {
-        pair->broken = pair->broken_early = true;
-        pair->broken_frame = frame;
-        pair->broken_row = index;
-    }
-}
-
-/* Compares resources with history before the frame. */
+/* Compares resources with history before the frame. Only the first frame's are kept: later frames start from results that
+ * were compared after the frame before. */
 static bool compare_history(struct compare *compare, uint32_t frame)
 {
     for (uint32_t i = 0; i < compare->rows.history.count; i++) {
@@ -165,10 +166,11 @@ static bool compare_history(struct compare *compare, uint32_t frame)
             return false;
         for (uint32_t k = 0; k < compare->pair_count; k++) {
             struct pair *pair = &compare->pairs[k];
-            if (wants_frame(pair, frame))
-                pair->history_differs[i] = bits_differ(&pair->found);
+            struct sheet_row *result = &pair->sheet.rows[i];
             if (frame == first_frame(compare))
-                keep_history(pair, i, frame);
+                keep_result(pair, result, frame, hash);
+            else if (!pair->broken || pair->broken_frame == frame)
+                result->differs = pair->found.differing || pair->found.size_differs;
         }
     }
     return true;
@@ -281,12 +283,6 @@ static bool run_all(struct compare *compare)
     return good;
 }
 
-const struct row *broken_row(const struct compare *compare, const struct pair *pair)
-{
-    const struct rows *rows = &compare->rows;
-    return &(pair->broken_early ? &rows->history : &rows->outputs)->list[pair->broken_row];
-}
-
 /* Whether neither device's name contains the other's, as that of zink contains the one that it
  * draws with. */
 static bool are_strangers(const char *a, const char *b)
@@ -300,8 +296,10 @@ static void take_own(struct compare *compare, struct pair *pair)
     for (uint32_t i = 0; i < compare->rows.outputs.count; i++) {
         pair->results[i].difference = pair->blame.own[i];
         pair->results[i].frame = pair->blame.frame;
+        pair->results[i].own = NULL;
+        pair->results[i].inputs = NULL;
     }
-    pair->broken = false;
+    pair->broken = NULL;
     pair->sheet.on_equal_inputs = true;
 }
 
@@ -317,12 +315,7 @@ static bool find_blame(struct compare *compare)
             .dump = dump_of(compare, 0),
             .frame = pair->broken_frame,
             .strangers = are_strangers(compare->devices[0], compare->devices[i + 1])};
-        const struct first_run first = {.broken_row = pair->broken_row,
-                                        .early = pair->broken_early,
-                                        .outputs_differ = pair->outputs_differ,
-                                        .history_differs = pair->history_differs,
-                                        .fingerprints = pair->fingerprints};
-        if (pair->broken && !blame_find(&pair->blame, &replay, &first))
+        if (pair->broken && !blame_find(&pair->blame, &replay, &pair->sheet, pair->broken))
             return false;
         if (pair->blame.outcome == BLAME_WITHIN)
             take_own(compare, pair);
@@ -384,12 +377,12 @@ static bool find_unwritten(struct compare *compare)
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         const struct worker_info worker = describe_worker(compare, i + 1);
-        if (!pair->broken || pair->broken_early || compare->options.fault)
+        if (!pair->broken || sheet_is_early(&pair->sheet, pair->broken) || compare->options.fault)
             continue;
         console_status(compare->console, "running %s with other fills of memory",
                        pair->sides[1]->label);
-        if (!unwritten_find(&worker, broken_row(compare, pair), pair->broken_frame,
-                            &pair->unwritten))
+        if (!unwritten_find(&worker, &compare->rows.outputs.list[pair->broken - pair->results],
+                            pair->broken_frame, &pair->unwritten))
             return false;
     }
     return true;
@@ -409,7 +402,7 @@ const struct side *compare_far_side(const struct compare *compare, const struct 
 static void add_region(const struct compare *compare, cJSON *event)
 {
     const struct pair *pair = compare->bisected;
-    const struct dt_resource *resource = pair->results[pair->blame.row].resource;
+    const struct dt_resource *resource = pair->blame.row->resource;
     int axes = resource->kind == DT_BUFFER ? 1 : resource->layered ? 3 : 2;
     cJSON *item = cJSON_AddObjectToObject(event, "region");
     cJSON_AddNumberToObject(item, "failing", (double)compare->found.failing);
@@ -426,13 +419,8 @@ static void conclude_blame(struct compare *compare, struct pair *pair)
 {
     struct sheet *sheet = &pair->sheet;
     const struct blame *blame = &pair->blame;
-    struct sheet_row *row = &pair->results[blame->row];
+    struct sheet_row *row = blame->row;
     sheet->blames = blame->outcome != BLAME_NOT_RUN && !sheet->on_equal_inputs;
-    for (uint32_t i = 0; i < compare->rows.outputs.count && sheet->blames; i++) {
-        pair->results[i].own = &blame->own[i];
-        pair->results[i].inputs =
-            blame->inputs_differ[compare->rows.outputs.list[i].pass] ? "differ" : "equal";
-    }
     if (blame->outcome == BLAME_NOT_REPEATABLE) {
         sheet->not_repeatable = new_event(row, blame->frame);
         cJSON_AddStringToObject(sheet->not_repeatable.more, "side", blame->side->label);
@@ -444,8 +432,8 @@ static void conclude_blame(struct compare *compare, struct pair *pair)
         cJSON_AddStringToObject(sheet->guilty.more, "shader", row->body);
     if (compare->region && pair == compare->bisected)
         add_region(compare, sheet->guilty.more);
-    if (pair->why.count && !pair->unwritten && !pair->broken_early &&
-        blame->row == pair->broken_row && blame->frame == pair->broken_frame)
+    if (pair->why.count && !pair->unwritten && row == pair->broken &&
+        blame->frame == pair->broken_frame)
         why_json(row->why = cJSON_CreateObject(), &pair->why);
 }
 
@@ -460,10 +448,8 @@ static void conclude(struct compare *compare)
         conclude_blame(compare, pair);
         if (!pair->broken)
             continue;
-        struct sheet_row *row =
-            (pair->broken_early ? sheet->rows : pair->results) + pair->broken_row;
-        sheet->first_break = new_event(row, pair->broken_frame);
-        row->text = pair->unwritten;
+        sheet->first_break = new_event(pair->broken, pair->broken_frame);
+        pair->broken->text = pair->unwritten;
         if (pair->unwritten)
             cJSON_AddStringToObject(sheet->first_break.more, "unwritten", pair->unwritten);
     }
@@ -485,8 +471,8 @@ static bool keep_evidence(struct compare *compare)
         if (blame->outcome != BLAME_GUILTY)
             continue;
         compare->bisected = &compare->pairs[i];
-        compare->region =
-            bisect(&replay, blame->row, devices, folder, compare->options.fault, &compare->found);
+        compare->region = bisect(&replay, (uint32_t)(blame->row - compare->pairs[i].results),
+                                 devices, folder, compare->options.fault, &compare->found);
         return compare->region;
     }
     if (folder)
@@ -532,20 +518,6 @@ static bool begin_sheet(struct compare *compare, struct pair *pair)
     return true;
 }
 
-static bool allocate_pair(struct compare *compare, uint32_t index)
-{
-    const struct rows *rows = &compare->rows;
-    struct pair *pair = &compare->pairs[index];
-    pair->sides[0] = &compare->sides.list[0];
-    pair->sides[1] = &compare->sides.list[index + 1];
-    pair->outputs_differ = calloc(rows->outputs.count, sizeof *pair->outputs_differ);
-    pair->history_differs = calloc(rows->history.count + 1, sizeof *pair->history_differs);
-    pair->fingerprints = calloc(rows->outputs.count, sizeof *pair->fingerprints);
-    compare->sheets[index] = &pair->sheet;
-    return pair->outputs_differ && pair->history_differs && pair->fingerprints &&
-           begin_sheet(compare, pair);
-}
-
 static bool allocate_pairs(struct compare *compare)
 {
     uint32_t sides = compare->sides.count;
@@ -558,10 +530,15 @@ static bool allocate_pairs(struct compare *compare)
     compare->sheets = calloc(compare->pair_count, sizeof *compare->sheets);
     bool good = compare->sources && compare->devices && compare->pairs && compare->golden.hashes &&
                 compare->sheets;
-    for (uint32_t i = 0; i < compare->pair_count && good; i++)
-        good = allocate_pair(compare, i);
     if (!good)
         report_error(&compare->console->log, "out of memory");
+    for (uint32_t i = 0; i < compare->pair_count && good; i++) {
+        struct pair *pair = &compare->pairs[i];
+        pair->sides[0] = &compare->sides.list[0];
+        pair->sides[1] = &compare->sides.list[i + 1];
+        compare->sheets[i] = &pair->sheet;
+        good = begin_sheet(compare, pair);
+    }
     return good;
 }
 
@@ -572,9 +549,6 @@ static void compare_release(struct compare *compare)
         blame_free(&pair->blame);
         why_free(&pair->why);
         sheet_free(&pair->sheet);
-        free(pair->outputs_differ);
-        free(pair->history_differs);
-        free(pair->fingerprints);
         free(pair->unwritten);
     }
     for (uint32_t i = 0; compare->devices && i < compare->sides.count; i++)

@@ -33,12 +33,8 @@ struct pair {
     struct sheet sheet;        /* what is shown of it: rows of rows.history, then of rows.outputs */
     struct sheet_row *results; /* of the sheet: one per row of rows.outputs, over all frames */
     struct difference found;   /* of the row and frame being compared */
-    /* first row that broke its contract: of rows.outputs, or of rows.history with broken_early */
-    bool broken, broken_early;
-    uint32_t broken_frame, broken_row;
-    /* of the first frame that broke, else of the one being compared; see blame.h */
-    bool *outputs_differ, *history_differs;
-    uint64_t *fingerprints;
+    struct sheet_row *broken;  /* the first that broke its contract, NULL: none, */
+    uint32_t broken_frame;     /* in this frame */
     struct blame blame;
     char *unwritten; /* what unwritten_find tells of that row; NULL: nothing; owned */
     struct why why;  /* of that row and frame, with all inputs as they were */
@@ -75,17 +71,10 @@ struct compare {
     struct pair *bisected;       /* of this pair */
 };
 
-/* --pictures and --html: writes what they show of this row of rows.outputs in the pair's last result, and
- * notes it in the kept one. Logs its error. */
-bool compare_add_picture(struct compare *compare, uint32_t pair_index, uint32_t output);
-
 /* --measure: adds what all runs of all sides have left in a row of rows.outputs. Logs its error. */
 bool compare_measure(struct compare *compare, uint32_t output);
 /* The first side with a pass that is too far from its exact twin; NULL: none. */
 const struct side *compare_far_side(const struct compare *compare, const struct twin **twin);
-
-/* First row of a pair that broke its contract. */
-const struct row *broken_row(const struct compare *compare, const struct pair *pair);
 
 /* Takes size and frames from the folder, or begins to write it; before the pipeline is loaded. These
  * three log their errors. */

@@ -241,7 +241,7 @@ bool golden_end(struct compare *compare)
     if (!compare->golden.differing)
         return golden_out_of_memory(compare);
     for (uint32_t i = 0; i < compare->pair_count; i++)
-        differ |= compare->pairs[i].broken;
+        differ |= compare->pairs[i].broken != NULL;
     if (!compare->options.update)
         compare_all(compare);
     else if (!differ)

@@ -29,27 +29,24 @@ static void print_agreement(const struct dt_pipeline *info)
     printf("all %u resources of %u passes agree\n", resources, passes);
 }
 
-static void print_verdict(const struct compare *compare, const struct pair *pair)
+static void print_verdict(const struct pair *pair)
 {
     const struct blame *blame = &pair->blame;
-    bool early = blame->outcome == BLAME_EARLIER;
-    const struct row_list *rows = early ? &compare->rows.history : &compare->rows.outputs;
-    const struct row *row = &rows->list[blame->row];
-    const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
+    const struct sheet_row *row = blame->row;
     switch (blame->outcome) {
     case BLAME_GUILTY:
-        for (uint32_t i = 0; pair->results[blame->row].why && i < pair->why.count; i++)
+        for (uint32_t i = 0; row->why && i < pair->why.count; i++)
             printf("%s %s: %s\n", i ? "or  " : "why:", row->name, pair->why.reasons[i].text);
-        printf("guilty: pass %s", pass->name);
-        if (pass->shader)
-            printf(" (shader %s)", pass->shader);
+        printf("guilty: pass %s", row->pass);
+        if (row->body)
+            printf(" (shader %s)", row->body);
         printf(": resource %s, in frame %u\n", row->name, blame->frame);
         break;
     case BLAME_INHERITED:
         printf(
             "no pass is guilty alone: the error of pass %s, resource %s, in frame %u, adds up from "
             "errors that contracts allow\n",
-            pass->name, row->name, blame->frame);
+            row->pass, row->name, blame->frame);
         break;
     case BLAME_EARLIER:
         printf("no pass of frame %u is guilty: resource %s differed when it began\n", blame->frame,
@@ -57,7 +54,7 @@ static void print_verdict(const struct compare *compare, const struct pair *pair
         break;
     case BLAME_NOT_REPEATABLE:
         printf("%s is not repeatable: pass %s wrote another %s when it ran again, in frame %u\n",
-               blame->side->label, pass->name, row->name, blame->frame);
+               blame->side->label, row->pass, row->name, blame->frame);
         break;
     case BLAME_WITHIN:
     case BLAME_NOT_RUN:
@@ -81,28 +78,28 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
             print_agreement(info);
         return;
     }
-    const struct row *row = broken_row(compare, pair);
-    if (pair->broken_early)
+    const struct sheet_row *row = pair->broken;
+    if (sheet_is_early(&pair->sheet, row))
         printf("%s is the first to break: before frame %u\n", row->name, pair->broken_frame);
     else
-        printf("pass %s is the first to break: %s, in frame %u\n", info->passes[row->pass].name,
-               row->name, pair->broken_frame);
+        printf("pass %s is the first to break: %s, in frame %u\n", row->pass, row->name,
+               pair->broken_frame);
     if (pair->unwritten)
         printf("%s\n", pair->unwritten);
-    print_verdict(compare, pair);
+    print_verdict(pair);
 }
 
 /* The region, the folder of --bisect, and the generated shaders of the guilty pass. */
 static void print_clues(const struct compare *compare, const struct pair *pair)
 {
-    const struct row *row = &compare->rows.outputs.list[pair->blame.row];
+    const struct sheet_row *row = pair->blame.row;
     if (pair->blame.outcome != BLAME_GUILTY)
         return;
     if (compare->region)
         printf("%s: %s\nkept in %s: diptych replay %s --backend %s\n", row->name, compare->region,
                compare->options.bisect, compare->options.bisect, pair->sides[1]->label);
-    printf("body: %s; what each backend compiles of it: diptych-gen %s -o DIR\n",
-           compare->pipeline.info->passes[row->pass].shader, compare->pipeline.spec);
+    printf("body: %s; what each backend compiles of it: diptych-gen %s -o DIR\n", row->body,
+           compare->pipeline.spec);
 }
 
 static void print_pair(const struct compare *compare, const struct pair *pair)

@@ -36,6 +36,8 @@ struct sheet_row {
     const struct kept_contract *kept;   /* of --contracts */
     int mip;                            /* -1: it has no other */
     uint32_t frame, frames_differing;
+    bool differs;  /* bits, in the frame that broke a contract first, else in the last */
+    uint64_t hash; /* of the first side's content, in the same frame */
     bool compared;
     struct difference difference; /* of the frame with the largest; `compared` alone */
     const char *verdict;          /* where nothing was compared */
@@ -104,17 +106,17 @@ bool sheets_junit(struct cJSON *suites, const struct sheet *const *sheets, uint3
 struct cJSON *sheet_suite(struct cJSON *suites, const char *pipeline, const char *title);
 void sheet_case(struct cJSON *suite, const char *pass, const char *name, const char *failure);
 
-/* Folders of --pictures and --html, or NULL, and what names of files begin with. */
+/* Folders of --pictures and --html, or NULL. */
 struct sheet_files {
-    const char *pictures, *html, *stem;
+    const char *pictures, *html;
+    bool several; /* pairs: names of files have the second side's label */
 };
-/* Writes what the folders show of two copies of one size, in place of earlier pictures of the same stem; a histogram for
- * --html. Needs no copies where sheet_shows is false. False: logged. */
-bool sheet_shows(const struct sheet_files *files, const struct dt_resource *resource,
-                 const struct difference *difference);
-bool sheet_draw(struct shown *shown, const struct sheet_files *files,
-                const struct dt_resource *resource, const struct difference *difference,
-                const struct dt_bytes copies[2], const struct dt_log *log);
+/* Writes what the folders show of two copies of one size, in place of earlier pictures of the row; a histogram for
+ * --html. Names of files are like 07.PASS.NAME. Needs no copies where sheet_shows is false. False: logged. */
+bool sheet_shows(const struct sheet_files *files, const struct sheet_row *row);
+bool sheet_draw(const struct sheet *sheet, struct sheet_row *row, const struct sheet_files *files,
+                uint32_t number, const char *name, const struct dt_bytes copies[2],
+                const struct dt_log *log);
 
 /* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
 char *sheet_word(const char *text);

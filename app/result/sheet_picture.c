@@ -16,30 +16,30 @@ char *sheet_word(const char *text)
     return word;
 }
 
-static bool differs(const struct difference *difference)
+static bool differs(const struct sheet_row *row)
 {
-    return difference_verdict(difference) != VERDICT_EQUAL;
+    return difference_verdict(&row->difference) != VERDICT_EQUAL;
 }
 
-bool sheet_shows(const struct sheet_files *files, const struct dt_resource *resource,
-                 const struct difference *difference)
+bool sheet_shows(const struct sheet_files *files, const struct sheet_row *row)
 {
-    bool image = resource->kind == DT_IMAGE, differ = differs(difference);
-    return !difference->size_differs &&
+    bool image = row->resource->kind == DT_IMAGE, differ = differs(row);
+    return !row->difference.size_differs &&
            ((files->pictures && image && differ) || (files->html && (image || differ)));
 }
 
 /* A picture of equal copies, three of others. */
-static bool draw_apart(struct shown *shown, const struct sheet_files *files, uint32_t count,
-                       const struct dt_resource *resource, const struct dt_bytes copies[2],
-                       const struct dt_log *log)
+static bool draw_apart(struct sheet_row *row, const struct sheet_files *files, const char *stem,
+                       const struct dt_bytes copies[2], const struct dt_log *log)
 {
     static const char *const endings[] = {".1.png", ".2.png", ".difference.png"};
+    struct shown *shown = &row->shown;
     char *paths[SHOWN_PICTURES] = {0};
+    uint32_t count = differs(row) ? SHOWN_PICTURES : 1;
     bool good = true, drawn = false;
     for (uint32_t i = 0; i < SHOWN_PICTURES; i++) {
         free(shown->files[i]);
-        shown->files[i] = i < count ? format_string("%s%s", files->stem, endings[i]) : NULL;
+        shown->files[i] = i < count ? format_string("%s%s", stem, endings[i]) : NULL;
         if (shown->files[i])
             paths[i] = format_string("%s/%s", files->html, shown->files[i]);
         good &= i >= count || paths[i];
@@ -47,32 +47,43 @@ static bool draw_apart(struct shown *shown, const struct sheet_files *files, uin
     if (!good)
         report_error(log, "out of memory");
     else
-        drawn = strip_write_apart(&shown->what, (const char *const *)paths, resource, copies, log);
+        drawn =
+            strip_write_apart(&shown->what, (const char *const *)paths, row->resource, copies, log);
     for (uint32_t i = 0; i < SHOWN_PICTURES; i++)
         free(paths[i]);
     return drawn;
 }
 
-bool sheet_draw(struct shown *shown, const struct sheet_files *files,
-                const struct dt_resource *resource, const struct difference *difference,
-                const struct dt_bytes copies[2], const struct dt_log *log)
+static bool draw_strip(struct sheet_row *row, const struct sheet_files *files, const char *stem,
+                       const struct dt_bytes copies[2], const struct dt_log *log)
 {
-    bool image = resource->kind == DT_IMAGE, differ = differs(difference);
-    if (!sheet_shows(files, resource, difference))
+    free(row->shown.strip);
+    row->shown.strip = format_string("%s/%s.png", files->pictures, stem);
+    if (!row->shown.strip)
+        report_error(log, "out of memory");
+    return row->shown.strip &&
+           strip_write(&row->shown.what, row->shown.strip, row->resource, copies, log);
+}
+
+bool sheet_draw(const struct sheet *sheet, struct sheet_row *row, const struct sheet_files *files,
+                uint32_t number, const char *name, const struct dt_bytes copies[2],
+                const struct dt_log *log)
+{
+    bool image = row->resource->kind == DT_IMAGE, differ = differs(row);
+    if (!sheet_shows(files, row))
         return true;
-    if (files->pictures && image && differ) {
-        free(shown->strip);
-        shown->strip = format_string("%s/%s.png", files->pictures, files->stem);
-        if (!shown->strip)
-            report_error(log, "out of memory");
-        if (!shown->strip || !strip_write(&shown->what, shown->strip, resource, copies, log))
-            return false;
-    }
-    if (files->html && image &&
-        !draw_apart(shown, files, differ ? SHOWN_PICTURES : 1, resource, copies, log))
-        return false;
-    if (!files->html || !differ || difference_histogram(shown->bins, resource, copies))
-        return true;
-    report_error(log, "out of memory");
-    return false;
+    char *text = format_string("%02u.%s.%s%s%s", number, row->pass, name, files->several ? "." : "",
+                               files->several ? sheet->labels[1] : "");
+    char *stem = text ? sheet_word(text) : NULL;
+    bool known = stem && (!files->html || !differ ||
+                          difference_histogram(row->shown.bins, row->resource, copies));
+    if (!known)
+        report_error(log, "out of memory");
+    bool good =
+        known &&
+        (!files->pictures || !image || !differ || draw_strip(row, files, stem, copies, log)) &&
+        (!files->html || !image || draw_apart(row, files, stem, copies, log));
+    free(text);
+    free(stem);
+    return good;
 }

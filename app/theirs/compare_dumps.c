@@ -15,7 +15,6 @@
 struct comparison {
     struct console *console;
     const struct options *options;
-    struct dumps_request request;
     struct theirs *dumps; /* `runs` of each side, side by side */
     char **folders;       /* of each run; owned */
     bool *versions;       /* per side: its backend is the first side's */
@@ -178,14 +177,17 @@ static bool pair_up(struct comparison *comparison)
     comparison->pair_count = count;
     for (uint32_t i = 0; i < count; i++) {
         struct dumps *dumps = &comparison->pairs[i];
+        struct theirs *other = &comparison->dumps[(i + 1) * runs];
         *dumps = (struct dumps){
             .console = comparison->console,
-            .request = &comparison->request,
+            .options = comparison->options,
             .contracts = &comparison->contracts,
-            .sides = {&comparison->dumps[0], &comparison->dumps[(i + 1) * runs]},
+            .sides = {&comparison->dumps[0], other},
             .runs = runs,
             .several = count > 1,
-            .sheet = {.runs = comparison->options->repeats,
+            .sheet = {.labels = {comparison->dumps[0].label, other->label},
+                      .devices = {comparison->dumps[0].folder, other->folder},
+                      .runs = comparison->options->repeats,
                       .kind = comparison->versions[i + 1] ? MEASURED_DRIFT : MEASURED_BACKENDS}};
         comparison->sheets[i] = &dumps->sheet;
         if (!dumps_match(dumps))
@@ -266,10 +268,6 @@ int compare_dumps(struct console *console, const struct options *options)
 {
     struct comparison comparison = {.console = console,
                                     .options = options,
-                                    .request = {.pictures = options->pictures,
-                                                .html = options->html,
-                                                .run_second = options->run_second,
-                                                .measures = options->repeats},
                                     .sides = options->dumps.count,
                                     .runs = options->repeats ? options->repeats : 1};
     bool differ = false;

@@ -289,42 +289,19 @@ bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
     return good;
 }
 
-/* "03.light.radiance.mip1", as a dump names files, with the second side's label if there are several. */
-static char *stem_of(const struct dumps *dumps, const struct match *match)
-{
-    char *text = format_string("%02u.%s.%s%s%s", (unsigned)(match - dumps->matches),
-                               match->sides[0]->pass, match->name, dumps->several ? "." : "",
-                               dumps->several ? dumps->sides[1]->label : "");
-    char *stem = text ? sheet_word(text) : NULL;
-    if (!stem)
-        report_error(&dumps->console->log, "out of memory");
-    free(text);
-    return stem;
-}
-
-static bool draw(const struct dumps *dumps, struct match *match, const struct dt_bytes copies[2])
-{
-    struct sheet_files files = {.pictures = dumps->request->pictures, .html = dumps->request->html};
-    struct sheet_row *row = match->row;
-    if (!sheet_shows(&files, &match->what, &row->difference))
-        return true;
-    char *stem = stem_of(dumps, match);
-    files.stem = stem;
-    bool good = stem && sheet_draw(&row->shown, &files, &match->what, &row->difference, copies,
-                                   &dumps->console->log);
-    free(stem);
-    return good;
-}
-
 static bool compare_match(struct dumps *dumps, struct match *match)
 {
     const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     struct dt_bytes copies[2];
     struct sheet_row *row = match->row;
     bool good = dumps_load(sides, match, copies, &row->compared);
+    const struct sheet_files files = {dumps->options->pictures, dumps->options->html,
+                                      dumps->several};
+    row->resource = row->compared ? &match->what : row->resource;
     if (good && row->compared)
         good = dumps_judge(dumps, sides, match, copies, &row->difference) &&
-               draw(dumps, match, copies);
+               sheet_draw(&dumps->sheet, row, &files, (uint32_t)(match - dumps->matches),
+                          match->name, copies, &dumps->console->log);
     free(copies[0].data);
     free(copies[1].data);
     if (good && !dumps->first &&
@@ -409,9 +386,9 @@ bool dumps_compare(struct dumps *dumps)
     for (uint32_t i = 0; i < dumps->count; i++)
         if (dumps->matches[i].sides[1] && !compare_match(dumps, &dumps->matches[i]))
             return false;
-    if (dumps->first && dumps->request->run_second)
+    if (dumps->first && dumps->options->run_second)
         return dumps_run(dumps);
-    return explain(dumps) && (!dumps->request->measures || dumps_measure(dumps));
+    return explain(dumps) && (!dumps->options->repeats || dumps_measure(dumps));
 }
 
 void dumps_free(struct dumps *dumps)

@@ -3,6 +3,7 @@
 #define DIPTYCH_DUMPS_H
 
 #include "console/console.h"
+#include "console/options.h"
 #include "result/measured.h"
 #include "result/sheet.h"
 #include "theirs/theirs.h"
@@ -21,17 +22,10 @@ struct match {
     struct difference own;            /* --run: its own error */
 };
 
-/* What is wanted of a comparison; NULL: nothing. */
-struct dumps_request {
-    const char *pictures, *html; /* folders */
-    const char *run_second;      /* program that runs a pass of the second dump's renderer */
-    bool measures;               /* each side has several dumps */
-};
-
 /* Two sides. */
 struct dumps {
     struct console *console;
-    const struct dumps_request *request;
+    const struct options *options;
     const struct contracts *contracts;
     struct theirs *sides[2]; /* borrowed; with --measure the first of `runs` */
     uint32_t runs;           /* dumps of each side */

@@ -11,7 +11,6 @@ static void conclude_match(struct match *match)
     row->kept = match->kept;
     row->not_finite = match->not_finite;
     if (row->compared) {
-        row->resource = &match->what;
         row->note = match->note;
         row->text = NULL;
         row->frames_differing = difference_verdict(&row->difference) != VERDICT_EQUAL;
@@ -24,14 +23,10 @@ static void conclude_match(struct match *match)
 void dumps_conclude(struct dumps *dumps)
 {
     struct sheet *sheet = &dumps->sheet;
-    for (int i = 0; i < 2; i++) {
-        sheet->labels[i] = dumps->sides[i]->label;
-        sheet->devices[i] = dumps->sides[i]->folder;
-    }
     for (uint32_t i = 0; i < dumps->count; i++)
         conclude_match(&dumps->matches[i]);
     sheet->agree = !dumps->first && !measured_breaks(sheet);
-    sheet->reruns = dumps->request->run_second && dumps->first;
+    sheet->reruns = dumps->options->run_second && dumps->first;
     if (!dumps->guilty)
         return;
     sheet->guilty = (struct sheet_event){.row = dumps->guilty->row,

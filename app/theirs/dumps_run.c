@@ -91,7 +91,7 @@ static bool judge(const struct rerun *rerun, struct theirs *outputs, struct matc
     bool good = match->sides[1] && dumps_load(sides, match, copies, &same);
     if (!match->sides[1])
         report_error(sides[0]->log, "--run: %s left no resource %s of pass %s",
-                     rerun->dumps->request->run_second, match->name, wanted.pass);
+                     rerun->dumps->options->run_second, match->name, wanted.pass);
     else if (good && !same)
         report_error(sides[0]->log, "--run: %s: %s", match->place, match->note);
     good = good && same && dumps_judge(rerun->dumps, sides, match, copies, &match->own);
@@ -129,7 +129,7 @@ static bool run_program(const struct rerun *rerun)
                               .hint = "--run takes a program, without arguments"};
     char frame[16];
     snprintf(frame, sizeof frame, "%u", rerun->pass->sides[0]->frame);
-    char *const argv[] = {(char *)rerun->dumps->request->run_second,
+    char *const argv[] = {(char *)rerun->dumps->options->run_second,
                           rerun->pass->sides[0]->pass,
                           rerun->inputs,
                           rerun->outputs,

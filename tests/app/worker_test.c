@@ -604,147 +604,132 @@ static void rows_know_where_inputs_come_from(void **state)
 /* The values that gl writes in frame 2, row by row: see the pipeline. */
 static const uint32_t right[3][ELEMENTS] = {{20, 21, 22, 23}, {40, 42, 44, 46}, {60, 66, 72, 78}};
 
-struct case_of_blame {
-    bool outputs_differ[3], kept_differed;
-    uint32_t broken_row;
-    bool early;
-};
+enum {
+    BEFORE,
+    FIRST_OUTPUT,
+    ROWS = FIRST_OUTPUT + PASSES
+}; /* of a sheet: KEPT before the frame, then outputs */
 
-/* Finds the blame in frame 2, after a first run with these results. */
-static void find(struct bench *bench, struct blame *blame, const struct case_of_blame *it)
+/* What the first run has left of frame 2, the blame for `broken`, and what is found on the way: per pass, whether its
+ * inputs differed, and elements with an own error. */
+static const struct case_of_blame {
+    struct script scripts[2];
+    bool swapped; /* vk is the first side */
+    bool differ[ROWS];
+    uint32_t broken;
+    enum blame_outcome outcome;
+    uint32_t row;
+    int side;
+    bool inputs[PASSES];
+    uint64_t own[PASSES];
+} blames[] = {
+    /* own errors are told from inherited ones, */
+    {.scripts = {{0}, {WRONG, DOUBLE, 2}},
+     .differ = {false, false, true, true},
+     .broken = FIRST_OUTPUT + DOUBLE,
+     .outcome = BLAME_GUILTY,
+     .row = FIRST_OUTPUT + DOUBLE,
+     .inputs = {false, false, true},
+     .own = {0, 1, 0}},
+    /* those of the first side, too */
+    {.scripts = {{0}, {WRONG, KEEP, 2}},
+     .swapped = true,
+     .differ = {false, false, false, true},
+     .broken = FIRST_OUTPUT + KEEP,
+     .outcome = BLAME_GUILTY,
+     .row = FIRST_OUTPUT + KEEP,
+     .own = {0, 0, 1}},
+    /* errors within the contract of `numbers` may add up */
+    {.scripts = {{0}, {WRONG, COUNT, 0}},
+     .differ = {true, true, true, true},
+     .broken = FIRST_OUTPUT + DOUBLE,
+     .outcome = BLAME_INHERITED,
+     .row = FIRST_OUTPUT + DOUBLE,
+     .inputs = {false, true, true},
+     .own = {1, 0, 0}},
+    /* what differed before is no pass's fault */
+    {.scripts = {{0}, {WRONG_START, 0, 0}},
+     .differ = {true, false, false, true},
+     .broken = BEFORE,
+     .outcome = BLAME_EARLIER,
+     .row = BEFORE,
+     .inputs = {false, false, true}},
+    /* sides that stray are named: gl, */
+    {.scripts = {{STRAY, DOUBLE, 0}},
+     .differ = {true, false, true, true},
+     .broken = FIRST_OUTPUT + DOUBLE,
+     .outcome = BLAME_NOT_REPEATABLE,
+     .row = FIRST_OUTPUT + DOUBLE,
+     .inputs = {false, false, true},
+     .own = {0, 1, 0}},
+    /* and vk, which the first run found wrong on equal inputs, and which now is right */
+    {.differ = {false, false, true, true},
+     .broken = FIRST_OUTPUT + DOUBLE,
+     .outcome = BLAME_NOT_REPEATABLE,
+     .row = FIRST_OUTPUT + DOUBLE,
+     .side = 1,
+     .inputs = {false, false, true}}};
+
+static void blame_is_found(void **state)
 {
-    uint64_t fingerprints[3];
-    for (int i = 0; i < 3; i++) {
-        uint32_t copy[ELEMENTS];
-        memcpy(copy, right[i], sizeof copy);
-        struct dt_bytes bytes = {
-            .data = (uint8_t *)copy, .size = sizeof copy, .extent = {ELEMENTS, 1, 1}};
-        assert_true(fingerprint(&resources[i], &bytes, &fingerprints[i]));
+    struct bench *bench = *state;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(blames); i++) {
+        const struct case_of_blame *it = &blames[i];
+        struct sheet_row rows[ROWS] = {{.differs = it->differ[BEFORE]}};
+        struct sheet sheet = {.rows = rows, .count = ROWS, .early = FIRST_OUTPUT};
+        struct blame blame;
+        for (int k = 0; k < PASSES; k++) {
+            struct sheet_row *row = &rows[FIRST_OUTPUT + k];
+            uint32_t copy[ELEMENTS];
+            memcpy(copy, right[k], sizeof copy);
+            copy[0] += it->swapped && k == KEEP;
+            struct dt_bytes bytes = {
+                .data = (uint8_t *)copy, .size = sizeof copy, .extent = {ELEMENTS, 1, 1}};
+            assert_true(fingerprint(&resources[k], &bytes, &row->hash));
+            row->differs = it->differ[FIRST_OUTPUT + k];
+        }
+        memcpy(scripts, it->scripts, sizeof scripts);
+        resources[NUMBERS].contract = (struct dt_contract){0};
+        if (it->outcome == BLAME_INHERITED)
+            resources[NUMBERS].contract =
+                (struct dt_contract){.kind = DT_CONTRACT_ABS, .tolerance = 1};
+        const struct replay replay = {
+            .console = &bench->console,
+            .rows = &bench->rows,
+            .workers = {info_of(bench, it->swapped), info_of(bench, !it->swapped)},
+            .frame = 2};
+        assert_true(blame_find(&blame, &replay, &sheet, &rows[it->broken]));
+        assert_int_equal(blame.frame, 2);
+        assert_int_equal(blame.outcome, it->outcome);
+        assert_ptr_equal(blame.row, &rows[it->row]);
+        if (it->outcome == BLAME_NOT_REPEATABLE)
+            assert_ptr_equal(blame.side, &bench->sides[it->side]);
+        for (int k = 0; k < PASSES; k++) {
+            const struct sheet_row *row = &rows[FIRST_OUTPUT + k];
+            assert_string_equal(row->inputs, it->inputs[k] ? "differ" : "equal");
+            assert_int_equal(row->own->elements, ELEMENTS);
+            assert_int_equal(row->own->differing, it->own[k]);
+            if (i == 0 && k == DOUBLE)
+                assert_true(row->own->worst.values[0] == 40 && row->own->worst.values[1] == 41);
+        }
+        blame_free(&blame);
+        assert_int_equal(bench->errors, 0);
+        assert_childless();
     }
-    const struct replay replay = {.console = &bench->console,
-                                  .rows = &bench->rows,
-                                  .workers = {info_of(bench, 0), info_of(bench, 1)},
-                                  .frame = 2};
-    const struct first_run first = {.broken_row = it->broken_row,
-                                    .early = it->early,
-                                    .outputs_differ = it->outputs_differ,
-                                    .history_differs = &it->kept_differed,
-                                    .fingerprints = fingerprints};
-    assert_true(blame_find(blame, &replay, &first));
-    assert_int_equal(blame->frame, 2);
-    assert_int_equal(bench->errors, 0);
-    assert_childless();
-}
-
-static void own_error_is_told_from_inherited(void **state)
-{
-    struct bench *bench = *state;
-    struct blame blame;
-    scripts[1] = (struct script){WRONG, DOUBLE, 2};
-    find(bench, &blame, &(struct case_of_blame){{false, true, true}, false, DOUBLE, false});
-    assert_int_equal(blame.outcome, BLAME_GUILTY);
-    assert_int_equal(blame.row, DOUBLE);
-    static const bool differ[PASSES] = {false, false, true};
-    static const uint64_t own[PASSES] = {0, 1, 0};
-    for (int i = 0; i < PASSES; i++) {
-        assert_int_equal(blame.inputs_differ[i], differ[i]);
-        assert_int_equal(blame.own[i].elements, ELEMENTS);
-        assert_int_equal(blame.own[i].differing, own[i]);
-    }
-    assert_int_equal(blame.own[DOUBLE].worst.element, 0);
-    assert_true(blame.own[DOUBLE].worst.values[0] == 40);
-    assert_true(blame.own[DOUBLE].worst.values[1] == 41);
-    blame_free(&blame);
-}
-
-static void a_wrong_first_side_is_found_as_well(void **state)
-{
-    struct bench *bench = *state;
-    struct blame blame;
-    const struct replay replay = {.console = &bench->console,
-                                  .rows = &bench->rows,
-                                  .workers = {info_of(bench, 1), info_of(bench, 0)},
-                                  .frame = 2};
-    scripts[1] = (struct script){WRONG, KEEP, 2};
-    uint64_t fingerprints[3];
-    for (int i = 0; i < 3; i++) {
-        uint32_t copy[ELEMENTS];
-        memcpy(copy, right[i], sizeof copy);
-        copy[0] += i == KEEP;
-        struct dt_bytes bytes = {
-            .data = (uint8_t *)copy, .size = sizeof copy, .extent = {ELEMENTS, 1, 1}};
-        assert_true(fingerprint(&resources[i], &bytes, &fingerprints[i]));
-    }
-    const struct first_run first = {.broken_row = KEEP,
-                                    .outputs_differ = (bool[]){false, false, true},
-                                    .history_differs = (bool[]){false},
-                                    .fingerprints = fingerprints};
-    assert_true(blame_find(&blame, &replay, &first));
-    assert_int_equal(blame.outcome, BLAME_GUILTY);
-    assert_int_equal(blame.row, KEEP);
-    blame_free(&blame);
-}
-
-static void errors_within_contracts_may_add_up(void **state)
-{
-    struct bench *bench = *state;
-    struct blame blame;
-    resources[NUMBERS].contract = (struct dt_contract){.kind = DT_CONTRACT_ABS, .tolerance = 1};
-    scripts[1] = (struct script){WRONG, COUNT, 0};
-    find(bench, &blame, &(struct case_of_blame){{true, true, true}, true, DOUBLE, false});
-    assert_int_equal(blame.outcome, BLAME_INHERITED);
-    assert_int_equal(blame.row, DOUBLE);
-    assert_int_equal(difference_verdict(&blame.own[COUNT]), VERDICT_WITHIN);
-    blame_free(&blame);
-}
-
-static void what_differed_before_is_no_pass_s_fault(void **state)
-{
-    struct bench *bench = *state;
-    struct blame blame;
-    scripts[1].trouble = WRONG_START;
-    find(bench, &blame, &(struct case_of_blame){{false, false, true}, true, 0, true});
-    assert_int_equal(blame.outcome, BLAME_EARLIER);
-    assert_int_equal(blame.row, 0);
-    assert_true(blame.inputs_differ[KEEP]);
-    assert_int_equal(blame.own[KEEP].differing, 0);
-    blame_free(&blame);
-}
-
-static void sides_that_stray_are_named(void **state)
-{
-    struct bench *bench = *state;
-    struct blame blame;
-    scripts[0] = (struct script){STRAY, DOUBLE, 0};
-    find(bench, &blame, &(struct case_of_blame){{false, true, true}, true, DOUBLE, false});
-    assert_int_equal(blame.outcome, BLAME_NOT_REPEATABLE);
-    assert_ptr_equal(blame.side, &bench->sides[0]);
-    assert_int_equal(blame.row, DOUBLE);
-    blame_free(&blame);
-
-    /* the first run finds vk wrong on equal inputs; the second run of vk is right */
-    memset(scripts, 0, sizeof scripts);
-    find(bench, &blame, &(struct case_of_blame){{false, true, true}, false, DOUBLE, false});
-    assert_int_equal(blame.outcome, BLAME_NOT_REPEATABLE);
-    assert_ptr_equal(blame.side, &bench->sides[1]);
-    assert_int_equal(blame.row, DOUBLE);
-    blame_free(&blame);
 }
 
 static void a_crash_in_the_second_run_is_an_error(void **state)
 {
     struct bench *bench = *state;
     struct blame blame;
-    const uint64_t fingerprints[3] = {0};
+    struct sheet_row rows[ROWS] = {{0}};
+    struct sheet sheet = {.rows = rows, .count = ROWS, .early = FIRST_OUTPUT};
     const struct replay replay = {.console = &bench->console,
                                   .rows = &bench->rows,
                                   .workers = {info_of(bench, 0), info_of(bench, 1)},
                                   .frame = 2};
-    const struct first_run first = {.outputs_differ = (bool[]){true, true, true},
-                                    .history_differs = (bool[]){false},
-                                    .fingerprints = fingerprints};
     scripts[1] = (struct script){CRASH, DOUBLE, 0};
-    assert_false(blame_find(&blame, &replay, &first));
+    assert_false(blame_find(&blame, &replay, &sheet, &rows[FIRST_OUTPUT]));
     assert_string_equal(bench->last, "vk: the driver crashed (SIGSEGV) in pass double of frame 2");
     assert_int_equal(bench->errors, 1);
     blame_free(&blame);
@@ -783,11 +768,7 @@ int main(void)
         WORKER_TEST(a_refused_read_is_an_error),
         WORKER_TEST(a_pass_that_was_left_out_is_an_error),
         WORKER_TEST(rows_know_where_inputs_come_from),
-        WORKER_TEST(own_error_is_told_from_inherited),
-        WORKER_TEST(a_wrong_first_side_is_found_as_well),
-        WORKER_TEST(errors_within_contracts_may_add_up),
-        WORKER_TEST(what_differed_before_is_no_pass_s_fault),
-        WORKER_TEST(sides_that_stray_are_named),
+        WORKER_TEST(blame_is_found),
         WORKER_TEST(a_crash_in_the_second_run_is_an_error),
         WORKER_TEST(fingerprints_see_every_number_and_no_padding),
     };
