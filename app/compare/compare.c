@@ -345,9 +345,12 @@ static bool find_elsewhere(struct compare *compare)
 static void add_twin_errors(struct compare *compare, const struct twin *twin)
 {
     for (uint32_t i = 0; i < compare->pair_count; i++)
-        for (uint32_t k = 0; twin->errors && k < compare->rows.outputs.count; k++)
-            if (compare->pairs[i].results[k].errors)
-                errors_join(&compare->pairs[i].results[k].errors->exact, &twin->errors[k]);
+        for (uint32_t k = 0; k < compare->rows.outputs.count; k++) {
+            const struct sheet_row *row = &compare->pairs[i].results[k];
+            for (uint32_t t = 0; row->errors && t < twin->sheet.count; t++)
+                if (twin->sheet.rows[t].pass == row->pass && twin->sheet.rows[t].name == row->name)
+                    errors_join(&row->errors->exact, &twin->sheet.rows[t].errors->exact);
+        }
 }
 
 /* Each side in the last frame, if a pass is not exact. A dump runs nothing. */
@@ -364,8 +367,9 @@ static bool judge_twins(struct compare *compare)
     bool good = twin_load(&compare->exact, &compare->pipeline, compare->console, setup);
     for (uint32_t i = 0; i < compare->sides.count && good; i++) {
         const struct worker_info worker = describe_worker(compare, i);
-        good = dump_of(compare, i) || twin_judge(&compare->twins[i], &worker, &compare->exact,
-                                                 &compare->rows, setup->frames - 1);
+        good = dump_of(compare, i) ||
+               twin_judge(&compare->twins[i], &worker, &compare->exact, &compare->rows,
+                          compare->pairs[0].results, setup->frames - 1);
         add_twin_errors(compare, &compare->twins[i]);
     }
     return good;
@@ -388,13 +392,11 @@ static bool find_unwritten(struct compare *compare)
     return true;
 }
 
-const struct side *compare_far_side(const struct compare *compare, const struct twin **twin)
+const struct twin *compare_far_twin(const struct compare *compare)
 {
-    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++) {
-        *twin = &compare->twins[i];
-        if ((*twin)->broken)
-            return &compare->sides.list[i];
-    }
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++)
+        if (compare->twins[i].broken)
+            return &compare->twins[i];
     return NULL;
 }
 
@@ -728,13 +730,12 @@ int verb_compare(struct console *console, const struct options *options)
         console->result = compare_json(&compare);
     console_status(console, "%s", "");
     if (compare.complete) {
-        good &= compare_print(&compare);
+        compare_print(&compare);
         golden_print(&compare);
         print_undefined(&compare);
-        const struct twin *twin;
         differ = golden_differs(&compare) || compare.undefined.count ||
                  compare.elsewhere.repeats_differ || compare.elsewhere.barriers_missing ||
-                 compare_far_side(&compare, &twin);
+                 compare_far_twin(&compare);
     }
     for (uint32_t i = 0; compare.pairs && i < compare.pair_count; i++)
         differ |= !compare.pairs[i].sheet.agree;

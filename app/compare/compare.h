@@ -73,8 +73,8 @@ struct compare {
 
 /* --measure: adds what all runs of all sides have left in a row of rows.outputs. Logs its error. */
 bool compare_measure(struct compare *compare, uint32_t output);
-/* The first side with a pass that is too far from its exact twin; NULL: none. */
-const struct side *compare_far_side(const struct compare *compare, const struct twin **twin);
+/* Of the first side with a pass that is too far from its exact twin; NULL: none. */
+const struct twin *compare_far_twin(const struct compare *compare);
 
 /* Takes size and frames from the folder, or begins to write it; before the pipeline is loaded. These
  * three log their errors. */
@@ -88,10 +88,7 @@ bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
 
-/* The sheet of a side beside its exact twin. False when out of memory, logged; sheet_free either way. */
-bool compare_twin_sheet(const struct compare *compare, uint32_t side, struct sheet *sheet);
-
-bool compare_print(const struct compare *compare); /* on stdout; false: out of memory, logged */
+void compare_print(const struct compare *compare);         /* on stdout */
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
 
 /* --html and --junit; log their errors. */

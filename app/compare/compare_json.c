@@ -15,20 +15,17 @@ static cJSON *all_undefined(const struct compare *compare)
 
 static void add_twins(cJSON *root, const struct compare *compare)
 {
-    const struct twin *far;
     cJSON *list = compare->twins ? cJSON_AddArrayToObject(root, "of_exact") : NULL;
     for (uint32_t side = 0; list && side < compare->sides.count; side++) {
-        struct sheet sheet;
-        compare_twin_sheet(compare, side, &sheet);
-        for (uint32_t i = 0; i < sheet.count; i++) {
+        const struct sheet *sheet = &compare->twins[side].sheet;
+        for (uint32_t i = 0; i < sheet->count; i++) {
             cJSON *item = cJSON_CreateObject();
-            cJSON_AddStringToObject(item, "side", sheet.labels[0]);
-            sheet_row_json(item, &sheet, &sheet.rows[i]);
+            cJSON_AddStringToObject(item, "side", sheet->labels[0]);
+            sheet_row_json(item, sheet, &sheet->rows[i]);
             cJSON_AddItemToArray(list, item);
         }
-        sheet_free(&sheet);
     }
-    if (compare_far_side(compare, &far))
+    if (compare_far_twin(compare))
         cJSON_ReplaceItemInObject(root, "agree", cJSON_CreateFalse());
 }
 

@@ -66,7 +66,6 @@ static void print_verdict(const struct pair *pair)
 static void print_outcome(const struct compare *compare, const struct pair *pair)
 {
     const struct dt_pipeline *info = compare->pipeline.info;
-    const struct twin *twin;
     if (pair->sheet.on_equal_inputs && !compare->twins)
         print_edges(compare, pair);
     if (!pair->broken && !pair->sheet.agree) {
@@ -74,7 +73,7 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
         return;
     }
     if (!pair->broken) {
-        if (!compare_far_side(compare, &twin))
+        if (!compare_far_twin(compare))
             print_agreement(info);
         return;
     }
@@ -116,52 +115,14 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     measured_grown(&pair->sheet);
 }
 
-bool compare_twin_sheet(const struct compare *compare, uint32_t side, struct sheet *sheet)
+static void print_far(const struct twin *twin)
 {
-    const struct difference *found = compare->twins[side].found;
-    const struct pair *pair = &compare->pairs[0];
-    *sheet = (struct sheet){.pipeline = compare->pipeline.info->name,
-                            .labels = {compare->labels[side], "exact"}};
-    if (!sheet_begin(sheet, compare->rows.outputs.count, &compare->console->log))
-        return false;
-    for (uint32_t i = 0; found && i < compare->rows.outputs.count; i++)
-        if (found[i].elements)
-            sheet->rows[sheet->count++] =
-                (struct sheet_row){.pass = pair->results[i].pass,
-                                   .name = pair->results[i].name,
-                                   .resource = pair->results[i].resource,
-                                   .mip = pair->results[i].mip,
-                                   .frame = compare->options.setup.frames - 1,
-                                   .compared = true,
-                                   .difference = found[i]};
-    return true;
+    if (twin)
+        printf("too far from exact: pass %s (shader %s): resource %s on %s\n", twin->broken->pass,
+               twin->broken->body, twin->broken->name, twin->sheet.labels[0]);
 }
 
-/* How far a side is from exact arithmetic, pass by pass. */
-static bool print_twin(const struct compare *compare, uint32_t side)
-{
-    struct sheet sheet;
-    if (!compare_twin_sheet(compare, side, &sheet))
-        return false;
-    printf("\n%s against exact twins of its passes, on equal inputs\n", sheet.labels[0]);
-    sheet_print(&sheet);
-    sheet_free(&sheet);
-    return true;
-}
-
-static void print_far(const struct compare *compare)
-{
-    const struct twin *twin;
-    const struct side *side = compare_far_side(compare, &twin);
-    if (!side)
-        return;
-    const struct row *row = &compare->rows.outputs.list[twin->row];
-    const struct dt_pass *pass = &compare->pipeline.info->passes[row->pass];
-    printf("too far from exact: pass %s (shader %s): resource %s on %s\n", pass->name, pass->shader,
-           row->name, side->label);
-}
-
-bool compare_print(const struct compare *compare)
+void compare_print(const struct compare *compare)
 {
     bool several = compare->pair_count > 1;
     const struct pair *told = &compare->pairs[0]; /* the first that differs */
@@ -179,15 +140,17 @@ bool compare_print(const struct compare *compare)
         printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);
     else if (several)
         printf("\n%u pairs agree\n", compare->pair_count);
-    bool good = true;
-    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++)
-        if (compare->twins[i].found)
-            good &= print_twin(compare, i);
+    for (uint32_t i = 0; compare->twins && i < compare->sides.count; i++) {
+        const struct sheet *sheet = &compare->twins[i].sheet;
+        if (!sheet->rows) /* a dump */
+            continue;
+        printf("\n%s against exact twins of its passes, on equal inputs\n", sheet->labels[0]);
+        sheet_print(sheet);
+    }
     if (compare->twins)
         printf("\n");
     elsewhere_print(&compare->elsewhere);
     print_clues(compare, told);
     print_outcome(compare, told); /* the last line is the verdict */
-    print_far(compare);
-    return good;
+    print_far(compare_far_twin(compare));
 }

@@ -9,6 +9,7 @@
 struct judging {
     struct twin *twin;
     const struct rows *rows;
+    const struct sheet_row *results;
     const struct plan *plan;
     const struct dt_log *log;
     uint32_t frame;
@@ -37,32 +38,41 @@ static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
 {
     struct judging *judging = user;
     struct twin *twin = judging->twin;
-    const struct row *row = &judging->rows->outputs.list[index];
-    struct dt_resource resource = judging->rows->pipeline->resources[row->resource];
-    if (!plan_is_bounded(judging->plan, row->pass))
+    const struct sheet_row *result = &judging->results[index];
+    struct dt_resource resource = *result->resource;
+    if (!plan_is_bounded(judging->plan, judging->rows->outputs.list[index].pass))
         return true;
+    struct sheet_row *row = &twin->sheet.rows[twin->sheet.count++];
+    *row = (struct sheet_row){.pass = result->pass,
+                              .name = result->name,
+                              .key = result->key,
+                              .resource = result->resource,
+                              .mip = result->mip,
+                              .frame = judging->frame,
+                              .compared = true,
+                              .body = result->body,
+                              .errors = calloc(1, sizeof *row->errors)};
     if (resource.contract.kind == DT_CONTRACT_OF_EXACT) { /* which is for two copies that may err */
         resource.contract.tolerance /= 2;
         resource.contract.outliers /= 2;
     }
-    if (!difference_measure(&twin->found[index], &resource, judging->frame, copies) ||
-        !errors_add(&twin->errors[index], &resource, copies)) {
+    if (!row->errors || !difference_measure(&row->difference, &resource, judging->frame, copies) ||
+        !errors_add(&row->errors->exact, &resource, copies)) {
         report_error(judging->log, "out of memory");
         return false;
     }
-    if (!twin->broken && difference_verdict(&twin->found[index]) == VERDICT_DIFFERS) {
-        twin->broken = true;
-        twin->row = index;
-    }
+    if (!twin->broken && difference_verdict(&row->difference) == VERDICT_DIFFERS)
+        twin->broken = row;
     return true;
 }
 
 bool twin_judge(struct twin *twin, const struct worker_info *worker, const struct pipeline *exact,
-                const struct rows *rows, uint32_t frame)
+                const struct rows *rows, const struct sheet_row *results, uint32_t frame)
 {
     struct console *console = worker->session.console;
     struct judging judging = {.twin = twin,
                               .rows = rows,
+                              .results = results,
                               .plan = worker->session.pipeline->plan,
                               .log = &console->log,
                               .frame = frame};
@@ -71,16 +81,14 @@ bool twin_judge(struct twin *twin, const struct worker_info *worker, const struc
     const struct replay_viewer viewer = {.output = weigh, .user = &judging};
     replay.workers[1].session.pipeline = exact;
     replay.workers[1].session.fault = (struct fault){0};
-    twin->found = calloc(rows->outputs.count + 1, sizeof *twin->found);
-    twin->errors = calloc(rows->outputs.count + 1, sizeof *twin->errors);
-    if (!twin->found || !twin->errors)
-        report_error(&console->log, "out of memory");
-    return twin->found && twin->errors && replay_run(&replay, &viewer);
+    twin->sheet = (struct sheet){.pipeline = rows->pipeline->name,
+                                 .labels = {worker->session.side->label, "exact"}};
+    return sheet_begin(&twin->sheet, rows->outputs.count, &console->log) &&
+           replay_run(&replay, &viewer);
 }
 
 void twin_free(struct twin *twin)
 {
-    free(twin->found);
-    free(twin->errors);
+    sheet_free(&twin->sheet);
     *twin = (struct twin){0};
 }
