@@ -1,13 +1,15 @@
-"""Metamorphic tests: both backends render a pipeline and a rewrite of it that must not change a bit. Compares every resource
-after every pass with its counterpart, field by field. Prints TAP.
+"""Metamorphic tests: renders a pipeline and a rewrite of it that must not change a bit. Compares every resource after every pass
+with its counterpart, field by field. Prints TAP.
 
-    metamorphic.py [--all] [--only TEXT] BUILD
+    metamorphic.py [--all] [--only TEXT] [--seed N] BUILD
 
-BUILD is the folder of the executables. Without --all, tries each kind of rewrite on one pipeline: some together, and each of
-those alone only if they fail. With --all, tries each alone on every pipeline that it fits."""
+BUILD is the folder of the executables. Without --all, tries each kind of rewrite on one pipeline and one backend, which the seed
+draws: some together, and each of those alone only if they fail. With --all, tries each alone on every pipeline that it fits, and on
+both backends."""
 import argparse
 import json
 import os
+import random
 import shutil
 import subprocess
 import sys
@@ -32,8 +34,9 @@ PIPELINES = {
 class Workshop:
     """Renders pipelines into dumps below one folder."""
 
-    def __init__(self, build):
+    def __init__(self, build, seed):
         self.build = os.path.abspath(build)
+        self.seed = seed
         self.folder = os.path.join(self.build, "tests/metamorphic")
         self.originals = {}
         self.generated = {}
@@ -43,21 +46,22 @@ class Workshop:
         if done.returncode != 0:
             raise Failure(f"{' '.join(command)}\nexit status {done.returncode}\n{done.stdout}")
 
-    def render(self, name, spec, settings):
-        """Backend -> dump of the third frame."""
-        dumps = {}
-        for backend in BACKENDS:
-            folder = os.path.join(self.folder, name, backend)
-            self.run(os.path.join(self.build, "diptych"), "render", "--scene", SCENE, "--spec", spec, "--backend",
-                     backend, "--size", "19x11", "--frames", "3", "--dump", folder, *overrides(settings))
-            dumps[backend] = Dump(folder)
-        return dumps
+    def backends(self, description):
+        """Those that try a rewrite: all, or with a seed one of them."""
+        return BACKENDS if self.seed is None else (random.Random(f"{self.seed}/{description}").choice(BACKENDS),)
 
-    def original(self, name):
-        if name not in self.originals:
+    def render(self, name, spec, settings, backend):
+        """The dump of the third frame."""
+        folder = os.path.join(self.folder, name, backend)
+        self.run(os.path.join(self.build, "diptych"), "render", "--scene", SCENE, "--spec", spec, "--backend",
+                 backend, "--size", "19x11", "--frames", "3", "--dump", folder, *overrides(settings))
+        return Dump(folder)
+
+    def original(self, name, backend):
+        if (name, backend) not in self.originals:
             path, settings = PIPELINES[name]
-            self.originals[name] = self.render(f"{name}/original", os.path.join(ROOT, path), settings)
-        return self.originals[name]
+            self.originals[name, backend] = self.render(f"{name}/original", os.path.join(ROOT, path), settings, backend)
+        return self.originals[name, backend]
 
     def generate(self, spec, settings, folder):
         folder = os.path.join(self.folder, folder)
@@ -180,19 +184,20 @@ def try_rewrite(workshop, name, description, *functions):
     if pipeline.same_output:
         generated = workshop.generate(spec, pipeline.settings, folder + "/generated")
         return f"{same_files(workshop.generated_original(name), generated)} generated files"
-    original = workshop.original(name)
-    rewritten = workshop.render(folder, spec, pipeline.settings)
     resources = compared = 0
-    for backend in BACKENDS:
-        for entry in original[backend].entries.values():
+    backends = workshop.backends(description)
+    for backend in backends:
+        original = workshop.original(name, backend)
+        rewritten = workshop.render(folder, spec, pipeline.settings, backend)
+        for entry in original.entries.values():
             try:
-                compared += compare_entry(original[backend], rewritten[backend], entry, pipeline)
+                compared += compare_entry(original, rewritten, entry, pipeline)
             except Failure as failure:
                 raise Failure(f"{backend}: {failure}") from None
             resources += 1
     if not compared:
         raise Failure("nothing was compared")
-    return f"{resources} resources, {compared} bytes"
+    return f"{resources} resources, {compared} bytes on {' and '.join(backends)}"
 
 
 class Report:
@@ -229,9 +234,11 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--all", action="store_true")
     parser.add_argument("--only", default="")
+    parser.add_argument("--seed", type=int)
     parser.add_argument("build")
     arguments = parser.parse_args()
-    workshop, report = Workshop(arguments.build), Report()
+    workshop, report = Workshop(arguments.build, None if arguments.all else arguments.seed), Report()
+    print("" if arguments.seed is None else f"# seed {arguments.seed}\n", end="", flush=True)
     fine = set() if arguments.all or arguments.only else try_together(workshop, report)
     for description, (function, names) in rewrites.REWRITES.items():
         if arguments.only not in description or function in fine:

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
-"""For sanitize_test.sh: `make FOLDER` writes wrong.yaml, wrong_memory.yaml and wrong_draw.yaml, whose bodies are undefined in the line that ends with `// here`, and
-fine.yaml, whose bodies come near but are not. `found FILE.json NAME` checks the findings of NAME.yaml against the messages below,
-`silent FILE.json NAME` those of a fine one, `equal DUMP DUMP` that two dumps have the same bits."""
+"""For sanitize_test.sh: `make FOLDER SEED` writes wrong.yaml, wrong_memory.yaml and wrong_draw.yaml, whose bodies are undefined in the
+line that ends with `// here`, and fine.yaml, whose bodies come near but are not; some_NAME.yaml has a third of the bodies of NAME.yaml,
+few.yaml two. `found FILE.json SPEC` checks the findings of a wrong spec against the messages below, `silent FILE.json SPEC` those of a
+fine one, `equal DUMP DUMP` that two dumps have the same bits."""
 import json
 import os
+import random
 import re
 import sys
 
@@ -283,12 +285,17 @@ def prefix(name):
     return "_".join([name[0], *name.split("_")[1:], ""])
 
 
-def make(folder):
+def make(folder, seed):
+    source = random.Random(seed)
     for name, rows in TABLES.items():
         fine = name.startswith("fine")
         functions = FINE_FUNCTIONS if name == "fine_memory" else ""
         make_fine = draw_body if name == "fine_draw" else body
-        write_spec(folder, name, {f"{prefix(name)}{i}": make_fine(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)})
+        bodies = {f"{prefix(name)}{i}": make_fine(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)}
+        write_spec(folder, name, bodies)
+        write_spec(folder, "some_" + name, {key: bodies[key] for key in source.sample(list(bodies), len(bodies) // 3 + 1)})
+    few = {0, next(i for i, row in enumerate(WRONG) if row[1] == "sqrt")}
+    write_spec(folder, "few", {f"w_{i}": wrong_body(WRONG[i]) for i in few})
 
 
 def place(row):
@@ -306,10 +313,18 @@ def findings_of(path):
         return json.load(file)["undefined"]
 
 
-def found(path, name):
-    findings, rows, bad = findings_of(path), TABLES[name], 0
-    for i, row in enumerate(rows):
-        own = [f for f in findings if f["pass"] == f"{prefix(name)}{i}"]
+def rows_of(spec):
+    """(pass, row) of the bodies in a spec."""
+    name = os.path.basename(spec).removesuffix(".yaml").removeprefix("some_")
+    with open(spec, encoding="utf-8") as file:
+        passes = set(re.findall(r"- {name: (\w+),", file.read()))
+    return [(f"{prefix(name)}{i}", row) for i, row in enumerate(TABLES[name]) if f"{prefix(name)}{i}" in passes]
+
+
+def found(path, spec):
+    findings, rows, bad = findings_of(path), rows_of(spec), 0
+    for name, row in rows:
+        own = [f for f in findings if f["pass"] == name]
         told = [(f["line"], f["column"], f["message"], f["invocation"][0]) for f in own]
         wanted = (*place(row), row[2], row[3])
         number = re.sub(r"(\d)e\+0", r"\1e+0", wanted[2]).replace("2.20000000e+09", "2.2e+09")
@@ -319,14 +334,13 @@ def found(path, name):
             bad += 1
     strange = [f for f in findings if not f["pass"].startswith("w")]
     print(f"{len(rows) - bad} of {len(rows)} found, {len(strange)} beside them")
-    return bad or strange
+    return bad or strange or not rows
 
 
-def silent(path, name):
-    findings = findings_of(path)
+def silent(path, spec):
+    findings, rows = findings_of(path), dict(rows_of(spec))
     for finding in findings:
-        number = finding["pass"].rsplit("_", 1)[-1]
-        print(finding, TABLES[name][int(number)] if number.isdigit() else "")
+        print(finding, rows.get(finding["pass"], ""))
     return findings
 
 

@@ -131,22 +131,30 @@ class Bench:
         shutil.copy(os.path.join(build, "diptych"), self.program)
         with open("gen/spirv/sanitize.c", encoding="utf-8") as file:
             self.source = file.read()
-        self.rows, self.survivors, self.count = sanitize.WRONG + MORE, [], 0
+        self.rows, self.survivors, self.count, self.known = sanitize.WRONG + MORE, [], 0, {}
         self.kinds = "index,arithmetic,loop,variable"
 
     def judge(self, name, suits, **environment):
         """Runs the bodies that suit, by their row, with the mutant and without."""
         bodies = {f"w{i}": sanitize.wrong_body(row) for i, row in enumerate(self.rows) if suits(row)}
         table = "wrong_draw" if self.rows is sanitize.WRONG_DRAW else "wrong"
-        sanitize.write_spec(self.folder, table, bodies)
-        spec, output = os.path.join(self.folder, table + ".yaml"), os.path.join(self.folder, "found.json")
         self.count += 1
-        if not bodies or run(self.program, spec, output, self.kinds, **environment) == self.whole(spec):
+        if not bodies or self.findings(self.program, table, bodies, **environment) == self.whole(table, bodies):
             self.survivors.append(name)
             print("survives:", name)
 
-    def whole(self, spec):
-        return run(os.path.join(self.build, "diptych"), spec, os.path.join(self.folder, "whole.json"), self.kinds)
+    def findings(self, program, table, bodies, **environment):
+        sanitize.write_spec(self.folder, table, bodies)
+        spec, output = os.path.join(self.folder, table + ".yaml"), os.path.join(self.folder, "found.json")
+        return run(program, spec, output, self.kinds, **environment)
+
+    def whole(self, table, bodies):
+        """What the bodies have without a mutant; each of them runs once."""
+        new = {name: text for name, text in bodies.items() if (self.kinds, text) not in self.known}
+        found = self.findings(os.path.join(self.build, "diptych"), table, new) if new else set()
+        for name, text in new.items():
+            self.known[self.kinds, text] = {finding[1:] for finding in found if finding[0] == name}
+        return {(name, *finding) for name, text in bodies.items() for finding in self.known[self.kinds, text]}
 
     def templates(self, names=""):
         path = os.path.join(self.folder, "templates/glsl/sanitize.glsl")
