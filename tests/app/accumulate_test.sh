@@ -2,7 +2,6 @@
 # The mean of indirect light over frames: nearer to the path tracer than a frame alone, also where the camera moves and shows what
 # was hidden; it follows a light that moves. Both backends give the same bits in every frame.
 # shellcheck source=tests/lib/tap.sh
-# shellcheck disable=SC2317 # called through check
 . "$(dirname "$0")/../lib/tap.sh"
 scene=$root/scenes/cornell.yaml
 size=64x36

@@ -4,7 +4,6 @@
 tiny=(--size 64x48 --set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set map_size=32)
 bench=("$diptych" bench --scene "$root/scenes/cornell.yaml" "${tiny[@]}")
 
-# shellcheck disable=SC2317 # called through check
 refuses() { # status text argument...
     local want=$1 text=$2 got
     shift 2
@@ -24,7 +23,6 @@ cp "$work/output" "$work/table"
 check "ends well though threads of OpenMP never sleep" env OMP_WAIT_POLICY=active GOMP_SPINCOUNT=infinity \
     "${bench[@]}" --frames 1 --warmup 1 --backend vk
 
-# shellcheck disable=SC2317
 holds() { # json statement...: Python that looks at the parsed file as `b`
     /usr/bin/python3 - "$@" <<'PYTHON'
 import json, sys
@@ -109,7 +107,6 @@ void main()
 END
 sums=(--spec "$work/sums.yaml" --set "passes.light.local=[16,8]" --set passes.place.local=64)
 # Other work on the machine disturbs frames, and tune then rather keeps nothing: it has more than one try.
-# shellcheck disable=SC2317
 finds() {
     local try
     for try in 1 2 3 4 5; do

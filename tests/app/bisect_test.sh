@@ -29,7 +29,6 @@ sed -i 's/+ uint(i);/+ uint(i);\n#ifdef VULKAN\n    memory[i] += frame.index == 
 sed -i 's/    where = p;/    where = p;\n#ifdef VULKAN\n    where.z += gl_InstanceIndex == 2 ? 1.0 : 0.0;\n#endif/' slice/features_slice.glsl
 sed -i 's/pyramid(p \* 2)/pyramid(p * 2)\n#ifdef VULKAN\n    + (p == ivec2(4, 6) ? vec4(0.5) : vec4(0.0))\n#endif\n    /' halve/mips_halve.glsl
 
-# shellcheck disable=SC2317 # called through check
 bisected() { # pass resource region compare's options...
     local pass=$1 resource=$2 region=$3
     shift 3
@@ -39,7 +38,6 @@ bisected() { # pass resource region compare's options...
     [ "$status" = 1 ] && grep -qF "$resource: $region" table && grep -qF "$resource: $region" "case.$pass/README.txt" &&
         tail -n 1 table | grep -q "^guilty: pass $pass "
 }
-# shellcheck disable=SC2317
 replayed() { # status text pass options...
     local status=$1 text=$2 pass=$3 got
     shift 3
@@ -66,7 +64,6 @@ check "a pass of an included file" bisected three number "1 element differs with
 check "a fault put in on purpose" bisected mark marks "1 element differs within [" --spec "$specs/$spec" --fault vk:mark:bit:4
 
 # compare loads no text for OpenGL: it is made for the folder. A body that names an API, and one that does not.
-# shellcheck disable=SC2317
 as_generated() { # spec pass file...
     local spec=$1 pass=$2 file
     "$build/diptych-gen" "$spec" -o generated || return
@@ -110,7 +107,6 @@ result, = replay["results"]
 assert result["resource"] == "memory" and result["differing"] == 1 and result["as_actual"], result
 assert result["worst"]["element"] == 1, result' "$work/replay.json"
 
-# shellcheck disable=SC2317
 reproduced() {
     DIPTYCH=$own "$cases/case.count/reproduce.sh" >table 2>&1
     cat table
@@ -123,7 +119,6 @@ check_status 2 "... and says what it lacks" env DIPTYCH=no-such-command "$cases/
 sed -i '/#ifdef VULKAN/,/#endif/d' "$cases/case.count/spec/features_count.glsl"
 check "a body that was mended in the folder" replayed 0 "pass count on vk: as expected" count --backend vk
 
-# shellcheck disable=SC2317
 refuses() { # text command...
     local text=$1
     shift
@@ -132,7 +127,6 @@ refuses() { # text command...
     cat table log
     [ "$status" = 2 ] && [ "$(grep -c 'error:' log)" = 1 ] && grep -qF -- "$text" log && [ ! -s table ]
 }
-# shellcheck disable=SC2317
 damaged() { # text command...: the command damages a copy; replay refuses the copy with this text
     local text=$1
     shift

@@ -46,7 +46,6 @@ cat >"$work/spec/count.glsl" <<'END'
 void main() { ivec2 p = invocation().xy; mask_store(p, uvec4(uint(second(p).x * 1e3))); }
 END
 compare=("$diptych" compare --spec "$work/spec/two.yaml" --size 61x23)
-# shellcheck disable=SC2317 # called through check
 holds() { # file statement...: Python about the JSON as `c`
     /usr/bin/python3 - "$@" <<'PYTHON'
 import json, sys
@@ -87,14 +86,12 @@ check "... in its pass" grep -qF 'guilty: pass later' "$work/told"
 check "a pass is fast alone" "${compare[@]}" --set passes.later.exactness=fast --json "$work/alone.json"
 check "... and it alone has a twin" holds "$work/alone.json" '{p for _, p, _ in far} == {"later"}' 'contracts["first"] == "exact"'
 
-# shellcheck disable=SC2317
 dump() { # folder option...
     "$diptych" render --spec "$work/spec/two.yaml" --size 61x23 --backend vk --dump "$work/$1" "${@:2}"
 }
 check "an exact run" dump exact
 check "a pass that says exact is exact in a fast spec" dump kept --set exactness=fast --set passes.later.exactness=exact \
     --set passes.one.colour.exactness=exact --set passes.decide.exactness=exact --set passes.count.exactness=exact
-# shellcheck disable=SC2317
 same() { # without the manifest, which has the --set
     diff -r -x manifest.json "$work/exact" "$work/kept"
 }

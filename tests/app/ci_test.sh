@@ -56,7 +56,6 @@ for command, values in steps:
     if status:
         sys.exit(status)
 END
-# shellcheck disable=SC2317 # called through check_status
 steps() { # file folder name=value...
     PATH=$build:$PATH /usr/bin/python3 -B steps.py "$root/templates/ci/$1" "$work/$2" "${@:3}" | tee said
     return "${PIPESTATUS[0]}"

@@ -5,7 +5,6 @@ scene=$root/scenes/cornell.yaml
 render=("$diptych" render --scene "$scene" --size 8x8)
 compare=("$diptych" compare --scene "$scene" --size 8x8)
 
-# shellcheck disable=SC2317 # called through check
 says() { # status text command...: one error in all, which contains the text
     local want=$1 text=$2 got
     shift 2
@@ -53,7 +52,6 @@ else
 fi
 
 # `help` is another word for --help.
-# shellcheck disable=SC2317
 same_help() { # [verb]
     diff <("$diptych" help "$@") <("$diptych" "$@" --help) && "$diptych" help "$@" | grep -q '^usage: diptych'
 }
@@ -84,7 +82,6 @@ printf 'keys:\n  - {at: 0, camera: {eye: [0, 0]}}\n' >"$work/motion.yaml"
 printf 'tittle: x\npictures: []\nreference: {bounces: 1}\nsweep: {parameter: tile, values: [1]}\n' >"$work/outline.yaml"
 sed '/rsm_flux: /s/rgba32f,/rgba9,/' "$root/templates/rsm.yaml" >"$work/spec.yaml"
 ln -s "$root/templates/shared" "$root/templates/rsm" "$work/"
-# shellcheck disable=SC2317
 placed() { # places command...: the places of all errors, in order; no error lacks a place
     local places=$1
     shift
@@ -117,7 +114,6 @@ refused 1 'has 16x8 pixels and' "${metrics[@]}" --test "$work/b.exr"
 refused 1 'one holds light and the other 8-bit codes' "${metrics[@]}" --test "$work/a.png"
 refused 1 'absent.exr' "${metrics[@]}" --test "$work/absent.exr"
 refused 1 'must be from 1 to 4096' "${metrics[@]}" --test "$work/a.exr" --pixels-per-degree 5000
-# shellcheck disable=SC2317
 no_error() {
     "${metrics[@]}" --test "$work/a.exr" --yee -o "$work/maps" --json "$work/metrics.json" &&
         [ -s "$work/maps/flip_ldr.png" ] && [ -s "$work/maps/flip_hdr.png" ] &&
@@ -132,7 +128,6 @@ refused 1 'names one picture' "${metrics[@]}" --test "$work/a.exr" --frames 2
 refused 1 'needs exactly one %d' "${metrics[@]}" --test "$work/%d%d.exr" --frames 2
 cp "$work/a.exr" "$work/absent_0.exr"
 refused 1 'absent_1.exr' "${metrics[@]}" --test "$work/absent_%d.exr" --frames 2
-# shellcheck disable=SC2317
 several() { # the metrics of two pictures are the means and standard errors of each picture's metrics
     local frame
     "$diptych" render --scene "$scene" --size 16x8 --backend vk --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
@@ -167,12 +162,10 @@ cache=$work/project/build/cache
 own=(env CC=/bin/false "$work/project/build/diptych" render --scene "$scene" --size 8x8 --spec "$work/spec/mips.yaml" --backend vk -o "$work/own.png")
 
 check "no C compiler is needed" "${own[@]}"
-# shellcheck disable=SC2317
 only_spirv() {
     [ "$(find "$cache" -type f | wc -l)" -gt 0 ] && ! find "$cache" -mindepth 1 ! -name '*.spv' | grep .
 }
 check "the cache holds SPIR-V alone" only_spirv
-# shellcheck disable=SC2317
 at_once() {
     rm -rf "$cache"
     "${own[@]}" &
@@ -180,7 +173,6 @@ at_once() {
     "${own[@]}" && wait "$first" && only_spirv
 }
 check "two processes fill it at once" at_once
-# shellcheck disable=SC2317
 unused() { # mode of the cache folder: the run does not use the folder, and warns once
     rm -rf "$cache"
     mkdir -m "$1" "$cache"
@@ -190,7 +182,6 @@ unused() { # mode of the cache folder: the run does not use the folder, and warn
 check "a cache that everybody may write to is not used" unused 777
 check "nor one that the group may" unused 770
 rm -rf "$cache"
-# shellcheck disable=SC2317
 within_size() { # evicts the least recently used entry
     "${own[@]}" && head -c 2M /dev/zero >"$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&
         echo killed >"$cache/.1-0" && touch -d '2 days ago' "$cache/.1-0" &&
@@ -206,7 +197,6 @@ mv "$work/spec/mips_show.glsl" "$work/project/templates/"
 check "a body below the templates" "${own[@]}"
 mv "$work/own.png" "$work/below.png"
 sed 's/rgb, count/bgr, count/' "$work/project/templates/mips_show.glsl" >"$work/spec/mips_show.glsl"
-# shellcheck disable=SC2317
 other() { # the picture differs from that of the body below the templates
     "${own[@]}" && ! cmp -s "$work/own.png" "$work/below.png"
 }

@@ -8,7 +8,6 @@ spec=tests/specs/features.yaml
 features=("$diptych" compare --scene "$scene" --spec "$spec" --size 17x9)
 agreement="all 20 resources of 12 passes agree"
 
-# shellcheck disable=SC2317 # called through check
 ends() { # status last-line command...: exactly that line closes stdout
     local want=$1 line=$2 got
     shift 2
@@ -19,7 +18,6 @@ ends() { # status last-line command...: exactly that line closes stdout
     [ "$got" = "$want" ] && [ "$(tail -n 1 "$work/table")" = "$line" ]
 }
 
-# shellcheck disable=SC2317
 refuses() { # text command...: one error, which contains the text, no table, and exit status 2
     local text=$1 got
     shift
@@ -30,12 +28,10 @@ refuses() { # text command...: one error, which contains the text, no table, and
     [ "$got" = 2 ] && [ "$(grep -c 'error:' "$work/said")" = 1 ] && grep -qF -- "$text" "$work/said" && [ ! -s "$work/table" ]
 }
 
-# shellcheck disable=SC2317
 holds() { # python: an expression about `it`, the JSON
     /usr/bin/python3 -c "import json, sys; it = json.load(open('$work/it.json')); sys.exit(not ($1))" || { cat "$work/it.json"; false; }
 }
 
-# shellcheck disable=SC2317
 says() { # pattern: a line of the last table
     grep -E -- "$1" "$work/table" || { cat "$work/table"; false; }
 }
@@ -49,7 +45,6 @@ check "... the JSON says so of every row" holds "it['agree'] is True and it['fir
     and it['pipeline'] == 'features' and (it['width'], it['height'], it['frames']) == (17, 9, 1)"
 check "... and nothing was run again" holds "not any('own_error' in r for r in it['results'])"
 # Each run of the Vulkan backend is a process that makes a Vulkan instance; the loader's messages show how many.
-# shellcheck disable=SC2317 # called through check
 runs_vulkan() { # times option...
     local times=$1
     shift
@@ -114,7 +109,6 @@ check "... of that size" holds "(it['width'], it['height'], it['frames']) == (17
     and [r['elements'] for r in it['results'] if r['resource'] == 'shown'] == [153]"
 check "... and with both backends" ends 0 "$agreement" "${here[@]}" --against "$work/dump"
 
-# shellcheck disable=SC2317
 damaged() { # python: damages a copy of the dump, in the folder `d` with the manifest `m`
     rm -rf "$work/damaged" && cp -r "$work/dump" "$work/damaged" && /usr/bin/python3 - "$work/damaged" <<PYTHON
 import glob, json, os, sys
@@ -213,7 +207,6 @@ printf 'pipeline: nothing\npasses:\n  - {name: idle, dispatch: [1, 1, 1], shader
 echo 'void main() {}' >"$work/idle.glsl"
 check "a pipeline that writes nothing" refuses "nothing: no pass writes anything: nothing to compare" \
     "$diptych" compare --scene $scene --spec "$work/nothing.yaml" --size 8x8
-# shellcheck disable=SC2317
 strays() { # tries ten times, as a race changes the result only now and then
     for _ in $(seq 10); do
         "$diptych" compare --scene "$scene" --spec tests/specs/racing.yaml --size 64x64 --backend gl,gl >"$work/table" 2>&1
@@ -231,7 +224,6 @@ check_status 1 "a fault, with a page and JUnit's XML" "${rsm[@]}" --fault vk:den
 check "... of a pipeline" "$diptych" list --spec templates/rsm.yaml --json "$work/list.json"
 check "... which show it, and no other" /usr/bin/python3 -B tests/app/compare_pages.py "$work/page" "$work/junit.xml" "$work/list.json"
 check "agreement, with a page and JUnit's XML" "${rsm[@]}" --backend gl,vk,gl+glsl --html "$work/agree" --junit "$work/agree.xml"
-# shellcheck disable=SC2317
 tells_pairs() {
     [ "$(grep -c 'agree: every resource of every pass is within its contract' "$work/agree/index.html")" = 2 ] &&
         [ "$(grep -c 'failures="0"' "$work/agree.xml")" = 2 ] && [ "$(grep -c '<testcase' "$work/agree.xml")" = $((2 * $(grep -c "<testcase" "$work/junit.xml"))) ]
@@ -279,15 +271,12 @@ check "--update alone" refuses "needs --golden" "${mine[@]}" --size 8x8 --update
 
 # ---- Processes ---------------------------------------------------------------------------------------------------------
 
-# shellcheck disable=SC2317
 has_workers() { # text: three processes have it in their command
     [ "$(pgrep -fc -- "$1")" -ge 3 ]
 }
-# shellcheck disable=SC2317
 all_gone() { # text: no process has it in its command
     ! pgrep -f -- "$1" >/dev/null
 }
-# shellcheck disable=SC2317
 alone() { # signal status: a comparison that the signal ends leaves no worker
     local mark=$work/mark-$1 got
     "$diptych" compare --scene "$scene" --size 640x360 --frames 1000 --json "$mark" >"$work/table" 2>"$work/said" &

@@ -8,7 +8,6 @@ spec=tests/specs/contracts.yaml
 
 check "a spec with every kind of contract is generated" "$build/diptych-gen" $spec -o "$work/contracts"
 
-# shellcheck disable=SC2317 # called through check
 reflects() { # resource contract
     tr -s ' \n' ' ' <"$work/contracts/contracts.c" | grep -oE "\.name = \"$1\",[^{]*\.contract = \{[^}]*\}" | tee "$work/found"
     grep -qF ".contract = {.kind = DT_CONTRACT_$2}" "$work/found"
@@ -33,7 +32,6 @@ check "both backends keep them" "${compare[@]}"
 # One point at x = 1/2, exactly on the edge between the sides, so the last bit of x decides. Seed 2 makes the fault choose x.
 flip=("${compare[@]}" --set points=1 --fault vk:place:bit:2)
 loose=(--set 'contracts.side_margins={abs: 1/1000}')
-# shellcheck disable=SC2317
 finds() { # status text command...
     local status=$1 text=$2
     shift 2
@@ -50,7 +48,6 @@ check "an exact resource beside it is held to the bit" finds 1 "pass decide is t
 check "infinity in both is a difference under any tolerance" finds 1 \
     "24 numbers are NaN or Inf, the first at [0], frame 0: gl Inf (0x7f800000), vk Inf (0x7f800000)" "${compare[@]}" --set parts=0
 
-# shellcheck disable=SC2317
 pictures() { # expected number of strips; options...
     local expected=$1 found file
     shift

@@ -3,7 +3,6 @@
 # for the installed version. DIPTYCH_LONG: all pipelines on all three chips. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 
-# shellcheck disable=SC2317 # called through check
 says() { # status text command...
     local want=$1 text=$2 got
     shift 2
@@ -90,7 +89,6 @@ check "our own drivers are not touched" "$diptych" render --spec "$work/two.yaml
 # ---- Changes -------------------------------------------------------------------------------------------------------------
 
 check "list tells of a chip, too" says 0 ' navi21 compute: ' "$diptych" list --spec "$work/two.yaml" --size 130x64 --gpu navi21 --json "$work/list.json"
-# shellcheck disable=SC2317
 same_stages() {
     /usr/bin/python3 - "$work/list.json" "$work/two.json" <<'PYTHON'
 import json, sys
@@ -128,7 +126,6 @@ specs=()
 for spec in "$root"/templates/*.yaml; do
     specs+=("$(basename "$spec" .yaml)")
 done
-# shellcheck disable=SC2317
 figures() { # chips pipeline...
     /usr/bin/python3 "$root/tests/app/cost.py" kept "$diptych" "$@"
 }
@@ -138,7 +135,6 @@ if [ -n "${UPDATE:-}" ]; then
         figures navi21,polaris10,gfx1100 "${specs[@]}"
     } >"$kept"
 fi
-# shellcheck disable=SC2317
 same() { # chips pattern pipeline...: the first chips of the kept lines that match
     local count=${1//[^,]/}
     figures "$1" "${@:3}" >"$work/now"

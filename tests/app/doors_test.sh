@@ -5,7 +5,6 @@
 cd "$root" || exit 1
 grey=(--spec tests/specs/grey.yaml --size 16x8)
 
-# shellcheck disable=SC2317 # called through check
 refuses() { # text command...: exit status 1 or 2, with that message, within 20 s of processor time and 4 GB
     local text=$1 status
     shift
@@ -52,14 +51,12 @@ truncate -s 3G "$work/theirs/manifest.json"
 check "... a manifest" refuses "manifest.json: has 3221225472 bytes" "${against[@]}" "$work/theirs"
 again
 edit "$work/theirs/manifest.json" "m['device'] = '\x1b]0;owned\x07'"
-# shellcheck disable=SC2317
 shows_no_escape() {
     "${against[@]}" "$work/theirs" --json "$work/a.json" >"$work/said" 2>&1
     cat -v "$work/said"
     grep -qF '\x1b]0;owned\x07' "$work/said" && ! grep -q $'[\x1b\x07]' "$work/said" "$work/a.json"
 }
 check "control characters are escaped" shows_no_escape
-# shellcheck disable=SC2317
 json_is_utf8() { # names that are none
     local spec=$work/$'gr\xffy.yaml'
     mkdir -p "$work/grey"
@@ -106,7 +103,6 @@ int remove(const char *path)
 }
 END
 cc -shared -fPIC -o "$work/kill.so" "$work/kill.c" -ldl || exit 1
-# shellcheck disable=SC2317
 old_or_new() {
     local at
     for at in 1 2 3 4; do
@@ -129,7 +125,6 @@ echo "$results" >"$work/bundle/javascript:alert(1);x.bench.json"
 echo 'a machine' >"$work/bundle/machine.txt"
 echo 'a victim' >"$work/victim"
 collect=("$diptych" report "$work/bundle" --collect)
-# shellcheck disable=SC2317
 page_is_safe() {
     "${collect[@]}" && grep -q 'href="grey.bench.txt"' "$work/bundle/index.html" &&
         ! grep -q 'javascript:' "$work/bundle/index.html"
@@ -144,7 +139,6 @@ check "a text that is a link" refuses "machine.txt: cannot be read: is a symboli
 check "... makes no page" [ ! -e "$work/bundle/index.html" ]
 
 # Scripts run by their hash alone.
-# shellcheck disable=SC2317
 policy_holds() {
     /usr/bin/python3 -c 'import base64, glob, hashlib, re
 script = re.search("<script>(.*?)</script>", open("templates/report/stack.html").read(), re.S)[1]
@@ -187,7 +181,6 @@ END
 cc -shared -fPIC -DSECRET="\"$work/home/secret\"" -DFOLDER="\"$work/case\"" -o "$work/driver/spy.so" "$work/driver/spy.c" || exit 1
 echo '{"file_format_version": "1.0.0", "ICD": {"library_path": "'"$work"'/driver/spy.so", "api_version": "1.3.0"}}' \
     >"$work/driver/spy.json"
-# shellcheck disable=SC2317
 spied() { # text option...: replays with that driver
     local text=$1
     shift
@@ -208,13 +201,11 @@ else
 fi
 check "--trust lets it" spied "file yes, variable yes, written yes" --trust
 check "... within the same limits" grep -q "^limits: $((machine < 16 ? machine : 16)) GiB, 1800 s$" "$work/said"
-# shellcheck disable=SC2317
 has_machine() { # a process that renders
     VK_DRIVER_FILES="$work/driver/spy.json" "$diptych" render "${grey[@]}" --backend vk -o "$work/a.png" 2>&1 | tee "$work/said"
     grep -q "^limits: $machine GiB, " "$work/said"
 }
 check "a render may take the memory of the machine" has_machine
-# shellcheck disable=SC2317
 tool_has_limit() { # the program that runs passes of a dump
     printf '#!/bin/sh\nulimit -d >"%s/limit"\n' "$work" >"$work/tool.sh" && chmod +x "$work/tool.sh"
     "$diptych" render "${grey[@]}" --set level=0.7 --backend vk --dump "$work/brighter"
@@ -222,7 +213,6 @@ tool_has_limit() { # the program that runs passes of a dump
     [ "$(cat "$work/limit")" -le $((16 << 20)) ]
 }
 check "a tool has a limit of memory" tool_has_limit
-# shellcheck disable=SC2317
 warns_without() { # without bwrap in PATH
     mkdir -p "$work/bin" && ln -sf "$(command -v env)" "$work/bin/env"
     PATH=$work/bin "$diptych" replay "$work/case" --backend vk 2>&1 | grep "run without a sandbox: bubblewrap is not installed"

@@ -9,7 +9,6 @@ fi
 
 /usr/bin/python3 -B "$root/tests/app/dumps.py" "$work" || exit 1
 
-# shellcheck disable=SC2317 # called through check
 says() { # status, pattern, arguments...
     local want=$1 pattern=$2
     shift 2
@@ -78,7 +77,6 @@ check "a contract that only some runs break" says 1 '^light, radiance: breaks it
 check "... is no agreement" grep -qx 'the first runs agree, but not all do' said
 
 check "two versions of one backend drift" says 1 'drift ' versions/0 versions/1 --measure 2 --write-contracts drift.yaml
-# shellcheck disable=SC2317 # called through check
 keeps() { # each run of one version against each of the other
     local a b
     for a in 0 1; do

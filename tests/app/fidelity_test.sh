@@ -3,7 +3,6 @@
 # is hidden, each bounce has the right energy. In the Cornell Box each bounce, second-bounce visibility and more clusters lower
 # the error. After three frames the clusters have settled. In the Cornell Box and the atrium each error stays below its limit;
 # other errors than relative MSE are checked because that one does not show darkness. TAP. Long: more scenes.
-# shellcheck disable=SC2317 # functions are called through check
 . "$(dirname "$0")/../lib/tap.sh"
 size=160x90 samples=16 frames=3
 commented=$work/comments

@@ -8,21 +8,18 @@ cd "$root" || exit 1
 # ---- Sizes ----------------------------------------------------------------------------------------------------------
 
 /usr/bin/python3 tests/app/hostile.py "$work"
-# shellcheck disable=SC2317 # called through check
 ends() { # spec status text: within 10 s of processor time, five times the need of a loaded machine
     "$gen" --check --limit "${4:-10}" --templates templates "$work/$1.yaml" >"$work/said" 2>&1
     local status=$?
     cut -c 1-200 "$work/said" | head -n 3
     [ "$status" = "$2" ] && grep -qF -- "$3" "$work/said"
 }
-# shellcheck disable=SC2317
 refuses_path() {
     local path
     printf -v path 'a.%.0s' $(seq 50000)
     (ulimit -v 500000 && "$gen" tests/specs/grey.yaml --check --set "${path}b=1") >"$work/said" 2>&1
     [ $? = 1 ] && head -c 200 "$work/said" && grep -q "the path is too long" "$work/said"
 }
-# shellcheck disable=SC2317
 refuses_set() { # text set: in words of ours alone
     "$gen" tests/specs/grey.yaml --check --set "$2" >"$work/said" 2>&1
     [ $? = 1 ] && cat "$work/said" && grep -qF -- "$1" "$work/said" && ! grep -qE "<memory|\[ERR\]" "$work/said"
@@ -52,7 +49,6 @@ mkfifo "$work/pipe"
 ln -s /dev/zero "$work/zero"
 sed "s|shader: fill.glsl|shader: pipe|" "$work/fill.yaml" >"$work/body_pipe.yaml"
 sed "s|shader: fill.glsl|shader: zero|" "$work/fill.yaml" >"$work/body_zero.yaml"
-# shellcheck disable=SC2317
 refuses() { # text command...
     local text=$1 status
     shift
@@ -86,7 +82,6 @@ if [ -n "${DIPTYCH_LONG:-}" ]; then # every call, for a small pipeline; a large 
     check "a small generation when any call fails" env "OLD=--set exactness=fast" FOREIGN=1 "${failing[@]}" 0 "$out" -- "${small[@]}"
 fi
 check "generation when a call fails" env "OLD=--set bins=8" FOREIGN=1 "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
-# shellcheck disable=SC2317
 sweeps_its_own() { # removes temporary files of a killed run, but no file with a similar name
     mkdir -p "$out"
     touch "$out/notes.tmp-99999999" "$out/old.h.diptych-tmp-99999999"
@@ -112,15 +107,12 @@ for backend in gl vk; do
         "KINDS=malloc calloc realloc mmap write" "${failing[@]}" 40 "$work/b.png" -- "${command[@]}"
 done
 
-# shellcheck disable=SC2317
 has_children() { # pid
     pgrep -f "$work/orphans" | grep -vqx "$1"
 }
-# shellcheck disable=SC2317
 are_gone() {
     ! pgrep -f "$work/orphans" >/dev/null
 }
-# shellcheck disable=SC2317
 leaves_nobody() { # command...: killed once its children run
     "$@" >"$work/said" 2>&1 &
     local pid=$! began=no
@@ -139,7 +131,6 @@ check "... a killed comparison" leaves_nobody "$diptych" compare --scene scenes/
 
 # ---- Scenes ---------------------------------------------------------------------------------------------------------
 
-# shellcheck disable=SC2317
 warns() { # text command...: prints the warning and succeeds
     local text=$1
     shift
@@ -147,7 +138,6 @@ warns() { # text command...: prints the warning and succeeds
     cat "$work/said"
     grep -qF -- "$text" "$work/said"
 }
-# shellcheck disable=SC2317
 crash_is_told() { # command...: assimp 5.2 crashes, 5.4 does not
     local status=0
     "$@" >"$work/said" 2>&1 || status=$?
@@ -160,7 +150,6 @@ check "materials" refuses "pipe: it is no regular file" "${scene[@]}" --scene "$
 check "nodes that double" refuses "doubling.dae: reading it takes more memory than there is" "${scene[@]}" --scene "$work/doubling_nodes.yaml"
 printf 'ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n' >"$work/cut.ply"
 sed 's|^mesh: .*|mesh: cut.ply|' "$work/zero_mesh.yaml" >"$work/cut_ply.yaml"
-# shellcheck disable=SC2317
 ends_soon() { # assimp 5.2 does not see the end of the file, others do
     timeout 400 "$@" >"$work/said" 2>&1
     [ $? = 1 ] && cat "$work/said" && grep -q "cut.ply: " "$work/said"
@@ -180,7 +169,6 @@ check "... each kind once" [ "$(grep -c 'more.mtl:' "$work/said")" = 5 ]
 check "a texture" warns "pipe: it is no regular file; plain colour instead" "${scene[@]}" --scene "$work/pipe_map.yaml"
 check "a texture of 900 million pixels" warns "30000x30000 pixels are too many" "${scene[@]}" --scene "$work/huge_map.yaml"
 
-# shellcheck disable=SC2317
 has_limit() { # the process that reads a scene has one of memory
     cat >"$work/limit.c" <<'END'
 #include <stdio.h>
@@ -198,7 +186,6 @@ END
 check "who reads a mesh has a limit of memory" has_limit "${scene[@]}" --scene scenes/cornell.yaml
 check "... who reads a spec" has_limit "$gen" tests/specs/grey.yaml --check
 # A driver that maps its cache dies of a full disk.
-# shellcheck disable=SC2317
 full_disk() {
     # shellcheck disable=SC2016
     unshare -rm sh -c 'mount -t tmpfs -o size=8k none "$1" && shift && MESA_SHADER_CACHE_DIR=$0 "$@"' "$work/full" "$work/full" "$diptych" render \
@@ -219,7 +206,6 @@ mkdir "$work/spec"
 cp tests/specs/features* "$work/spec/"
 sed -i 's/histogram\[bin\].count = n;/&\n#ifdef VULKAN\n    histogram[bin].count += 1u;\n#endif/' "$work/spec/features_count.glsl"
 "$diptych" compare --scene scenes/cornell.yaml --spec "$work/spec/features.yaml" --size 17x9 --bisect "$work/good" >"$work/said" 2>&1
-# shellcheck disable=SC2317
 damaged() { # text sed-script-for-the-manifest
     rm -rf "$work/evil" # as long as `good`: the check must not compare only as many first bytes of the path
     cp -r "$work/good" "$work/evil"
@@ -237,7 +223,6 @@ check "... of a body outside" refuses "outside the folder that may be read" "$di
 
 # ---- Streams --------------------------------------------------------------------------------------------------------
 
-# shellcheck disable=SC2317
 is_full() { # command...: with a full standard output
     "$@" >/dev/full 2>"$work/said"
     local status=$?
@@ -254,7 +239,6 @@ for words in --help --version "help render" "render --help" list; do
 done
 # ---- Paths ----------------------------------------------------------------------------------------------------------
 
-# shellcheck disable=SC2317
 ninja_reads_depfile() ( # in a shell of its own, for cd
     local odd="$work/deps/a b#c\$d\\ e\\f"
     mkdir -p "$odd" && cp "$work/fill.yaml" "$work/fill.glsl" "$odd/" && cd "$work/deps" || return

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Imported shaders and presets check, run on both backends with equal bits, and compute what NumPy says; wrong ones are refused with
 # file and line, and nothing is written. TAP.
-# shellcheck disable=SC2016,SC2317 # GLSL in quotes; functions are called through check
+# shellcheck disable=SC2016 # GLSL in quotes; functions are called through check
 . "$(dirname "$0")/../lib/tap.sh"
 cp -r "$root/tests/app/import" "$work/in"
 /usr/bin/python3 "$root/tests/app/import.py" table "$work/in" || exit 1

@@ -6,7 +6,6 @@ python=/usr/bin/python3
 scene=(--scene "$root/scenes/cornell.yaml")
 small=("${scene[@]}" --size 16x16 --spec "$root/templates/rsm.yaml" --set samples=4 --set rsm_size=16)
 
-# shellcheck disable=SC2317 # called through check
 tells() { # status expression verb option...: the verb writes JSON of the shape; the expression about this JSON, `it`, holds
     local want=$1 expression=$2 tool=("$diptych" "$3")
     [ "$3" != check ] || tool=("$build/diptych-gen" --check)
@@ -56,7 +55,6 @@ fine "(lambda p: len(p) == 12 and p['blur']['kind'] == 'draw fullscreen' and p['
     p['count']['shader'] == 'features_count.glsl' and p['mark']['kind'] == 'dispatch indirect' and
     p['keep']['arguments'] == {'x': -(-300153 // 64), 'y': 1, 'z': 1} and p['slice']['arguments'] == {'layers': 3} and
     p['halves']['arguments'] == {'layers': 1, 'indices': 'kept', 'arguments': 'draw_arguments'})({p['name']: p for p in it['passes']})" "${features[@]}"
-# shellcheck disable=SC2317
 table_has() { # in this order
     "$diptych" "${features[@]}" >"$work/table" && grep -A1 '^  histogram *buffer' "$work/table" | grep 'mean: vec3' &&
         grep -E '^  slices +image +rgba32f +8x8x3$' "$work/table" && grep -E '^  bins +int +16 +2 to 64 +histogram bins$' "$work/table"

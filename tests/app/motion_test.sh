@@ -15,14 +15,12 @@ render=("$diptych" render --scene "$scene" --backend vk --size 48x27 "${small[@]
 moving=("${render[@]}" --motion "$motion")
 reference=("$diptych" reference --scene "$scene" --size 24x16 --spp 2)
 
-# shellcheck disable=SC2317 # called through check
 complains() { # text command...
     local text=$1
     shift
     "$@" 2>"$work/err"
     [ $? = 2 ] && grep -qF -- "$text" "$work/err"
 }
-# shellcheck disable=SC2317
 differ() {
     ! cmp -s "$1" "$2"
 }
@@ -55,7 +53,6 @@ check "... and no other" complains "has other content, or its motion has" \
 # The previous frame's camera, with that frame's jitter, projects each point onto the texel that saw the point.
 reproject=(--scene "$scene" --motion "$motion" --spec "$root/tests/specs/reproject.yaml" --size 48x27)
 check "the camera before is the same on both backends" "$diptych" compare "${reproject[@]}" --backend gl,vk,gl+glsl
-# shellcheck disable=SC2317
 reprojects() { # frames expression options...: about `told`, the largest `away` by channel, and the number of texels seen
     local frames=$1 expression=$2
     shift 2
@@ -97,7 +94,6 @@ check "... is one" [ -e "$work/  0%.exr" ]
 check "times of frames that are looked at" complains "--timings" "${moving[@]}" -o "$work/a%d.exr" --timings "$work/t.json"
 
 flicker=("$diptych" flicker --scene "$scene" --motion "$motion")
-# shellcheck disable=SC2317
 shows() { # expression of the JSON's object r
     /usr/bin/python3 -c 'import json, sys; r = json.load(open(sys.argv[1])); sys.exit(not eval(sys.argv[2]))' "$work/flicker.json" "$1"
 }
@@ -110,7 +106,6 @@ check "... where the same surface is seen" shows 'r["surfaces"] * 0.5 < r["compa
 for frame in 0 1 2; do cp "$work/still.exr" "$work/still_$frame.exr"; done
 check "one picture, three times" "$diptych" flicker --scene "$scene" --frames 3 --test "$work/still_%d.exr" --json "$work/flicker.json"
 check "... does not change" shows 'r["change"] == 0 and r["compared"] == r["surfaces"] > 0 and "flicker" not in r'
-# shellcheck disable=SC2317
 fails() { # text command...
     local text=$1
     shift

@@ -9,7 +9,6 @@ cd "$work" || exit 1
 cp "$specs"/outside* .
 input=(--input photo=photo.png --input weights=weights.npy)
 
-# shellcheck disable=SC2317 # called through check
 told() { # status words command...
     local want=$1 words=$2 got
     shift 2
@@ -78,7 +77,6 @@ void main() { if (all(lessThan(invocation().xy, copied_size()))) copied_store(in
 END
 sed 's/mips: 1/encoding: srgb/' as_is.yaml >as_codes.yaml
 sed 's/mips: 1/encoding: linear/' as_is.yaml >as_light.yaml
-# shellcheck disable=SC2317
 says() { # spec file warning: what of it follows "its"; the last is empty where there is none
     rm -rf said
     "$diptych" render --spec "$1.yaml" --input "picture=$2" --backend vk --dump said 2>&1 | tee told

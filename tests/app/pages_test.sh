@@ -9,11 +9,9 @@ fi
 cd "$work" || exit 1
 scene=$root/scenes/cornell.yaml
 small=(--spec "$root/templates/rsm.yaml" --set rsm_size=64 --set samples=4)
-# shellcheck disable=SC2317 # called through check
 reads_well() { # page: nothing cut, contrast by WCAG AA, keys, a verdict on the screen
     /usr/bin/python3 -B "$root/tests/app/pages.py" "$1" light && /usr/bin/python3 -B "$root/tests/app/pages.py" "$1" dark
 }
-# shellcheck disable=SC2317
 is_seen() { # text: what is wrong with the page `broken`
     /usr/bin/python3 -B "$root/tests/app/pages.py" broken/index.html light | grep -F -- "$1"
 }

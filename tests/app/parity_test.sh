@@ -39,7 +39,7 @@ for pipeline in "${pipelines[@]}"; do
     clustered) options=("${fewer[@]}") ;;
     *) options=("${small[@]}" "${samples[@]}") ;;
     esac
-    agrees "in one pixel (seed $seed)" $pipeline cornell --size 1x1 "${options[@]}"
+    agrees "in one pixel (seed $seed)" "$pipeline" cornell --size 1x1 "${options[@]}"
 done
 agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${fewer[@]}" --set bounces=1
 agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 68x36 "${fewer[@]}" --set bounces=0

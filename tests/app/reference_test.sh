@@ -3,7 +3,6 @@
 . "$(dirname "$0")/../lib/tap.sh"
 reference=("$diptych" reference --scene "$root/scenes/cornell.yaml" --size 24x16)
 
-# shellcheck disable=SC2317 # called through check
 refuses() { # status text argument...
     local want=$1 text=$2 got
     shift 2
@@ -20,7 +19,6 @@ check "wants the first bounce before the last" refuses 2 '--from-bounce 3' -o "$
 check "wants a noise below one" refuses 2 '--noise 2: must be a number between 0 and 1' -o "$work/a.exr" --noise 2
 check "looks at the folder before it works" refuses 1 'absent/a.exr: cannot be written' -o "$work/absent/a.exr"
 
-# shellcheck disable=SC2317
 threads_leave_no_trace() {
     "${reference[@]}" --spp 9 --threads 1 -o "$work/one.exr" && "${reference[@]}" --spp 9 --threads 7 -o "$work/seven.exr" &&
         cmp "$work/one.exr" "$work/seven.exr"
@@ -28,7 +26,6 @@ threads_leave_no_trace() {
 check "one thread and seven write the same file" threads_leave_no_trace
 
 # Compares a run that goes on from its checkpoint after an interruption with an uninterrupted run.
-# shellcheck disable=SC2317
 interruption_leaves_no_trace() {
     local pid got samples
     local one=("${reference[@]}" --threads 1) # the first checkpoint comes after 2 s, in which two would trace twice as much
@@ -81,7 +78,6 @@ void main()
     theirs_store(p, white ? vec4(1.0) : textureLod(scene_textures, vec3(uv, 0.0), level));
 }
 END
-# shellcheck disable=SC2317
 filters_as_the_driver() {
     for image in ours theirs; do
         "$diptych" render --spec "$work/filtered.yaml" --scene "$work/box.yaml" --backend vk@llvmpipe --size 96x64 --show "$image" \
@@ -92,7 +88,6 @@ filters_as_the_driver() {
 }
 check "textures are filtered as the driver does" filters_as_the_driver
 
-# shellcheck disable=SC2317
 filters() { # filter scene argument...
     local filter=$1 scene=$2
     shift 2
@@ -104,7 +99,6 @@ check "... unless the option says otherwise" filters centre "$work/box.yaml" --f
 check "irradiance is sampled at the pixel's centre" filters centre "$work/box.yaml" --quantity irradiance
 check "so is a scene without textures" filters centre "$root/scenes/cornell.yaml"
 
-# shellcheck disable=SC2317
 noise_is_reached() {
     "${reference[@]}" --noise 0.05 --json "$work/a.json" -o "$work/a.exr" &&
         /usr/bin/python3 -c '

@@ -28,7 +28,6 @@ END
 ln -s "$diptych" "$bundle/bin"
 cp "$root/app/bundle/run.sh" "$bundle/run"
 cp "$root/tests/specs/outside_grade.png" "$bundle/share/photo.png"
-# shellcheck disable=SC2317 # called through check
 same_functions() { # folder folder: their image libraries export the same functions
     local folder
     for folder in "$@"; do
@@ -47,7 +46,6 @@ check "... with its pass" /usr/bin/python3 "$root/tests/app/report.py" --collect
 check_status 2 "a folder without results" "$diptych" report --collect "$work"
 check_status 2 "a folder without --collect" "$diptych" report "$work/ran"
 
-# shellcheck disable=SC2317
 told_first() { # without gnuplot in PATH
     PATH=$work/none "$diptych" report --spec "$root/templates/ssvp.yaml" -o "$work/undone" 2>"$work/said"
     [ $? = 2 ] && [ ! -e "$work/undone" ] && grep "gnuplot: cannot be started.*install the package gnuplot-nox" "$work/said"
@@ -74,7 +72,6 @@ sed -i 's/level/level * tone[0]/' "$folder/grey/paint.glsl"
 /usr/bin/python3 -c 'import numpy, sys; numpy.save(sys.argv[1], numpy.ones(1, "f4"))' "$folder/a & tone.npy"
 small=("$diptych" report --spec "$folder/grey.yaml" --input "tone=$folder/a & tone.npy" --size 48x27 --spp 16 --frames 3 --warmup 1 -o "$report")
 
-# shellcheck disable=SC2317 # called through check
 said() { # status text command...: an exit status, and a text on stderr
     local want=$1 text=$2 got
     shift 2
@@ -106,7 +103,6 @@ times() { # of the results
 times >"$work/before"
 check "the same command does nothing again" said 0 "no work to do" "${small[@]}"
 times >"$work/after"
-# shellcheck disable=SC2317
 unchanged() {
     [ -s "$work/before" ] && cmp "$work/before" "$work/after"
 }

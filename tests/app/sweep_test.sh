@@ -111,7 +111,6 @@ small=(--scene "$folder/a scene.yaml" --spec "$folder/mips.yaml" -o "$folder/swe
 # shellcheck disable=SC2054 # the commas are the grid's
 grid=(--grid images.picture.format=rgba8,rgba16f --grid 'passes.show.local=[8,8],[3,1]' --size 5x3 --size 1x1)
 
-# shellcheck disable=SC2317 # called through check
 last_line() { # text command...: the last line of stdout begins with a text
     local text=$1 status
     shift
@@ -125,7 +124,6 @@ last_line() { # text command...: the last line of stdout begins with a text
 check "a grid over two values, two local sizes and two frame sizes is 8 runs" \
     last_line "8 agree, 0 differ" "$diptych" sweep "${small[@]}" "${grid[@]}"
 check "every edge of the ninja file is a run" [ "$(grep -c '^build runs/' "$folder/sweep/build.ninja")" = 8 ]
-# shellcheck disable=SC2317
 pasted() { # line: runs this line of `commands` in another folder
     local command
     command=$(sed -n "$1p" "$folder/sweep/commands")
@@ -136,7 +134,6 @@ check "... and is the run that it says" grep -q '"width":.5' "$folder/sweep/runs
 check "... the last of the grid" grep -q '"width":.1,' "$folder/sweep/runs/8.json"
 check "the CSV has a line per run" [ "$(grep -c ',agree,' "$folder/sweep/summary.csv")" = 8 ]
 
-# shellcheck disable=SC2317
 unchanged() {
     [ -s "$work/before" ] && cmp "$work/before" "$work/after"
 }
@@ -152,7 +149,6 @@ check_status 2 "a run without a result is told" last_line "7 agree, 0 differ, 1 
 check "... and made up for" last_line "8 agree, 0 differ" "$diptych" sweep "${small[@]}" "${grid[@]}"
 check "... alone" [ "$(times | comm -13 "$work/before" - | wc -l)" = 1 ]
 
-# shellcheck disable=SC2317
 refused() { # text command...: exit status 2, one error with that text
     local text=$1 status
     shift
@@ -246,7 +242,6 @@ for row in csv.DictReader(open(folder + "/rows.csv", newline="")):
     check "... of which there must be two" refused "needs two --frames at least" "${every[@]}"
 
     # So many samples take minutes.
-    # shellcheck disable=SC2317
     held_up() {
         local pid
         "${grey[@]}" --spp 400000 --measure error --backend vk --grid level=0.1,0.4 -o "$folder/held" &
@@ -283,7 +278,6 @@ check_status 2 "a run that cannot be does not stop the others" last_line "1 agre
     "${faulty[@]}" --grid passes.show.local=8,5000 -o "$work/failed"
 check "... and the reason stands in the summary" grep -q '"error":.*mips.yaml\|"error":.*--set' "$work/failed/summary.json"
 
-# shellcheck disable=SC2317
 no_run() { # text command...
     local text=$1
     shift
@@ -304,7 +298,6 @@ sed -i "s|^mesh: .*|mesh: $root/scenes/cornell.obj|" "$held/one.yaml"
 cp "$held/one.yaml" "$held/two.yaml"
 sweep=("$diptych" sweep --scene "$held/one.yaml" --scene "$held/two.yaml" --spec "$folder/mips.yaml" --grid shrink=true --size 4x4 --jobs 1
     -o "$held/sweep")
-# shellcheck disable=SC2317
 interrupted() {
     local pid
     { printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\n' && yes 'f 1 2 3' | head -n 2000000; } >"$held/heavy.obj"

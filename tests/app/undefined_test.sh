@@ -43,7 +43,6 @@ echo 'void main() { int i = invocation().x; mid[i] = first[i]; }' >two.glsl
 echo 'void main() { int i = invocation().x; second[i].number = mid[i].number; if (i != 3) second[i].weight = mid[i].weight; }' >three.glsl
 echo 'void main() { int i = invocation().x; last[i] = second[i]; }' >four.glsl
 
-# shellcheck disable=SC2317 # called through check
 told() { # spec sides message option...
     local spec=$1 sides=$2 message=$3
     shift 3
@@ -59,14 +58,12 @@ for sides in gl,vk@llvmpipe vk@llvmpipe,"${strangers[0]:-gl}"; do
     check "$sides: a texel that no pass has written is named" told images "$sides" "$texel" --frames 2
     check "... and a number of a buffer" told buffers "$sides" "$element"
 done
-# shellcheck disable=SC2317
 agrees() {
     sed -i 's/if (p.x.*1) //' image_three.glsl
     sed -i 's/if (i != 3) //' three.glsl
     "$diptych" compare --spec images.yaml --size 16x16 --backend gl,vk@llvmpipe --debug && "$diptych" compare --spec buffers.yaml --size 16x16 --debug
 }
 
-# shellcheck disable=SC2317
 poisoned() { # backend
     for byte in 17 85; do
         "$diptych" render --spec images.yaml --size 16x16 --backend "$1" --dump "$1-$byte" --poison "$byte" --frames 2 || return
@@ -77,7 +74,6 @@ for backend in gl vk@llvmpipe; do
     check "$backend: --poison fills memory before each owner" poisoned "$backend"
 done
 
-# shellcheck disable=SC2317
 replayed() { # backend
     "$diptych" replay case --backend "$1" --json replay.json >told 2>&1
     [ $? = 1 ] || return
@@ -101,7 +97,6 @@ EOF
 echo 'void main() { total[0] = 0u; }' >start.glsl
 echo 'void main() { atomicAdd(total[0], 1u); }' >sum.glsl
 echo 'shared uint pool[5000]; void main() { pool[invocation().x] = 1u; barrier(); if (invocation().x == 0) much[0] = pool[63]; }' >big.glsl
-# shellcheck disable=SC2317
 repeats() {
     "$diptych" compare --spec sum.yaml --size 16x16 --backend gl,vk@llvmpipe --repeat 3 --json told.json --junit told.xml --html page >told || return
     cat told
@@ -110,7 +105,6 @@ repeats() {
         grep -qF 'all runs are equal' told.xml
 }
 check "runs with other numbers of threads agree; a limit is told" repeats
-# shellcheck disable=SC2317
 races() {
     "$diptych" compare --spec "$root/tests/specs/racing.yaml" --size 16x16 --backend gl,vk@llvmpipe --repeat 3 --json told.json --junit told.xml >told
     [ $? = 1 ] || return

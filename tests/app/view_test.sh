@@ -33,37 +33,30 @@ open_window() { # option...: does not wait for the first picture; `see` does
     "$diptych" view "${small[@]}" --debug --json view.json "$@" >view.out 2>view.err &
     window=$!
 }
-# shellcheck disable=SC2317 # called through check
 see() { # file condition...
     local file=$1
     shift
     /usr/bin/python3 "$root/tests/app/view.py" "$file" $((tap_failed ? 60 : 600)) "$@" || { cat view.err && return 1; }
 }
-# shellcheck disable=SC2317
 says() { # text: the window's process prints the text
     wait_until grep -qF -- "$1" view.err && return
     cat view.err
     return 1
 }
-# shellcheck disable=SC2317
 has_ended() {
     ! kill -0 "$window" 2>/dev/null
 }
-# shellcheck disable=SC2317
 ends() { # status: the window has ended with it, and the validation layers are silent
     wait_until has_ended || kill "$window"
     wait "$window"
     [ $? = "$1" ] && ! grep -E 'VUID|SYNC-HAZARD|hazard detected|debug message' view.err
 }
-# shellcheck disable=SC2317
 changed_lines() { # file file: lines of the second that the first lacks
     diff "$1" "$2" | grep '^>'
 }
-# shellcheck disable=SC2317
 holds_json() { # expression of d
     json_holds view.json "$1"
 }
-# shellcheck disable=SC2317
 is_told() { # status text command...
     local status=$1 text=$2
     shift 2
@@ -271,13 +264,11 @@ check "... were" [ "$(grep -c '^told: ' view.err)" = 4 ]
 check "... and it is the same picture" cmp lost.png saved.png
 
 # A window manager minimises and restores the window, and a user drags its corner.
-# shellcheck disable=SC2317 # called through check
 rests() { # the window's process is idle for a second
     local before after
     before=$(awk '{ print $14 + $15 }' "/proc/$window/stat") && sleep 1 &&
         after=$(awk '{ print $14 + $15 }' "/proc/$window/stat") && [ $((after - before)) -le 15 ]
 }
-# shellcheck disable=SC2317
 is_gone() { # the window is not visible
     ! xdotool search --onlyvisible --name '^diptych'
 }
@@ -419,7 +410,6 @@ check "the session ends" ends 0
 check "... with equal sides" holds_json 'd["verdict"].startswith("equal, ")'
 check "sizes of panes are kept" grep -qx 'left: 3[56][0-9]' config/diptych/view.yaml
 check "... and what is folded" grep -qx 'bottom_folded: 1' config/diptych/view.yaml
-# shellcheck disable=SC2317
 same_numbers() { # the array is what render dumps
     "$diptych" render "${panes[@]}" --backend vk --with diptych-000.yaml --dump dumped || return
     /usr/bin/python3 -c 'import glob, numpy
@@ -430,7 +420,6 @@ assert array.shape == (1, 120, 160, 4) and (array.ravel() == dump).all(), array.
 check "the array is what render dumps" same_numbers
 
 # A planted fault, bisection, a table.
-# shellcheck disable=SC2317
 agrees() { # the window's verdict is that of compare
     "$diptych" compare "${panes[@]}" --fault vk:rsm_map:sign --json compare.json >/dev/null
     /usr/bin/python3 -c 'import json
@@ -473,7 +462,6 @@ check "undefined behaviour is found" "$diptych" view --spec wrong.yaml --sanitiz
 check "... in its line" holds_json '": undefined: index 8 of " in d["undefined"]'
 
 # Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.
-# shellcheck disable=SC2317 # called through check
 survives() { # seconds
     local end=$((SECONDS + $1))
     while [ "$SECONDS" -lt "$end" ] && kill -0 "$window"; do
@@ -499,7 +487,6 @@ echo 'font: 8' >config/diptych/view.yaml
 check "the smallest letters do no harm" "$diptych" view "${panes[@]}" --backend vk --window 640x360 --frames 2
 
 # Without a second driver, both backends become one, unless they were asked for.
-# shellcheck disable=SC2317 # called through check
 alone() { # option...
     VK_DRIVER_FILES=/dev/null VK_ICD_FILENAMES=/dev/null "$diptych" view "${panes[@]}" --window 480x270 --frames 1 "$@"
 }

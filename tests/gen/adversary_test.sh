@@ -5,7 +5,6 @@
 cd "$root" || exit 1
 adversary=(env "ADVERSARY=$work/modules" "LD_PRELOAD=$build/tests/adversary.so" "$diptych")
 
-# shellcheck disable=SC2317 # called through check
 meets() { # pattern: matches the numbers of open operations, samplings and stores in all modules since the last call
     awk '{ open += $1; samples += $2; stores += $3 } END { print open, samples, stores }' "$work/modules" >"$work/sums"
     rm "$work/modules"
@@ -19,7 +18,6 @@ for name in rsm ${DIPTYCH_LONG:+ssvp}; do
     check "... nothing is open but how stores round" meets '0 0 [1-9][0-9]*'
 done
 
-# shellcheck disable=SC2317
 differs() { # options...: a dump of the driver equals the driver's results, and differs from those with the adversary
     rm -rf "$work/dump"
     "$diptych" render --backend vk "$@" --dump "$work/dump" && "$diptych" compare --backend vk "$@" --against "$work/dump" || return

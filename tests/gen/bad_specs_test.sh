@@ -6,7 +6,6 @@
 gen=$build/diptych-gen
 cd "$root/tests/bad" || exit 1
 
-# shellcheck disable=SC2317 # called through check
 told_as_expected() { # name status option...
     local name=$1 want=$2 found
     shift 2
@@ -16,13 +15,11 @@ told_as_expected() { # name status option...
     diff -u "$name.expected" "$work/found" && [ "$found" = "$want" ]
 }
 
-# shellcheck disable=SC2317
 nothing_written() {
     [ ! -e "$work/out" ] && [ ! -e "$work/out.dot" ] && [ ! -e "$work/out.d" ]
 }
 
 # The pattern of VS Code's problem matcher $gcc and of vim's %f:%l:%c: %t%*[a-z]: %m. Source lines and carets begin with a bar.
-# shellcheck disable=SC2317
 is_matched() { # file
     local line number=0
     while IFS= read -r line; do
@@ -33,7 +30,6 @@ is_matched() { # file
     [ "$number" -gt 0 ]
 }
 
-# shellcheck disable=SC2317
 all_matched() {
     local file
     for file in *.expected; do

@@ -11,7 +11,6 @@ done
 check "draws agree without instances, in a viewport beyond the targets" \
     "$diptych" compare --spec "$spec" --size 40x24 --debug --set alive=0 --set shift=60
 
-# shellcheck disable=SC2317 # called through check
 drawn() { # backend alive shift
     rm -rf "${work:?}/$1"
     "$diptych" render --spec "$spec" --size 40x24 --backend "$1" --set "alive=$2" --set "shift=$3" \
@@ -110,7 +109,6 @@ echo 'void main() { picture_store(invocation().xy, kept(invocation().xy)); }' >"
 for target in kept small; do
     echo "void main() { $target = vec4(0.25, gl_FragCoord.xy / 64.0, 1.0); }" >"$work/$target.glsl"
 done
-# shellcheck disable=SC2317 # called through check
 whole() {
     local backend
     for backend in gl vk; do
@@ -122,7 +120,6 @@ check "draws of a frame that is recorded whole have their areas" whole
 
 formats=$root/tests/specs/formats.yaml
 check "formats of few bits agree, validation silent" "$diptych" compare --spec "$formats" --size 20x12 --debug --backend gl,vk,gl+glsl
-# shellcheck disable=SC2317 # called through check
 coded() { # backend
     rm -rf "${work:?}/$1"
     "$diptych" render --spec "$formats" --size 20x12 --backend "$1" --dump "$work/$1" -o "$work/$1.png" --show of_rgba16_snorm &&
@@ -177,7 +174,6 @@ kept=$root/tests/specs/cull.yaml
 check "culled draws agree, validation silent" \
     "$diptych" compare --spec "$kept" --scene "$root/scenes/atrium.yaml" --size 48x27 --debug --backend gl,vk,gl+glsl
 check "--set reaches what a draw keeps" "$build/diptych-gen" --check "$kept" --set passes.slice.cull.room=5 --set "passes.slice.test.local=[64,1,1]"
-# shellcheck disable=SC2317 # called through check
 culled() { # backend
     local room
     for room in 45000 300000 1; do
@@ -209,7 +205,6 @@ for backend in gl vk; do
 done
 
 # Clear values become the nearest code, a half the even one, on every driver.
-# shellcheck disable=SC2317 # called through check
 cleared() { # backend [option...]
     rm -rf "${work:?}/cleared"
     "$diptych" render --spec "$root/tests/specs/clears.yaml" --size 4x4 --backend "$@" --dump "$work/cleared" -o "$work/cleared.png" &&

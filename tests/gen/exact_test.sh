@@ -8,14 +8,12 @@ specs=$root/tests/specs
 exact=(--scene "$scene" --spec "$specs/exact.yaml" --size 9x5)
 
 # Compares the files of the dumps: the inputs include NaN and infinity, which `compare` never accepts as equal.
-# shellcheck disable=SC2317 # called through check
 dumps() { # options...: the files of both backends that differ, in the order of the passes
     rm -rf "$work/gl" "$work/vk"
     "$diptych" render "${exact[@]}" --backend gl --poison 90 --dump "$work/gl" "$@" || return 2
     "$diptych" render "${exact[@]}" --backend vk --poison 165 --dump "$work/vk" "$@" || return 2
     diff -rq --exclude=manifest.json "$work/gl" "$work/vk" >"$work/table"
 }
-# shellcheck disable=SC2317
 same_bits() { # files options...: that many files, all equal
     local files=$1
     shift
@@ -26,7 +24,6 @@ same_bits() { # files options...: that many files, all equal
     [ "$(find "$work/vk" -type f ! -name manifest.json -size +0 | wc -l)" = "$files" ]
 }
 
-# shellcheck disable=SC2317
 same_bits_of_text() {
     dumps || return
     rm -rf "$work/gl"
@@ -57,7 +54,6 @@ check "... in a pass whose functions exact mode replaces" grep -qE '/[0-9]+\.(me
 check "... and not in its inputs" [ "$(grep -c draw_inputs "$work/table")" = 0 ]
 
 # NVIDIA's linker for OpenGL needs this. The library's functions come last in what Vulkan takes.
-# shellcheck disable=SC2317 # called through check
 calls_look_back() { # backend
     "$build/diptych-gen" "$root/templates/rsm.yaml" -o "$work/modules" && /usr/bin/python3 - "$work/modules/$1"/*.spv <<'END'
 import struct, sys
@@ -81,7 +77,6 @@ check "in OpenGL's modules functions stand before their calls" calls_look_back g
 check_status 1 "... in Vulkan's they do not" calls_look_back vk
 
 # Subgroup operations run with exactness: fast, on devices that have them.
-# shellcheck disable=SC2317 # called through check
 reduces() { # backend
     rm -rf "$work/subgroups"
     "$diptych" render --spec "$specs/subgroups.yaml" --size 16x16 --backend "$1" --dump "$work/subgroups" >"$work/told" 2>&1 ||

@@ -14,7 +14,6 @@ check "features agree with the conditional pass skipped" \
 check "features agree with OpenGL fed GLSL text, from OSMesa" \
     "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --glsl --context osmesa
 
-# shellcheck disable=SC2317 # called through check
 laced() { # backend: places of pixels in classes and in split order are what the reference says
     "$diptych" render --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --backend "$1" --dump "$work/lace_$1" &&
         /usr/bin/python3 -c 'import struct, sys; d = open(sys.argv[1], "rb").read(); assert struct.unpack(f"<{len(d) // 4}f", d)[3::4] == (1,) * 153' \
@@ -28,7 +27,6 @@ for shrink in true false; do
     check "mips agree with shrink=$shrink" \
         "$diptych" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --frames 2 --set shrink=$shrink --debug
 done
-# shellcheck disable=SC2317 # called through check
 skipped_mips() { # backend: a skipped pass clears only its own mip; pixel (0, 0) shows the smallest mip
     local dump=$work/mips_$1
     "$diptych" render --scene "$scene" --spec "$specs/mips.yaml" --size 17x9 --set shrink=false \
@@ -45,7 +43,6 @@ done
 # One image, several names: mips of a bloom in place, layers of an array with history.
 check "mips and layers under names of their own agree, validation silent" \
     "$diptych" compare --scene "$scene" --spec "$specs/bloom.yaml" --size 8x8 --frames 3 --debug --backend gl,vk,gl+glsl
-# shellcheck disable=SC2317 # called through check
 in_place() { # backend: mips are means of mips, and sums of filtered ones; in the first frame all layers are mip 2
     local dump=$work/bloom_$1
     "$diptych" render --scene "$scene" --spec "$specs/bloom.yaml" --size 8x8 --backend "$1" --dump "$dump" &&
@@ -81,7 +78,6 @@ for backend in gl vk; do
 done
 
 # Passes of included files run in their places: each appends its digit. --set reaches the files.
-# shellcheck disable=SC2317
 appended() { # number option...
     local want=$1
     shift
@@ -115,7 +111,6 @@ light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}
 SCENE
 objects=(--scene "$work/instances.yaml" --spec "$specs/objects.yaml" --size 160x120)
 check "objects are the same on both backends" "$diptych" compare "${objects[@]}" --backend gl,vk,gl+glsl --debug
-# shellcheck disable=SC2317
 instances() {
     "$diptych" render "${objects[@]}" --backend vk --dump "$work/objects" || return
     /usr/bin/python3 - "$work/objects" <<'PYTHON'

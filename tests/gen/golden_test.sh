@@ -6,21 +6,18 @@
 gen=$build/diptych-gen
 cd "$root" || exit 1
 
-# shellcheck disable=SC2317 # called through check
 without_words() { # file: prints generated C without the bytes of SPIR-V
     awk '{ gsub(/NULL, [0-9]+, /, "NULL, 0 /* bytes of SPIR-V */, ") }
          sub(/^static const uint8_t .*\[\] = \{$/, "& /* packed SPIR-V */") { }
          !/^    [0-9,]+(\};)?$/' "$1"
 }
 
-# shellcheck disable=SC2317
 as_expected() { # file
     without_words "$work/small/$1" >"$work/found"
     [ -z "${UPDATE:-}" ] || cp "$work/found" "tests/gen/golden/small/$1"
     diff -u "tests/gen/golden/small/$1" "$work/found"
 }
 
-# shellcheck disable=SC2317
 compiles() { # folder [name]
     local file
     for file in "$work/$1/${2:-$1}"{,_gl_shaders,_vk_shaders}.c; do
@@ -29,7 +26,6 @@ compiles() { # folder [name]
     done
 }
 
-# shellcheck disable=SC2317
 valid_spirv() { # name
     local file files count=0
     mapfile -t files < <(find "$work/$1" -name '*.spv')
@@ -44,14 +40,12 @@ valid_spirv() { # name
 }
 
 # OpenGL's modules are made of Vulkan's, so glslang has not seen OpenGL's text. One process parses all: it starts in .08 s.
-# shellcheck disable=SC2317
 valid_text() { # name
     local files
     mapfile -t files < <(find "$work/$1/gl" -name '*.comp' -o -name '*.vert' -o -name '*.frag')
     [ ${#files[@]} -gt 0 ] && glslangValidator "${files[@]}"
 }
 
-# shellcheck disable=SC2317
 names_nothing_of_here() { # name: the output contains no path, date or host name
     local word
     for word in "$root" "$work" "$(date +%Y-%m-%d)" "$(date '+%b %e %Y')"; do
@@ -69,7 +63,6 @@ spec_of() { # name
     done
 }
 
-# shellcheck disable=SC2317
 generate_elsewhere() ( # name
     spec=$(spec_of "$1")
     mkdir -p "$work/elsewhere" && cd "$work/elsewhere" || exit
@@ -96,7 +89,6 @@ done
 check "a pipeline without live parameters is generated" "$gen" "$(spec_of lengths)" -o "$work/lengths"
 check "... and is C11 without a warning" compiles lengths
 
-# shellcheck disable=SC2317
 share_folder() { # name...: pipelines with passes of the same names
     local name
     for name in "$@"; do
@@ -108,11 +100,9 @@ share_folder() { # name...: pipelines with passes of the same names
 }
 check "two pipelines in one folder overwrite nothing of each other" share_folder ssvp rsm
 
-# shellcheck disable=SC2317
 words() { # folder backend: bytes of SPIR-V in generated C
     grep -o 'NULL, [0-9]*' "$work/$1/small_$2_shaders.c" | awk '{ sum += $2 } END { print sum }'
 }
-# shellcheck disable=SC2317
 has_more() {
     grep -q '_glsl\[\]' "$work/more/small_gl_shaders.c" && ! grep -q _glsl "$work/small/small_gl_shaders.c" "$work/more/small_vk_shaders.c" &&
         [ "$(words more gl)" = "$(cat "$work"/more/gl/small.*.spv | wc -c)" ] && [ "$(words more gl)" -gt "$(words small gl)" ]
@@ -123,7 +113,6 @@ check "... that add names and GLSL to generated C" has_more
 check "... which compiles" compiles more small
 
 # `target: auto` has the shaders of `software`, and under gpu/ those of `gpu` that are others; one header for all.
-# shellcheck disable=SC2317
 is_both() { # name
     local file auto own=0
     for file in "$work/$1.gpu"/[gv]?/*.*; do
@@ -139,7 +128,6 @@ is_both() { # name
     done
     cmp "$work/$1.auto/$1.h" "$work/$1.gpu/$1.h" && cmp "$work/$1.auto/$1.h" "$work/$1.software/$1.h" && [ "$own" -gt 9 ]
 }
-# shellcheck disable=SC2317
 for_target() { # name target
     "$gen" "templates/$1.yaml" -o "$work/$1.$2" --set "target=$2" >"$work/$1.$2.told"
 }
@@ -154,7 +142,6 @@ check "machine, which has no loops and no ranges, has nothing for GPUs alone" di
 check "... and says nothing of them" diff "$work/machine.auto.told" "$work/machine.software.told"
 
 # Every type as baked, live and uniform parameter: --set changes a constant in the GLSL, or a value in the C.
-# shellcheck disable=SC2317
 sets() { # type value baked live
     rm -rf "$work/set"
     "$gen" tests/specs/kinds.yaml -o "$work/set" --set "baked_$1=$2" --set "live_$1=$2" --set "uniform_$1=$2" || return
@@ -162,7 +149,6 @@ sets() { # type value baked live
     [ "$(grep -cF " .live_$1 = $4," "$work/set/kinds.c")" = 2 ] && grep -F " .uniform_$1 = $4," "$work/set/kinds.c"
 }
 # Shaders that read a number at run time do not contain it, not even as the length of a block.
-# shellcheck disable=SC2317
 same_shaders() { # folder pass...
     local api name
     for name in "${@:2}"; do
@@ -207,7 +193,6 @@ check "a file that --set names lies beside the spec, also if --set names the pip
     "$gen" --check tests/specs/kinds.yaml --set pipeline=other --set passes.sum.shader=kinds_sum.glsl
 
 # Question marks make no trigraphs.
-# shellcheck disable=SC2317
 keeps_question_marks() {
     mkdir -p "$work/marks"
     printf 'void main()\n{\n    grey_store(invocation().xy, vec4(level));\n}\n' >"$work/marks/marks.glsl"

@@ -6,14 +6,12 @@ gen=$build/diptych-gen
 cd "$root" || exit 1
 python=/usr/bin/python3
 
-# shellcheck disable=SC2317 # called through check
 draw() { # name spec [option...]
     local name=$1 spec=$2
     shift 2
     "$gen" "$spec" --graph "$work/$name.dot" --lifetimes "$work/${name}_lifetimes.dot" "$@"
 }
 
-# shellcheck disable=SC2317 # called through check
 accepted() { # name
     local file
     for file in "$1" "$1_lifetimes"; do
@@ -22,7 +20,6 @@ accepted() { # name
     done
 }
 
-# shellcheck disable=SC2317
 has() { # file text...
     local file=$1 text
     shift

@@ -12,7 +12,6 @@ for levels in 1 5; do
     check "... with $levels mips" "$diptych" compare --spec $spec --set levels=$levels --set bars=3
 done
 
-# shellcheck disable=SC2317 # called through check
 dump() { # spec backend
     "$diptych" render --spec "tests/specs/$1.yaml" --backend "$2" --dump "$work/$1.$2" || return
     local file
@@ -22,7 +21,6 @@ dump() { # spec backend
     done
     rm "$work/$1.$2/manifest.json"
 }
-# shellcheck disable=SC2317
 same_bytes() { # backend
     dump groups "$1" && dump groups_flat "$1" && diff -r "$work/groups.$1" "$work/groups_flat.$1" &&
         [ "$(find "$work/groups.$1" -type f | wc -l)" = 31 ]
@@ -30,7 +28,6 @@ same_bytes() { # backend
 for backend in gl vk; do
     check "expanded and unrolled by hand it leaves the same bytes: $backend" same_bytes $backend
 done
-# shellcheck disable=SC2317
 sorts() {
     /usr/bin/python3 - "$work/groups.vk" <<'PYTHON'
 import glob, struct, sys
@@ -41,7 +38,6 @@ PYTHON
 check "the repeated passes sort, and keep the order of equal keys" sorts
 
 # Checks that --set changes the shaders of exactly these passes.
-# shellcheck disable=SC2317
 changes() { # PATH=VALUE passes
     rm -rf "$work/set"
     "$gen" "$spec" -o "$work/set" --set "$1" || return
@@ -56,7 +52,6 @@ check "... of a group in a group" changes passes.first.light.add.local=32 first.
 check "... of a repeat" changes passes.down.3.defines.LEVEL=7 down.3
 check "... of an instance's constant" changes constants.second.few=3 "second.light.add second.make"
 check "... of its image" changes images.second.canvas.format=r16ui "light second.paint show"
-# shellcheck disable=SC2317
 says() { # text command...
     local text=$1
     shift

@@ -7,7 +7,6 @@
 gen=$build/diptych-gen
 cd "$root" || exit 1
 
-# shellcheck disable=SC2317 # called through check
 says() { # text command...
     local text=$1
     shift
@@ -41,7 +40,6 @@ else
     skip "the schema accepts the shipped specs" "python3-jsonschema or python3-yaml is missing"
 fi
 
-# shellcheck disable=SC2317 # called through check
 example_of_errors() (
     cp -r templates "$work/templates" && cd "$work" || return
     sed -i 's/{of: Vpl, count: first_vpls/{of: Vpl, count: first_vpl/; /name: sample_rsm/,/reads:/s/rsm_triangle/rsm_triangel/' templates/ssvp.yaml
@@ -71,7 +69,6 @@ check "... names the --set" says "\`--set bussy=7\`: no \`bussy\` in \`params\`;
 check "--set of a wrong type points into the option" says "--set:1:6: error: \`busy\` has type int" \
     "$gen" --check $spec --set busy=1.5
 check "--set adds a key" says "mip_filter" "$gen" --check $spec --set samplers.points.mip_filter=linear
-# shellcheck disable=SC2317
 is_silent() { # command...
     ! "$@" 2>&1 >/dev/null | grep .
 }
@@ -99,7 +96,6 @@ check "--set of an include" says "includes cannot be set" "$gen" --check tests/s
 touch "$work/file"
 check_status 2 "a folder that cannot be made" "$gen" $spec -o "$work/file/out"
 # A pass's macros are literals, so #if can use them; a parameter changes them.
-# shellcheck disable=SC2317
 defines() { # line...
     "$gen" tests/specs/features.yaml -o "$work/defines" --set bins=8 >&2 || return
     grep -B 1 -A 2 '^#define FACTOR 3$' "$work/defines/vk/features.mark.comp" | grep -qx '#define BIAS (-5)' &&
@@ -108,14 +104,12 @@ defines() { # line...
 check "a pass's macros stand before its body" defines
 check "--set of a macro" says 'BIAS' "$gen" --check tests/specs/features.yaml --set passes.mark.defines.BIAS=frame.width
 # gpu_local is the workgroup in the plan for GPUs alone: 32 times the 8 words of a chunk.
-# shellcheck disable=SC2317
 workgroups() { # target width
     "$gen" tests/specs/cull.yaml --set "target=$1" -o "$work/cull.$1" && grep -q "(local_size_x = $2," "$work/cull.$1/vk/cull.slice.turn.comp"
 }
 check "a pass has another workgroup on GPUs" workgroups gpu 256
 check "... and its own on CPU drivers" workgroups software 8
 # A pass samples one mip and updates another: texel reads are of the updated mip.
-# shellcheck disable=SC2317
 reads_updated() {
     "$gen" tests/specs/upsample.yaml -o "$work/upsample" || return
     local backend

@@ -11,7 +11,6 @@ light: {kind: directional, direction: [0.3, -1, -0.4], irradiance: [3, 3, 3]}
 EOF
 . "$root/tests/lib/drivers.sh"
 
-# shellcheck disable=SC2317 # called through check
 told() { # backend few target
     local dump=$work/dump want
     rm -rf "$dump"

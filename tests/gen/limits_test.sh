@@ -11,7 +11,6 @@ for backend in gl vk@llvmpipe "${strangers[@]}"; do
 done
 [ ${#strangers[@]} -gt 0 ] || skip "... on another driver" "$no_strangers"
 
-# shellcheck disable=SC2317 # called through check
 refused() { # words option...: by all, without a file
     local want=$1 backend
     shift
@@ -25,7 +24,6 @@ refused() { # words option...: by all, without a file
 check "shared memory, in bytes" refused "pass share needs 80,000 bytes of shared memory" --set words=20000
 check "... in megabytes" refused "pass share needs 20,000,000 bytes of shared memory" --set words=5000000
 check "components from vertices to fragments" refused "pass vary needs 256 components between vertices and fragments" --set varyings=64
-# shellcheck disable=SC2317
 few_invocations() { # SwiftShader has 256
     ! "$diptych" render --spec "$spec" --size 8x8 --backend "${strangers[0]}" --set across=1024 -o "$work/none.png" 2>"$work/said" &&
         grep 'pass gather needs 1,024 invocations in a workgroup; the device SwiftShader .* has 256$' "$work/said"
@@ -37,7 +35,6 @@ else
 fi
 check_status 2 "compare does not run, either" "$diptych" compare --spec "$spec" --size 8x8 --set words=20000
 
-# shellcheck disable=SC2317
 lists() { # need passes option...
     local need=$1 passes=$2
     shift 2
@@ -52,7 +49,6 @@ check "... components" lists "maxVertexOutputComponents: 256" vary --set varying
 check "... and those that fragments read" lists "maxFragmentInputComponents: 256" vary --set varyings=64
 check "... sides of images" lists "maxImageDimension2D: 8192" pile --set side=8192
 check "... layers" lists "maxImageArrayLayers: 1024" pile --set layers=1024
-# shellcheck disable=SC2317
 no_limit() { # of what every Vulkan 1.3 has
     "$gen" "$spec" --needs >"$work/table" && cat "$work/table" && ! grep 'max' "$work/table"
 }

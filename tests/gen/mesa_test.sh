@@ -4,7 +4,6 @@
 . "$(dirname "$0")/../lib/tap.sh"
 cd "$root" || exit 1
 
-# shellcheck disable=SC2317 # called through check
 update() { # arguments of compare...: keeps the hashes, but not the pictures
     local folder=${*: -1}
     rm -rf "$folder" && "$diptych" compare "$@" --size 37x23 --update && rm "$folder"/*.png &&

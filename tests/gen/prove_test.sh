@@ -16,7 +16,6 @@ else
     skip "... on another driver" "$no_strangers"
 fi
 
-# shellcheck disable=SC2317 # called through check
 lists_all() { # the shaders of the spec have every operation that the proof counts as exact
     local file
     "$gen" "$spec" -o "$work/out" >/dev/null || return
@@ -34,7 +33,6 @@ else
     skip "it has everything that the proof counts as exact" "spirv-dis is missing"
 fi
 
-# shellcheck disable=SC2317
 told_as_expected() { # name status
     (cd "$root/tests/specs" && "$gen" --templates ../../templates "$1.yaml" --prove >/dev/null 2>"$work/found")
     [ $? = "$2" ] && diff -u "$root/tests/specs/$1.expected" "$work/found"
@@ -43,7 +41,6 @@ check "open operations are told at their places" told_as_expected proof_open 1
 check "what the rasterizer decides in a draw of numbers is a warning" told_as_expected proof_edges 0
 check "... but not of a pass whose resources have a tolerance" "$gen" "$root/tests/specs/proof_open.yaml" --prove --set 'contracts.default={ulp: 4}'
 check "fixed functions of draws are told at their places" told_as_expected proof_fixed 1
-# shellcheck disable=SC2317
 sure() { # passes of proof_fixed.yaml in which the proof finds nothing leave on both drivers what they make of the same inputs
     "$diptych" compare --spec "$root/tests/specs/proof_fixed.yaml" --size 8x8 --backend "vk@llvmpipe,${strangers[0]}" >"$work/table"
     [ $? = 1 ] && [ "$(grep -c '^sure_' "$work/table")" = 10 ] && ! grep '^sure_' "$work/table" | grep -v ' none '
@@ -53,13 +50,11 @@ if [ ${#strangers[@]} -gt 0 ]; then
 else
     skip "... and where the proof finds none, another driver has the same" "$no_strangers"
 fi
-# shellcheck disable=SC2317
 assumes() { # what the proof assumes is one line, the last
     "$gen" "$spec" --prove 2>&1 | tail -n 1 >"$work/last" && cat "$work/last" &&
         grep -q '^exact where .* no NaN, infinity or denormal number' "$work/last"
 }
 check "the proof says what it assumes" assumes
-# shellcheck disable=SC2317
 silent() { # for all pipelines that ship
     local spec
     for spec in "$root"/templates/*.yaml; do
@@ -68,12 +63,10 @@ silent() { # for all pipelines that ship
     cat "$work/said" && [ ! -s "$work/said" ]
 }
 check "every pipeline that ships is exact, without a word" silent
-# shellcheck disable=SC2317
 refuses_colour() { # of a scene draw
     ! "$gen" "$root/tests/specs/objects.yaml" --prove 2>"$work/found" && grep 'error: .position. is not exact: interpolation' "$work/found"
 }
 check "of a draw of colours interpolation is an error" refuses_colour
-# shellcheck disable=SC2317
 refuses_fast() {
     ! "$gen" "$spec" --prove --set exactness=fast 2>"$work/found" && grep 'error: .exactness: fast. leaves' "$work/found"
 }

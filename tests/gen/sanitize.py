@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""For sanitize_test.sh: `make FOLDER SEED` writes wrong.yaml, wrong_memory.yaml and wrong_draw.yaml, whose bodies are undefined in the
+"""For sanitize_test.sh: `make FOLDER [SEED]` writes wrong.yaml, wrong_memory.yaml and wrong_draw.yaml, whose bodies are undefined in the
 line that ends with `// here`, and fine.yaml, whose bodies come near but are not; some_NAME.yaml has a third of the bodies of NAME.yaml,
 few.yaml two. `found FILE.json SPEC` checks the findings of a wrong spec against the messages below, `silent FILE.json SPEC` those of a
 fine one, `equal DUMP DUMP` that two dumps have the same bits."""
@@ -285,7 +285,7 @@ def prefix(name):
     return "_".join([name[0], *name.split("_")[1:], ""])
 
 
-def make(folder, seed):
+def make(folder, seed="1"):
     source = random.Random(seed)
     for name, rows in TABLES.items():
         fine = name.startswith("fine")

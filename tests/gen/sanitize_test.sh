@@ -12,16 +12,13 @@ tool make "$work" "$seed" || exit 1
 # The kinds that each table is about: checks of all kinds take the drivers' compilers several times as long.
 declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow" [wrong_draw]="")
 kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]} kinds[fine_draw]=""
-# shellcheck disable=SC2317 # called through check
 sanitized() { # table backend folder
     "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize${kinds[${1#some_}]:+=${kinds[${1#some_}]}}" --json "$work/found.json"
 }
-# shellcheck disable=SC2317 # called through check
 finds() { # table backend
     sanitized "$1" "$2" dump
     [ $? = 1 ] && tool found "$work/found.json" "$work/$1.yaml"
 }
-# shellcheck disable=SC2317
 silent() { # table backend
     sanitized "$1" "$2" checked
     local status=$?
@@ -32,7 +29,7 @@ silent() { # table backend
 
 for backend in gl vk@llvmpipe "${strangers[@]}"; do
     some='' whom=$backend
-    [ $backend = vk@llvmpipe ] || [ -n "${DIPTYCH_LONG:-}" ] || { some=some_ && whom="$backend, seed $seed:"; }
+    [ "$backend" = vk@llvmpipe ] || [ -n "${DIPTYCH_LONG:-}" ] || { some=some_ && whom="$backend, seed $seed:"; }
     check "$whom finds each undefined operation in its line" finds ${some}wrong "$backend"
     check "$whom is silent about what comes near, and changes no bit" silent ${some}fine "$backend"
     check "$whom finds unwritten content, races and diverging barriers in their line" finds ${some}wrong_memory "$backend"
@@ -60,7 +57,6 @@ echo 'void main() { first_store(invocation().xy, vec4(1)); }' >"$work/one.glsl"
 echo 'void main() { middle_store(invocation().xy, first(invocation().xy)); }' >"$work/two.glsl"
 echo 'void main() { ivec2 p = invocation().xy; if (p.y != 5) second_store(p, middle(p)); }' >"$work/three.glsl"
 echo 'void main() { last_store(invocation().xy, second(invocation().xy)); }' >"$work/four.glsl"
-# shellcheck disable=SC2317
 shares() { # backend
     "$diptych" render --spec "$work/shares.yaml" --size 8x8 --frames 2 --backend "$1" --sanitize=content --dump "$work/shared" >"$work/found"
     # shellcheck disable=SC2016
@@ -71,13 +67,11 @@ for backend in gl vk@llvmpipe; do
     check "$backend: memory of another resource counts as unwritten" shares "$backend"
 done
 
-# shellcheck disable=SC2317
 refused() {
     "$diptych" compare --spec "$work/fine.yaml" --size 16x16 --sanitize=index,numbers 2>&1 |
         grep -q 'unknown kind "numbers"; there are index, arithmetic'
 }
 check "an unknown kind is refused" refused
-# shellcheck disable=SC2317
 compared() {
     limited 60 "$diptych" compare --spec "$work/few.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize=index,loop >"$work/compared"
 # shellcheck disable=SC2016
@@ -91,7 +85,6 @@ check "compare tells the kinds that it is asked for, and the sides" compared
 specs=$root/tests/specs
 cp "$specs"/meant* "$work"
 sed '/meant_rest/,$d; s/, allow: .*}}/}/; /name: rest/,$d' "$specs/meant.yaml" >"$work/bare.yaml"
-# shellcheck disable=SC2317
 meant() {
     "$diptych" render --spec "$specs/meant.yaml" --size 16x16 --backend vk@llvmpipe --dump "$work/meant" --sanitize >"$work/told" 2>&1 || return
     cat "$work/told"
@@ -125,7 +118,6 @@ void main()
     r += taps[i]; if (i < 8) sums[i] = max(r + u, 0.0);
 }
 END
-# shellcheck disable=SC2317
 rooms() { # backend
     "$diptych" render --spec "$work/rooms.yaml" --size 8x8 --backend "$1" --dump "$work/rooms" --sanitize >"$work/found" 2>"$work/told"
     [ $? = 1 ] || return
@@ -137,7 +129,6 @@ rooms() { # backend
 for backend in gl vk@llvmpipe; do
     check "$backend: what is allowed hides nothing else, and is not called idle" rooms "$backend"
 done
-# shellcheck disable=SC2317
 everywhere() {
     "$diptych" compare --spec "$work/bare.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize --fault gl:logs:bit --bisect "$work/case" \
         --junit "$work/junit.xml" --html "$work/page" --json "$work/pair.json" >/dev/null
@@ -147,7 +138,6 @@ everywhere() {
             "message": "log(0)", "pass": "logs", "invocation": [0, 0, 0], "count": 1, "frame": 0, "sides": ["gl", "vk@llvmpipe"]}]'
 }
 check "JUnit, the page and JSON of compare have the findings" everywhere
-# shellcheck disable=SC2317
 replayed() {
     "$diptych" replay "$work/case" --backend vk@llvmpipe --sanitize --json "$work/replay.json" >"$work/told"
     cat "$work/told"
@@ -180,7 +170,6 @@ void main()
     if (l == 0) total[0] = total[0] + part[0];
 }
 END
-# shellcheck disable=SC2317
 seeded() { # threads
     for _ in 1 2 3; do
         LP_NUM_THREADS=$1 "$diptych" render --spec "$work/seeded.yaml" --size 8x8 --backend vk@llvmpipe --dump "$work/seeded" --sanitize=race >"$work/found"

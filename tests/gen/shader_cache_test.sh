@@ -14,41 +14,34 @@ generate() { # folder option...
     rm -rf "$folder"
     "$build/diptych-gen" "$spec" -o "$folder" --templates "$work/templates" "$@" >/dev/null
 }
-# shellcheck disable=SC2317 # called through check
 is_as_without() { # option...: the output with the cache equals the output without it
     generate plain "$@" && is_as_plain "$@"
 }
-# shellcheck disable=SC2317,SC2120
+# shellcheck disable=SC2120
 is_as_plain() { # option...: the output equals the folder `plain`, and the next generation writes no entry
     generate cached --cache "$cache" "$@" && diff -r "$work/plain" "$work/cached" &&
         entries >"$work/left" && generate again --cache "$cache" "$@" && diff -r "$work/plain" "$work/again" &&
         entries | diff "$work/left" -
 }
-# shellcheck disable=SC2317
 entries() { # with their inodes: a rewritten entry has a new inode
     find "$cache" -type f -printf '%p %i\n' | sort
 }
-# shellcheck disable=SC2317
 is_mended() { # command...: the command spoils the entry $entry; the generator repairs it
     cp "$work/good" "$entry"
     "$@" && { [ ! -f "$entry" ] || ! cmp -s "$entry" "$work/good"; } && is_as_plain && cmp "$entry" "$work/good"
 }
-# shellcheck disable=SC2317
 spoil() { # offset: changes one byte
     local byte
     byte=$(od -An -tu1 -j "$1" -N 1 "$entry")
     # shellcheck disable=SC2059 # the byte as an escape
     printf "$(printf '\\%03o' $((byte ^ 1)))" | dd of="$entry" bs=1 seek="$1" conv=notrunc status=none
 }
-# shellcheck disable=SC2317
 cut_to() { # bytes
     truncate -s "$1" "$entry"
 }
-# shellcheck disable=SC2317
 another() { # the entry of another shader
     cp "$other" "$entry"
 }
-# shellcheck disable=SC2317
 by_pipe() {
     rm "$entry"
     mkfifo "$entry"
@@ -82,12 +75,10 @@ check "an entry that is a pipe is a miss, and made anew" is_mended by_pipe
 check "an entry that is missing is made anew" is_mended rm "$entry"
 
 # An entry larger than the default limit, last used two days ago: a new entry evicts it, unless DIPTYCH_CACHE_MIB is large.
-# shellcheck disable=SC2317
 keeps_old() { # samples, which makes new entries
     truncate -s 65M "$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&
         generate sized --cache "$cache" --set "samples=$1" && [ -e "$cache/old.spv" ]
 }
-# shellcheck disable=SC2317
 env_keeps_old() { # DIPTYCH_CACHE_MIB samples
     DIPTYCH_CACHE_MIB=$1 keeps_old "$2"
 }
@@ -101,7 +92,6 @@ cat >>"$body" <<'BROKEN'
 int broken_first() { return 1.5; }
 BROKEN
 sed -i 's/^void main() {$/&/; 1s/^/int broken_second() { return nothing; }\n/' "$work/templates/shared/gbuffer.glsl"
-# shellcheck disable=SC2317
 tells_the_same() {
     generate wrong 2>"$work/told"
     [ $? = 1 ] && grep -q "broken_first() { return 1.5; }" "$work/told" && grep -q "broken_second() { return nothing; }" "$work/told" || return

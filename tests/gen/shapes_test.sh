@@ -7,7 +7,6 @@ spec=$root/tests/specs/shapes.yaml
 check "3D images and cubes agree, two frames, validation silent" \
     "$diptych" compare --spec "$spec" --size 64x48 --frames 2 --debug --backend gl,vk,gl+glsl
 
-# shellcheck disable=SC2317 # called through check
 right() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$spec" --size 64x48 --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
@@ -76,7 +75,6 @@ for fault in halve_fog fill_probes; do
 done
 
 spec=$root/tests/specs/atomics.yaml
-# shellcheck disable=SC2317 # called through check
 counted() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$spec" --size 8x6 --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&

@@ -10,7 +10,6 @@ if [ -n "${DIPTYCH_LONG:-}" ]; then
     mapfile -t specs < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml)
     specs+=("$root"/templates/*.yaml)
 fi
-# shellcheck disable=SC2317 # called through check
 is_silent() { # spec scene
     local options
     read -ra options <<<"$2"

@@ -6,7 +6,6 @@ spec=$root/tests/specs/stores.yaml
 /usr/bin/python3 "$root/tests/gen/stores.py" make "$work" || exit 1
 input=(--input values="$work/values.npy" --input fractions="$work/fractions.npy" --size 320x300)
 
-# shellcheck disable=SC2317 # called through check
 right() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$spec" "${input[@]}" --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
@@ -75,7 +74,6 @@ void main()
     halves = vec2(texelFetch(codes, ivec2(gl_FragCoord.xy), 0).r + 0.5 / 255.0, -1.0);
 }
 END
-# shellcheck disable=SC2317 # called through check
 own_right() { # backend
     rm -rf "$work/dump"
     "$diptych" render --spec "$work/own.yaml" --size 8x8 --backend "$1" --dump "$work/dump" -o "$work/picture.png" &&
@@ -84,7 +82,6 @@ own_right() { # backend
 for backend in gl gl+glsl vk@llvmpipe "${strangers[@]}"; do
     check "$backend: shaders that declare all themselves read and store the same" own_right "$backend"
 done
-# shellcheck disable=SC2317
 refused() {
     sed -i 's/texelFetch(shorts, p, 0).r/texel(shorts, p)/' "$work/look.comp" &&
         ! "$build/diptych-gen" "$work/own.yaml" --check 2>"$work/why" && cat "$work/why" &&
@@ -92,7 +89,6 @@ refused() {
         "$build/diptych-gen" "$work/own.yaml" --check --set exactness=fast
 }
 check "a function that reads two formats by one parameter is refused, but not in fast mode" refused
-# shellcheck disable=SC2317
 refused_parts() {
     sed -i 's/out vec2 halves;/out vec2 halves[1];/; s/halves = /halves[0] = /' "$work/draw.frag" &&
         sed -i 's/texel(shorts, p)/0.0/' "$work/look.comp" && ! "$build/diptych-gen" "$work/own.yaml" --check 2>"$work/why" &&

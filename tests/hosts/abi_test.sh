@@ -13,7 +13,6 @@ if ! command -v abidiff >/dev/null; then
 fi
 
 # Types of the public headers must stay the same; new functions may appear. Types outside the public headers are private.
-# shellcheck disable=SC2317 # called through check
 same_abi() { # tree library tree library
     local side
     for side in 1 3; do
@@ -25,7 +24,6 @@ same_abi() { # tree library tree library
 }
 
 # Compares a library of two of the sources with that of a copy in which sed has changed a file.
-# shellcheck disable=SC2317
 same_after() { # file sed-script
     rm -rf "$work/changed"
     mkdir "$work/changed"

@@ -17,13 +17,12 @@ mkdir "$tree"
 cd "$tree" || exit
 
 # Builds the program, and the pipelines as C, which only tests need.
-# shellcheck disable=SC2120,SC2119,SC2317 # called through check
+# shellcheck disable=SC2120,SC2119 # called through check
 ninja() { # option...
     command ninja all build/obj/pipelines.a "$@"
 }
 
 # The command runs from `least` to `most` edges, and all match the extended regular expression.
-# shellcheck disable=SC2317 # called through check
 edges() { # least most pattern ninja-command...
     local least=$1 most=$2 pattern=$3 count
     shift 3
@@ -34,12 +33,10 @@ edges() { # least most pattern ninja-command...
     ! grep -vE -- "$pattern" "$work/edges" && [ "$count" -ge "$least" ] && [ "$count" -le "$most" ]
 }
 
-# shellcheck disable=SC2317
 nothing_to_do() {
     ninja | grep -F "ninja: no work to do."
 }
 
-# shellcheck disable=SC2317
 older() { # file...: all older than the stamp
     local file
     for file in "$@"; do

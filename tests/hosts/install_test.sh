@@ -10,25 +10,20 @@ version=$(sed -n 's/^version = //p' build.ninja)
 soversion=$(sed -n 's/^soversion = //p' build.ninja)
 scene=share/diptych/scenes/cornell.yaml
 
-# shellcheck disable=SC2317 # called through check
 installs() {
     DESTDIR=$work/dest PREFIX=/opt/diptych sh app/install.sh "$version"
 }
 # ninja would run the same command line as this test.
-# shellcheck disable=SC2317
 ninja_runs_it() {
     ninja -t commands -s install | grep -Fx "sh app/install.sh $version"
 }
-# shellcheck disable=SC2317
 refuses_relative() {
     ! DESTDIR='' PREFIX=somewhere sh app/install.sh "$version" && [ ! -e somewhere ]
 }
-# shellcheck disable=SC2317
 modes_are_right() { # programs 755, folders 755, all else 644
     find "$work/dest" \( -type f -path '*/bin/*' ! -perm 755 \) -o \( -type d ! -perm 755 \) -o \
         \( -type f ! -path '*/bin/*' ! -perm 644 \) -o -name '*.new.*' | tee "$work/odd" && [ ! -s "$work/odd" ]
 }
-# shellcheck disable=SC2317
 names_no_dest() {
     ! grep -rl "$work/dest" "$work/dest"
 }
@@ -42,7 +37,6 @@ check "the license is installed" cmp LICENSE "$work/dest/opt/diptych/share/doc/d
 check "... and the reference of specs" cmp <("$build/diptych-gen" --reference) \
     "$work/dest/opt/diptych/share/doc/diptych/reference.md"
 
-# shellcheck disable=SC2317
 uninstalls() {
     DESTDIR=$work/away PREFIX=/opt/diptych sh app/install.sh "$version" &&
         DESTDIR=$work/away PREFIX=/opt/diptych sh app/install.sh "$version" uninstall && find "$work/away" ! -type d | tee "$work/odd" && [ ! -s "$work/odd" ]
@@ -56,7 +50,6 @@ export PKG_CONFIG_PATH=$installed/lib/pkgconfig XDG_CACHE_HOME=$work/cache LD_LI
 
 # ---- Symbols ----
 
-# shellcheck disable=SC2317
 only_own_symbols() { # nothing defined but dt_..., no function of the graphics APIs needed
     local file
     for file in "$installed"/lib/libdiptych_{gl,vk,scene}.so; do
@@ -74,7 +67,6 @@ only_own_symbols() { # nothing defined but dt_..., no function of the graphics A
 }
 check "libraries define dt_ names alone, need no loader, keep no state and print nothing" only_own_symbols
 
-# shellcheck disable=SC2317
 player_exports() { # exports no names of the libraries inside; names that begin with _ are the linker's
     nm -D --defined-only "$installed/lib/libdiptych_play.so" | awk '$3 !~ /^_/ { print $3 }' | grep -v '^dt_play_' && return 1
     readelf -d "$installed/lib/libdiptych_play.so" | grep -q "SONAME.*libdiptych_play.so.$soversion\]"
@@ -86,21 +78,17 @@ check "the player defines dt_play_ names alone" player_exports
 # Mounts an empty file system over the source tree, where the kernel permits that.
 hidden=(unshare -rm sh -c "mount -t tmpfs none '$root' && cd '$work' && exec \"\$@\"" sh)
 "${hidden[@]}" true 2>"$work/output" || hidden=()
-# shellcheck disable=SC2317
 hide() { # command...
     if [ ${#hidden[@]} = 0 ]; then (cd "$work" && "$@"); else "${hidden[@]}" "$@"; fi
 }
 if [ ${#hidden[@]} = 0 ]; then skip "the source tree is out of sight" "unshare cannot mount here"; fi
 
-# shellcheck disable=SC2317
 installed_diptych() { # verb...
     hide "$installed/bin/diptych" "$@" --size "${size[0]}x${size[1]}"
 }
-# shellcheck disable=SC2317
 in_cache() {
     [ -d "$work/cache/diptych" ] && [ ! -e "$installed/bin/cache" ]
 }
-# shellcheck disable=SC2317
 no_ego() { # the cache was compiled from installed files alone
     ! grep -rl --include='*.d' "$root/" "$work/cache"
 }
@@ -112,7 +100,6 @@ check "... a second time without a compiler" env PATH= "$(command -v env)" -u CC
     --scene "$installed/$scene" --backend vk --size 8x8 -o "$work/small.png"
 check "... caches where the user's files are" in_cache
 check "... made of what is installed" no_ego
-# shellcheck disable=SC2317
 python_renders() { # the module's bits are the command's
     hide env "PYTHONPATH=$installed/lib/python3/dist-packages" /usr/bin/python3 -c "
 import diptych
@@ -136,17 +123,14 @@ check "rsm for the hosts" installed_diptych render --scene "$installed/$scene" -
 
 # ---- Manual pages and completion ----
 
-# shellcheck disable=SC2317
 options_in_help() { # command...: a line each
     "$@" --help | sed -n 's/^  \(-[^ ]*\).*/\1/p' | sort -u
 }
-# shellcheck disable=SC2317
 completed() { # word...: bash's completions of the last word
     bash -c 'source "$1" && shift && COMP_WORDS=("$@") && COMP_CWORD=$(($# - 1)) &&
         "_${1//-/_}" && printf "%s\n" "${COMPREPLY[@]}"' bash \
         "$installed/share/bash-completion/completions/$1" "$@" | sort -u
 }
-# shellcheck disable=SC2317
 completes_all() { # every verb and every option that --help lists, and no other
     local verb verbs
     verbs=$("$installed/bin/diptych" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p' | sort)
@@ -156,14 +140,12 @@ completes_all() { # every verb and every option that --help lists, and no other
     done
     diff <(options_in_help "$installed/bin/diptych-gen") <(completed diptych-gen -)
 }
-# shellcheck disable=SC2317
 completes_arguments() {
     [ "$(completed diptych render --context o)" = osmesa ] &&
         [ "$(completed diptych view --backend bo)" = both ] &&
         [ "$(cd "$installed" && completed diptych render --scene sha)" = share ] &&
         [ "$(cd "$installed" && completed diptych-gen --templates inc)" = include ]
 }
-# shellcheck disable=SC2317
 manual_has_all() { # the pages have every option, and groff reports no error
     local page="$installed/share/man/man1" verb
     for verb in $("$installed/bin/diptych" --help | sed -n 's/^  \([a-z]*\)  .*/\1/p'); do
@@ -177,7 +159,6 @@ manual_has_all() { # the pages have every option, and groff reports no error
 check "bash completes every verb and option that --help lists" completes_all
 check "... and their arguments" completes_arguments
 check "manual pages have every option, and are well formed" manual_has_all
-# shellcheck disable=SC2317
 versions_agree() {
     for name in gl vk scene play; do
         for program in diptych diptych-gen; do
@@ -188,7 +169,6 @@ versions_agree() {
         cc -E -P "-I$installed/include/diptych" - | tail -n 1 | tr -d ' ' | grep -Fx "$version"
 }
 check "all say the same version" versions_agree
-# shellcheck disable=SC2317
 has_prefix() { # every tag of the headers begins with dt_, or with tap_
     ! cat "$installed"/include/diptych/*.h | cc -fpreprocessed -dD -E -P -x c - | grep -oE '\b(struct|enum) [a-z_]+' | grep -vE ' (dt_.*|tap(_.*)?)$'
 }
@@ -201,12 +181,10 @@ templates=$(pkg-config --variable=templates diptych-vk)
 mkdir "$work/host"
 cp tests/hosts/examples/*.{c,h,cpp,yaml,glsl} "$work/host"
 
-# shellcheck disable=SC2317
 generate() {
     hide "$gen" "$templates/ssvp.yaml" -o "$work/host" && hide "$gen" "$templates/rsm.yaml" -o "$work/host" &&
         hide "$gen" "$work/host/lit.yaml" --glsl -o "$work/host"
 }
-# shellcheck disable=SC2317
 build_host() { # gl|vk library...
     local api=$1 cflags sources=()
     shift
@@ -215,7 +193,6 @@ build_host() { # gl|vk library...
     hide cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "-I$work/host" "${cflags[@]}" "${sources[@]}" \
         -o "$work/host/host_$api" "$@"
 }
-# shellcheck disable=SC2317
 build_inputs_vk() { # library...
     local flags
     read -ra flags < <(pkg-config --cflags diptych-vk)
@@ -226,14 +203,12 @@ build_inputs_vk() { # library...
     hide c++ -std=c++17 "${flags[@]}" "$work/host/host_inputs_vk.cpp" "$work"/host/{renderer_vk,lit,lit_vk_shaders}.o \
         -o "$work/host/host_inputs_vk" "$@"
 }
-# shellcheck disable=SC2317
 build_inputs_gl() { # library...
     local flags
     read -ra flags < <(pkg-config --cflags diptych-gl)
     hide cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "-I$work/host" "${flags[@]}" \
         "$work"/host/{host_inputs_gl,renderer_gl,lit,lit_gl_shaders}.c -o "$work/host/host_inputs_gl" "$@"
 }
-# shellcheck disable=SC2317
 run_silent() { # host argument...; a word of validation or KHR_debug fails it
     local host=$1
     shift
@@ -241,14 +216,12 @@ run_silent() { # host argument...; a word of validation or KHR_debug fails it
         VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT:VALIDATION_CHECK_ENABLE_SYNCHRONIZATION_VALIDATION_QUEUE_SUBMIT \
         hide "$work/host/$host" "$@" && [ ! -s "$work/output" ]
 }
-# shellcheck disable=SC2317
 run_host() { # gl|vk picture-of-a-second-ssvp...
     local api=$1
     shift
     run_silent "host_$api" "$installed/$scene" "${size[@]}" "$frames" "$work/host/$api.ssvp.ppm" \
         "$work/host/$api.rsm.ppm" "$@"
 }
-# shellcheck disable=SC2317
 same_picture() { # PPM dump
     /usr/bin/python3 - "$@" <<'END'
 import json, sys
@@ -261,7 +234,6 @@ wanted = b"".join(row[i:i + 3] for row in reversed(rows) for i in range(0, 4 * w
 sys.exit(pixels != wanted or len(set(pixels)) < 50)
 END
 }
-# shellcheck disable=SC2317
 same_pictures() { # gl|vk
     same_picture "$work/host/$1.ssvp.ppm" "$work/$1" && same_picture "$work/host/$1.rsm.ppm" "$work/rsm" &&
         { [ "$1" = gl ] || cmp "$work/host/$1.ssvp.ppm" "$work/host/$1.second.ppm"; }
@@ -269,14 +241,12 @@ same_pictures() { # gl|vk
 read -ra shared < <(pkg-config --libs diptych-vk diptych-scene)
 read -ra private < <(pkg-config --static --libs-only-l --libs-only-other diptych-gl diptych-scene | sed 's/-ldiptych_[a-z]*//g')
 check "the installed generator generates" generate
-# shellcheck disable=SC2317
 takes_version() { # MAJOR|MINOR|PATCH number: compiles a host against a diptych.h with this part of the version
     mkdir -p "$work/version"
     sed "s/^#define DT_VERSION_$1 .*/#define DT_VERSION_$1 $2/" "$installed/include/diptych/diptych.h" >"$work/version/diptych.h"
     grep -qx "#define DT_VERSION_$1 $2" "$work/version/diptych.h" || return 2
     cc -std=c11 -fsyntax-only "-I$work/version" "-I$installed/include/diptych" -x c "$work/host/ssvp.h"
 }
-# shellcheck disable=SC2317
 other_version() {
     takes_version "$@" >"$work/version.log" 2>&1
     [ $? = 1 ] && [ "$(grep -c 'error: #error "diptych.h is of another version' "$work/version.log")" = 1 ]
@@ -285,7 +255,6 @@ check "its headers take a newer patch of diptych.h" takes_version PATCH 9
 check "... and no other minor version" other_version MINOR 9
 check "... nor another major one" other_version MAJOR 9
 
-# shellcheck disable=SC2317
 stays_small() { # folder bytes
     local api
     for api in gl vk; do
@@ -333,7 +302,6 @@ cp "$work/small.png" "$work/wall/wall.png"
 printf '%s\n' "mesh: wall.obj" "camera: {eye: [0, 0, 2], target: [0, 0, 0], fov_y: 50}" \
     "light: {kind: spot, position: [0.5, 0.5, 2], target: [0, 0, 0], cone: [30, 40], intensity: [9, 9, 9]}" \
     >"$work/wall/wall.yaml"
-# shellcheck disable=SC2317
 run_textured() {
     hide "$work/host/host_gl" "$work/wall/wall.yaml" "${size[@]}" 1 "$work/wall/wall.ppm" &&
         [ ! -s "$work/output" ] && installed_diptych render --scene "$work/wall/wall.yaml" --backend gl --dump "$work/wall/gl"
@@ -341,7 +309,6 @@ run_textured() {
 check "... and with textures" run_textured
 check "... to the bits that the command has" same_picture "$work/wall/wall.ppm" "$work/wall/gl"
 
-# shellcheck disable=SC2317
 both_static() { # libraries in one program, from C++
     cat >"$work/host/both.cpp" <<'END'
 #include <diptych_gl.h>
@@ -369,7 +336,6 @@ check "all three libraries go into one C++ program, beside its own names" both_s
 # ---- Build systems ----
 
 # Builds tests/hosts/examples/project with one build system: each step does the necessary work and no more.
-# shellcheck disable=SC2317
 built() { # least pattern command...: at least this number of the build's lines match the pattern; 0: none match
     local least=$1 pattern=$2 count
     shift 2
@@ -378,11 +344,9 @@ built() { # least pattern command...: at least this number of the build's lines 
     cat "$work/built"
     if [ "$least" = 0 ]; then [ "$count" = 0 ]; else [ "$count" -ge "$least" ]; fi
 }
-# shellcheck disable=SC2317
 set_up() { # command...
     hide "$@" && [ -e "$project/build" ]
 }
-# shellcheck disable=SC2317
 says_stripe() {
     "$project/build/wave" | grep -q '^pass stripe' && "$project/build/wave" | grep -q '^log: struct dt_vk_host'
 }
@@ -406,7 +370,6 @@ build_system() { # name set-up-command -- build-command
     echo '/* no other words, again */' >>"$project/wave.glsl"
     check "... and none for a comment" compiles '' "$@" "$project/build"
 }
-# shellcheck disable=SC2317
 compiles() { # file command...: the build compiles this file alone; an empty name: no file
     local file=$1
     shift
@@ -423,12 +386,10 @@ build_system meson meson setup PROJECT/build PROJECT -- ninja -C
 triplet=$(/usr/bin/python3 -c 'import sysconfig; print(sysconfig.get_config_var("MULTIARCH"))')
 apart=$work/apart
 unset PKG_CONFIG_PATH LD_LIBRARY_PATH
-# shellcheck disable=SC2317
 installs_apart() {
     DESTDIR=$work/dest PREFIX=/usr LIBDIR=lib/$triplet sh app/install.sh "$version" && mv "$work/dest/usr" "$apart"
 }
 # A library hands its pipeline on to the program, with static libraries.
-# shellcheck disable=SC2317
 passes_on() {
     cp -r "$apart/share/doc/diptych/examples/hosts/project" "$work/public" && cat >"$work/public/CMakeLists.txt" <<'END'
 cmake_minimum_required(VERSION 3.21)
@@ -444,18 +405,15 @@ END
         hide cmake --build "$work/public/build" && "$work/public/build/wave" | grep '^pass stripe' &&
         ! ldd "$work/public/build/wave" | grep diptych
 }
-# shellcheck disable=SC2317
 python_finds_it() {
     PYTHONPATH=$apart/lib/python3/dist-packages hide /usr/bin/python3 -B "$apart/share/doc/diptych/examples/play.py"
 }
-# shellcheck disable=SC2317
 package_finds_it() {
     local flags
     flags=$(PKG_CONFIG_PATH=$apart/lib/$triplet/pkgconfig pkg-config --cflags --libs diptych-vk) && read -ra flags <<<"$flags"
     echo '#include <diptych_vk.h>
 int main(void) { return dt_vk_open(&(struct dt_vk_host){0}) != 0; }' >"$work/one.c" && hide cc "$work/one.c" "${flags[@]}" -o "$work/one"
 }
-# shellcheck disable=SC2317
 finds_by_name() {
     hide "$apart/bin/diptych-gen" rsm --check &&
         hide "$apart/bin/diptych" render --spec rsm --scene cornell --size 24x16 --backend vk -o "$work/a.png" --set rsm_size=16 --set samples=4

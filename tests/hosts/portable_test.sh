@@ -18,11 +18,9 @@ printf '#include <%s.h>\n' diptych panel diptych_gl diptych_vk diptych_scene dip
 printf '#ifdef _WIN32\n#include <windows.h>\n#endif\n#include "all.h"\n' >"$work/hosts/all.c"
 cp "$work/hosts/all.c" "$work/hosts/all.cpp"
 
-# shellcheck disable=SC2317 # called through check
 compiles() { # compiler and options...
     "$@" "${folders[@]}" -c -o "$work/object.o"
 }
-# shellcheck disable=SC2317
 each() { # files compiler and options...
     local file
     for file in $1; do compiles "${@:2}" "$file" || return; done
@@ -58,7 +56,6 @@ fi
 
 # Links the library's files, as listed in its build.ninja, to a DLL without undefined symbols. GCC checks formats by Windows' old
 # printf, which lacks %zu; with -std=c11 it links a printf that has %zu.
-# shellcheck disable=SC2317
 links_dll() { # gl|vk
     local file objects=() options
     while read -r file; do

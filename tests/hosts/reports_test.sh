@@ -17,14 +17,12 @@ echo 'void main() { int i = invocation().x; if (i < 16) sums[i] = taps[i / 2 + 1
 echo 'void main() { int i = invocation().x; if (i < 16) sums[i] = max(log(float(i)), 0.0); }' >meant.glsl
 
 includes=("-I$work/made" "-I$root" "-I$root/templates/c" "-I$root/runtime_gl" "-I$root/runtime_vk" "-I$root/tests/hosts/examples" -I"$build/glad/include")
-# shellcheck disable=SC2317 # called through check
 host() { # gl|vk define library...
     local backend=$1 define=$2
     shift 2
     cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror "$define" "${includes[@]}" "$root/tests/hosts/reports_host.c" "$root/tests/hosts/examples/renderer_$backend.c" \
         made/wrong.c "made/wrong_${backend}_shaders.c" "$build/library/libdiptych_$backend.a" -o "host_$backend" "$@" -lm -lpthread
 }
-# shellcheck disable=SC2317
 tells() { # gl|vk
     "./host_$1" | sed "s#$work/##" >told || return
     cat told
@@ -33,7 +31,6 @@ tells() { # gl|vk
         grep -qxF 'gather.glsl:1:61: undefined: index 8 of `taps`, which has 8 elements; pass gather, invocation (14, 0, 0), 6 times; first in frame 0' told &&
         grep -qxF 'gather.glsl:1:79: undefined: element 5 of `part` was never written in this frame; pass gather, invocation (5, 0, 0), 3 times; first in frame 0' told
 }
-# shellcheck disable=SC2317
 refused() {
     ! "$build/diptych-gen" wrong.yaml -o made --sanitize=odd 2>told && grep -qF 'unknown kind "odd"; there are index' told
 }
@@ -46,7 +43,6 @@ check "a host of Vulkan is built" host vk -DHOST_VK -lvulkan
 check "... and hears what is wrong" tells vk
 check "generated with the kind race alone" "$build/diptych-gen" wrong.yaml -o made --sanitize=race
 check "... a host is built" host vk -DHOST_VK -lvulkan
-# shellcheck disable=SC2317
 silent() { ! "./host_vk" >told && [ ! -s told ]; }
 check "... and hears nothing" silent
 finish

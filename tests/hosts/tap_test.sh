@@ -4,7 +4,6 @@
 cd "$root" || exit 1
 warn=(-Wall -Wextra -Werror -pedantic -Itemplates/c)
 
-# shellcheck disable=SC2317 # called through check
 check_header() { # header include language...
     local header=$1 include=$2
     shift 2
@@ -17,7 +16,6 @@ for header in "diptych_tap.h stdio.h" "diptych_tap_gl.h GL/glcorearb.h" "diptych
     check "... and C++11" check_header "${names[@]}" c++ -std=c++11 -Wshadow -x c++
 done
 # The header stands alone in other programs, so it has a list of its own.
-# shellcheck disable=SC2317 # called through check
 knows_all_formats() {
     printf '%s\n' '#include "diptych_tap.h"' '#include "formats.h"' 'int main(void) { int bad = 0;' \
         '#define DT_FORMAT(e, name, channels, bytes, ...) if (tap_texel_size(name) != (bytes)) { bad = 1; puts(name); }' \
@@ -45,7 +43,6 @@ int main(int count, char **words)
     return !tap_close(tap);
 }
 END
-# shellcheck disable=SC2317 # called through check
 is_refused() { # text, type of a field, its offset, [no bytes]
     local text=$1
     shift
@@ -60,7 +57,6 @@ check "... an image without bytes" is_refused "radiance: has no bytes" vec4 0 NU
 flags=(-std=c11 -D_GNU_SOURCE "${warn[@]}" -Itests/hosts/examples)
 check "the OpenGL engine builds" cc "${flags[@]}" tests/hosts/examples/tap_gl.c tests/hosts/examples/renderer_gl.c -lEGL -lGL -o "$work/tap_gl"
 check "the Vulkan engine builds" cc "${flags[@]}" tests/hosts/examples/tap_vk.c tests/hosts/examples/renderer_vk.c -lvulkan -lpthread -o "$work/tap_vk"
-# shellcheck disable=SC2317 # called through check
 silent() { # command...
     VK_INSTANCE_LAYERS=VK_LAYER_KHRONOS_validation HOST_DEBUG=1 \
         VK_LAYER_ENABLES=VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT \
@@ -73,7 +69,6 @@ check "it runs" silent "$work/tap_gl" "$work/gl"
 check "so does the other, and validation is silent" silent "$work/tap_vk" "$work/vk"
 check "and the faulty one" silent "$work/tap_vk" "$work/faulty" faulty
 
-# shellcheck disable=SC2317
 says() { # status, pattern, arguments...
     local want=$1 pattern=$2
     shift 2

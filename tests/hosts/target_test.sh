@@ -6,7 +6,6 @@
 cd "$root" || exit
 gen=$build/gen
 
-# shellcheck disable=SC2317 # called through check
 build_host() { # api -DAPI
     local flags=(-std=c11 -D_GNU_SOURCE -O1 -Wall -Wextra -Werror -I. -Iscenes -Itemplates/c -Iruntime_gl -Iruntime_vk "-I$gen/ssvp" "-I$gen/rsm")
     cc "${flags[@]}" "$2" -c tests/hosts/target.c -o "$work/target_$1.o" &&
@@ -15,7 +14,6 @@ build_host() { # api -DAPI
             "$build/library/libdiptych_scene.a" -lvulkan -lEGL -lGL -lpng -lassimp -lmeshoptimizer -lfyaml -lcjson -lpthread -ldl \
             -lstdc++ -lm -o "$work/host_$1"
 }
-# shellcheck disable=SC2317
 takes() { # api target wanted scene picture...
     local api=$1 target=$2 wanted=$3 scene=$4
     shift 4
@@ -23,12 +21,10 @@ takes() { # api target wanted scene picture...
     cat "$work/told"
     [ "$(sort "$work/told")" = "$(printf '%s\n' "rsm: $wanted" "ssvp: $wanted")" ]
 }
-# shellcheck disable=SC2317
 refuses() {
     ! TARGET=1 "$work/host_vk" scenes/atrium.yaml 48 32 1 "$work/none.ppm" 2>"$work/told" && cat "$work/told" && grep -qF "$1" "$work/told"
 }
 
-# shellcheck disable=SC2317
 same_pictures() { # api picture
     cmp "$work/$1.$2.0.ppm" "$work/$1.$2.2.ppm" && cmp "$work/$1.$2.0.ppm" "$work/$1.$2.3.ppm"
 }

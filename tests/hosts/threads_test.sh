@@ -9,7 +9,6 @@ fixed=() # newer kernels place memory where ThreadSanitizer does not expect it
 setarch -R true 2>"$work/output" && fixed=(setarch -R)
 
 flags=(-fsanitize=thread -O1 -g -Wall -Wextra -Werror -I. -Itemplates/c -Iruntime_vk -Iscenes "-I$gen/ssvp" "-I$gen/rsm" "-I$work")
-# shellcheck disable=SC2317 # called through check
 compile() { # folder source...: an object of each
     local folder=$work/$1 source
     shift
@@ -18,7 +17,6 @@ compile() { # folder source...: an object of each
         cc -std=c11 -D_GNU_SOURCE "${flags[@]}" -c "$source" -o "$folder/$(basename "$source" .c).o" || return
     done
 }
-# shellcheck disable=SC2317
 build_host() {
     compile both tests/hosts/examples/renderer_vk.c templates/c/{front,history}.c \
         runtime_vk/{device,errors,frame,host,panel,program,resources,verbs}.c &&
@@ -26,17 +24,14 @@ build_host() {
         cc -fsanitize=thread "$work"/{both,host}/*.o "$build/library/libdiptych_scene.a" \
             -lvulkan -lpng -lassimp -lmeshoptimizer -lfyaml -lcjson -ldl -lstdc++ -lm -o "$work/threads"
 }
-# shellcheck disable=SC2317
 build_inputs() {
     "$build/diptych-gen" tests/hosts/examples/lit.yaml -o "$work" && compile inputs "$work"/lit{,_vk_shaders}.c &&
         c++ -std=c++17 "${flags[@]}" tests/hosts/examples/host_inputs_vk.cpp "$work"/{both,inputs}/*.o -lvulkan -ldl -lm -o "$work/writer"
 }
-# shellcheck disable=SC2317
 runs_in_silence() {
     TSAN_OPTIONS="suppressions='$root/tests/lib/threads.supp'" "${fixed[@]}" "$work/threads" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
         "$work/rsm.ppm" "$work/second.ppm" && [ ! -s "$work/output" ] && cmp "$work/ssvp.ppm" "$work/second.ppm"
 }
-# shellcheck disable=SC2317
 inputs_run_in_silence() {
     TSAN_OPTIONS="suppressions='$root/tests/lib/threads.supp'" "${fixed[@]}" "$work/writer" && [ ! -s "$work/output" ]
 }

@@ -52,7 +52,6 @@ check "every command that the runtime records is seen by the audit" \
     done"
 
 # Dropped barriers on the command line.
-# shellcheck disable=SC2317 # called through check
 render() { # arguments...
     "$diptych" render --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk \
         --timings "$work/timings.json" "$@"
@@ -74,7 +73,6 @@ compare=("$diptych" compare --scene "$root/scenes/cornell.yaml" --spec "$specs/f
 check "compare --debug finds all barriers" "${compare[@]}"
 check_status 1 "... and tells one that is missing though both backends agree" "${compare[@]}" --drop-barrier 7
 cp "$work/output" "$work/told"
-# shellcheck disable=SC2317 # called through check
 is_told() {
     cat "$work/told"
     grep -qE "^elsewhere: (frame|keep): no barrier orders a read after a write of draw_arguments, on vk$" "$work/told" && # by layer

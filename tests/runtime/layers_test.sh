@@ -12,7 +12,6 @@ done
 check "validation is silent" "${hidden[@]}" compare --scene "$scene" --spec "$specs/cull.yaml" --size 64x48 --debug
 
 . "$root/tests/lib/drivers.sh"
-# shellcheck disable=SC2317 # called through check
 draws_alike() {
     "$diptych" compare --spec "$specs/shapes.yaml" --size 64x48 --backend "vk@llvmpipe,${strangers[0]}" >"$work/table"
     [ "$(grep -cE '^draw_(sky|probes) .* 0  equal' "$work/table")" = 3 ] || ! cat "$work/table"

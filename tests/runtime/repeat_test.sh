@@ -11,7 +11,6 @@ backends=(gl vk)
 [ -z "${DIPTYCH_LONG:-}" ] || backends+=(gl+glsl osmesa zink)
 
 # One run; appends "RESOURCE HASH", a line per resource and mip after every pass, to hashes_PIPELINE_BACKEND.
-# shellcheck disable=SC2317 # called through check
 render() { # pipeline backend environment options...
     local pipeline=$1 backend=$2 environment=$3
     shift 3
@@ -21,7 +20,6 @@ render() { # pipeline backend environment options...
     (cd "$work/dump" && sha256sum -- *.raw | awk '{ print $2, $1 }') >>"$work/hashes_$(basename "$pipeline")_$backend"
 }
 
-# shellcheck disable=SC2317
 renders() { # count pipeline backend environment options...
     local count=$1
     shift
@@ -37,7 +35,6 @@ counts() { # file
                printf "%d runs, %d resources, %d hashes", least, resources, hashes }' "$1"
 }
 
-# shellcheck disable=SC2317
 one_hash_each() { # file runs
     local resources
     resources=$(cut -d' ' -f1 "$1" | sort -u | wc -l)
@@ -47,12 +44,10 @@ one_hash_each() { # file runs
     return 1
 }
 
-# shellcheck disable=SC2317
 same_hashes() { # files...
     diff <(sort -u "$1") <(sort -u "$2")
 }
 
-# shellcheck disable=SC2317
 differs() { # file
     ! one_hash_each "$@"
 }

@@ -13,7 +13,6 @@ if [ ${#strangers[@]} = 0 ]; then
     finish
 fi
 
-# shellcheck disable=SC2317 # called through check
 agrees() { # pattern, arguments...: exit status 0, a line that matches, and agreement in the last line
     local want=$1
     shift

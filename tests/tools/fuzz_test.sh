@@ -2,7 +2,6 @@
 # The seeds of `ninja fuzz` and the inputs that it has found (fuzz.c, fuzz.sh) neither crash nor hang. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 cd "$root" || exit 1
-# shellcheck disable=SC2317 # called through check
 survives() { # kind file: status 1 also passes: glslang took too long, with a message
     local status=0
     limited 60 "$build/tests/fuzz" "$1" "$2" || status=$?
