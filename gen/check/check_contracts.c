@@ -63,18 +63,16 @@ static int find_contract_field(struct checker *c, const struct resource *margin,
                                struct loc loc)
 {
     const struct structure *structure = margin->structure;
-    const char **names = arena_alloc(c->model->arena, (structure->field_count + 1) * sizeof *names);
-    if (!names) {
-        c->out_of_memory = true;
-        return -1;
-    }
-    for (uint32_t i = 0; i < structure->field_count; i++) {
+    uint32_t count = structure->field_count, i = 0;
+    const char **names = arena_alloc(c->model->arena, (count + 1) * sizeof *names);
+    while (names && i < count && strcmp(structure->fields[i].name, name)) {
         names[i] = structure->fields[i].name;
-        if (!strcmp(names[i], name))
-            return (int)i;
+        i++;
     }
+    if (names && i < count)
+        return (int)i;
     diag_error(c->diag, loc, "`%s` has no field `%s`%s", structure->name, name,
-               name_hint('`', name, names, structure->field_count, "").text);
+               name_hint('`', name, names, count, "").text);
     return -1;
 }
 

@@ -349,10 +349,22 @@ static void check_word_once(struct checker *c, const struct pass *pass, uint32_t
                        pass->name, access->name, access_word(other), access->as);
         return;
     }
+}
+
+/* Reports a name in a pass that is one of the declarations, or of the pass's ranges. */
+static void refuse_taken(struct checker *c, const struct pass *pass, const char *name,
+                         struct loc loc, const struct declaration *list, size_t count,
+                         const char *what)
+{
+    for (size_t i = 0; i < count; i++)
+        if (!strcmp(list[i].word, name)) {
+            diag_error(c->diag, loc, "`%s` is already a %s; choose an unused name%s", name,
+                       declared_word(list[i].kind), what);
+            diag_note(c->diag, list[i].loc, "declared here");
+        }
     for (uint32_t i = 0; i < pass->range_count; i++)
-        if (!strcmp(pass->ranges[i].name, access->as))
-            diag_error(c->diag, access->as_loc, "`%s` is a range of the pass `%s`", access->as,
-                       pass->name);
+        if (!strcmp(pass->ranges[i].name, name))
+            diag_error(c->diag, loc, "`%s` is a range of the pass `%s`", name, pass->name);
 }
 
 /* A macro replaces its name everywhere in the body, so nothing else may have this name. */
@@ -363,18 +375,9 @@ static void check_defines(struct checker *c, const struct pass *pass, struct dec
         const char *name = pass->defines[i].name;
         const struct declaration macro = {name, name, 0, pass->defines[i].loc};
         check_word(c, name, macro.loc, false);
-        for (size_t k = 0; k < count; k++) {
+        for (size_t k = 0; k < count; k++)
             check_derived(c, &macro, 1, &list[k]);
-            if (strcmp(list[k].word, name))
-                continue;
-            diag_error(c->diag, macro.loc, "`%s` is already a %s; choose an unused name", name,
-                       declared_word(list[k].kind));
-            diag_note(c->diag, list[k].loc, "declared here");
-        }
-        for (uint32_t k = 0; k < pass->range_count; k++)
-            if (!strcmp(pass->ranges[k].name, name))
-                diag_error(c->diag, macro.loc, "`%s` is a range of the pass `%s`", name,
-                           pass->name);
+        refuse_taken(c, pass, name, macro.loc, list, count, "");
         for (uint32_t s = 0; !pass->defines[i].word && s < c->pipeline->struct_count; s++)
             for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
                 if (!strcmp(c->pipeline->structs[s].fields[k].name, name))
@@ -398,13 +401,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
             continue;
         check_word(c, access->as, access->as_loc, false);
         check_word_once(c, pass, i);
-        for (size_t k = 0; k < count; k++)
-            if (!strcmp(list[k].word, access->as)) {
-                diag_error(c->diag, access->as_loc,
-                           "`%s` is already a %s; choose an unused name for `as`", access->as,
-                           declared_word(list[k].kind));
-                diag_note(c->diag, list[k].loc, "declared here");
-            }
+        refuse_taken(c, pass, access->as, access->as_loc, list, count, " for `as`");
         for (size_t k = 0; k < count; k++)
             check_derived(c, &(struct declaration){access->as, access->as, 0, access->as_loc}, 1,
                           &list[k]);

@@ -38,7 +38,7 @@ static void check_mip(struct checker *c, const struct pass *pass, struct access 
                    access->name);
         return;
     }
-    if (!check_expr(c, access->mip, &limits) || expr_eval(access->mip, 1, 1, &mip) != EXPR_OK)
+    if (!check_baked(c, access->mip, &limits, &mip))
         return;
     access->mip_value = (uint32_t)mip;
     if (access->resource->mips && expr_eval(access->resource->mips, 1, 1, &mips) != EXPR_OK)
@@ -63,7 +63,7 @@ static void check_layer(struct checker *c, const struct pass *pass, struct acces
         note_declared(c, access->resource);
         return;
     }
-    if (!check_expr(c, access->layer, &limits) || expr_eval(access->layer, 1, 1, &layer) != EXPR_OK)
+    if (!check_baked(c, access->layer, &limits, &layer))
         return;
     access->layer_value = (uint32_t)layer;
     if (pass->layers && is_target(pass, access))
@@ -86,45 +86,36 @@ static void check_filter(struct checker *c, const struct access *access)
     const struct resource *image = access->resource;
     if (!filter || !image)
         return;
+    bool integers = image->kind == DT_IMAGE && format_is_integer(image->format);
+    bool linear = filter->linear || filter->linear_mip;
+    const char *wrong =
+        image->kind != DT_IMAGE ? NULL
+        : filter->compare && !is_depth(image)
+            ? "`%s` compares depths, but `%s` is no image of format d32f"
+        : is_depth(image) && linear && !filter->compare
+            ? "`%s` filters linearly, which d32f (`%s`) allows only with compare: true"
+        : integers && (linear || filter->anisotropy > 1)
+            ? "`%s` filters linearly, but `%s` has an integer format"
+        : integers && filter->wrap == DT_WRAP_BORDER
+            ? "`%s` wraps to a border, but `%s` has an integer format"
+            : NULL;
     if (image->kind != DT_IMAGE)
         diag_error(c->diag, access->sampler_loc, "`%s` is a buffer and cannot be sampled",
                    access->name);
-    else if (filter->compare && !is_depth(image))
-        diag_error(c->diag, access->sampler_loc,
-                   "`%s` compares depths, but `%s` is no image of format d32f", filter->name,
-                   access->name);
-    else if (is_depth(image) && (filter->linear || filter->linear_mip) && !filter->compare)
-        diag_error(c->diag, access->sampler_loc,
-                   "`%s` filters linearly, which d32f (`%s`) allows only with compare: true",
-                   filter->name, access->name);
-    else if (format_is_integer(image->format) &&
-             (filter->linear || filter->linear_mip || filter->anisotropy > 1))
-        diag_error(c->diag, access->sampler_loc,
-                   "`%s` filters linearly, but `%s` has an integer format", filter->name,
-                   access->name);
-    else if (format_is_integer(image->format) && filter->wrap == DT_WRAP_BORDER)
-        diag_error(c->diag, access->sampler_loc,
-                   "`%s` wraps to a border, but `%s` has an integer format", filter->name,
-                   access->name);
+    else if (wrong)
+        diag_error(c->diag, access->sampler_loc, wrong, filter->name, access->name);
 }
 
 static void check_storage(struct checker *c, const struct pass *pass, const struct access *access)
 {
     const struct resource *image = access->resource;
-    if (pass->kind != DT_PASS_DISPATCH || access->mode == MODE_READ || !image ||
-        image->kind != DT_IMAGE)
+    bool written = pass->kind == DT_PASS_DISPATCH && access->mode != MODE_READ && image;
+    bool depth = written && is_depth(image);
+    if (!depth && !(written && image->kind == DT_IMAGE && image->format == DT_FORMAT_RGBA8_SRGB))
         return;
-    if (is_depth(image))
-        diag_error(c->diag, access->loc,
-                   "`%s` has the format d32f, which a dispatch cannot write; use r32f, or a draw",
-                   access->name);
-    else if (image->format == DT_FORMAT_RGBA8_SRGB)
-        diag_error(
-            c->diag, access->loc,
-            "`%s` has the format rgba8_srgb, which a dispatch cannot write; use rgba8, or a draw",
-            access->name);
-    else
-        return;
+    diag_error(c->diag, access->loc,
+               "`%s` has the format %s, which a dispatch cannot write; use %s, or a draw",
+               access->name, format_info(image->format)->name, depth ? "r32f" : "rgba8");
     note_declared(c, image);
 }
 
@@ -187,10 +178,10 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
     if (image && are_apart(a, b)) {
         if (!same_view(pass, a, b))
             return;
-        diag_error(c->diag, b->loc,
-                   "the pass `%s` uses two %s of `%s` under the same name; give each its own with "
-                   "`as`",
-                   pass->name, a->layer && b->layer ? "layers" : "mips", b->name);
+        diag_error(
+            c->diag, b->loc,
+            "the pass `%s` uses two %s of `%s` under the same name; give each its own with `as`",
+            pass->name, a->layer && b->layer ? "layers" : "mips", b->name);
     } else if (a->mode == MODE_READ && b->mode == MODE_READ) {
         if (image && !same_view(pass, a, b))
             return;
@@ -321,22 +312,19 @@ static void check_targets(struct checker *c, const struct pass *pass)
 
 /* ---- Sizes and ranges ------------------------------------------------------------------------ */
 
+static const char *const sides[] = {"width", "height", "depth"};
+
 static void check_local(struct checker *c, struct pass *pass)
 {
-    static const char *const what[] = {"the width of the workgroup", "the height of the workgroup",
-                                       "the depth of the workgroup"};
     uint64_t total = 1;
     for (int i = 0; i < 3; i++) {
-        struct limits limits = {what[i], pass->name, EXPR_BAKED, 1, i == 2 ? 64 : 1024};
+        struct limits limits = {check_part(c, sides[i], "workgroup"), pass->name, EXPR_BAKED, 1,
+                                i == 2 ? 64 : 1024};
         int64_t value = 1;
-        if (!pass->local_size[i])
-            continue;
-        if (check_expr(c, pass->local_size[i], &limits) &&
-            expr_eval(pass->local_size[i], 1, 1, &value) == EXPR_OK)
+        if (check_baked(c, pass->local_size[i], &limits, &value))
             pass->local[i] = (uint32_t)value;
-    }
-    for (int i = 0; i < 3; i++)
         total *= pass->local[i];
+    }
     if (total > 1024)
         diag_error(c->diag, expr_loc(pass->local_size[0]),
                    "a workgroup of %" PRIu64 " invocations (pass `%s`); at most 1024", total,
@@ -345,59 +333,46 @@ static void check_local(struct checker *c, struct pass *pass)
 
 static void check_dispatch(struct checker *c, struct pass *pass)
 {
-    static const char *const what[] = {"the width of the dispatch", "the height of the dispatch",
-                                       "the depth of the dispatch"};
     check_local(c, pass);
     for (int i = 0; i < 3; i++) {
         int64_t most =
             pass->size == SIZE_GROUPS ? MOST_GROUPS : (int64_t)MOST_GROUPS * pass->local[i];
-        struct limits limits = {what[i], pass->name, EXPR_FRAME | EXPR_LIVE, 1, most};
-        if (!pass->dispatch[i])
-            continue;
-        limits.least =
-            expr_resolve(pass->dispatch[i], c->pipeline, c->diag) && expr_reach(pass->dispatch[i])
-                ? 0
-                : 1;
+        struct expr *size = pass->dispatch[i];
+        bool varies = expr_resolve(size, c->pipeline, c->diag) && expr_reach(size);
+        struct limits limits = {check_part(c, sides[i], "dispatch"), pass->name,
+                                EXPR_FRAME | EXPR_LIVE, varies ? 0 : 1, most};
         check_expr(c, pass->dispatch[i], &limits);
     }
 }
 
 static void check_rect(struct checker *c, const struct pass *pass, struct expr *const rect[4],
-                       const char *const what[4])
+                       const char *what)
 {
+    static const char *const parts[] = {"x", "y", "width", "height"};
     for (int i = 0; i < 4; i++) {
-        struct limits limits = {what[i], pass->name, EXPR_FRAME | EXPR_LIVE,
+        struct limits limits = {check_part(c, parts[i], what), pass->name, EXPR_FRAME | EXPR_LIVE,
                                 i < 2 ? -DT_MAX_SIDE : 0, DT_MAX_SIDE};
-        if (rect[i])
-            check_expr(c, rect[i], &limits);
+        check_expr(c, rect[i], &limits);
     }
 }
 
 static void check_draw(struct checker *c, const struct pass *pass)
 {
-    static const char *const viewport[] = {"the x of the viewport", "the y of the viewport",
-                                           "the width of the viewport",
-                                           "the height of the viewport"};
-    static const char *const scissor[] = {"the x of the scissor", "the y of the scissor",
-                                          "the width of the scissor", "the height of the scissor"};
     struct limits vertices = {"the number of vertices", pass->name, EXPR_FRAME | EXPR_LIVE, 0,
                               INT32_MAX};
     struct limits instances = {"the number of instances", pass->name, EXPR_FRAME | EXPR_LIVE, 0,
                                INT32_MAX};
-    if (pass->vertices)
-        check_expr(c, pass->vertices, &vertices);
-    if (pass->instances)
-        check_expr(c, pass->instances, &instances);
-    check_rect(c, pass, pass->viewport, viewport);
-    check_rect(c, pass, pass->scissor, scissor);
+    check_expr(c, pass->vertices, &vertices);
+    check_expr(c, pass->instances, &instances);
+    check_rect(c, pass, pass->viewport, "viewport");
+    check_rect(c, pass, pass->scissor, "scissor");
     check_targets(c, pass);
 }
 
 static void check_range(struct checker *c, const struct pass *pass, struct range *range)
 {
     struct limits limits = {"the count", range->name, EXPR_BAKED, 1, 1 << 20};
-    if (!check_expr(c, range->count, &limits) ||
-        expr_eval(range->count, 1, 1, &range->count_value) != EXPR_OK)
+    if (!check_baked(c, range->count, &limits, &range->count_value))
         return;
     const struct resource *buffer = range->access ? range->access->resource : NULL;
     for (int i = 0; buffer && buffer->count && i < FRAME_SIZES; i++) {
@@ -428,9 +403,9 @@ static void check_pass(struct checker *c, struct pass *pass)
     struct limits when = {"the condition", pass->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN,
                           INT64_MAX};
     struct limits layers = {"the number of layers", pass->name, EXPR_BAKED, 1, 2048};
-    if (pass->when && check_expr(c, pass->when, &when))
+    if (check_expr(c, pass->when, &when))
         pass->conditional = expr_reach(pass->when) != EXPR_BAKED;
-    if (pass->layers && !check_expr(c, pass->layers, &layers))
+    if (!check_expr(c, pass->layers, &layers))
         pass->layers = NULL;
     check_arguments(c, pass);
     if (pass->kind == DT_PASS_DISPATCH)

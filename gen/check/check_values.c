@@ -142,24 +142,30 @@ bool check_expr(struct checker *c, struct expr *expr, const struct limits *limit
     return !(expr_reach(expr) & EXPR_LIVE) || check_live_ends(c, expr, limits);
 }
 
+bool check_baked(struct checker *c, struct expr *expr, const struct limits *limits, int64_t *value)
+{
+    return check_expr(c, expr, limits) && expr_eval(expr, 1, 1, value) == EXPR_OK;
+}
+
+const char *check_part(struct checker *c, const char *part, const char *whole)
+{
+    const char *text = arena_printf(c->model->arena, "the %s of the %s", part, whole);
+    return text ? text : part;
+}
+
 /* ---- Parameters and constants ---------------------------------------------------------------- */
 
 /* The reader checked the values. */
-static void check_param(struct checker *c, const struct param *param)
-{
-    if (param->min > param->max) {
-        diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name, param->min,
-                   param->max);
-        return;
-    }
-    if (param->step < 0)
-        diag_error(c->diag, param->loc, "the step of `%s` is negative", param->name);
-}
-
 void check_params(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++)
-        check_param(c, &c->pipeline->params[i]);
+    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
+        const struct param *param = &c->pipeline->params[i];
+        if (param->min > param->max)
+            diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name,
+                       param->min, param->max);
+        else if (param->step < 0)
+            diag_error(c->diag, param->loc, "the step of `%s` is negative", param->name);
+    }
 }
 
 static void settle(struct checker *c, struct constant *constant)
@@ -307,7 +313,7 @@ static void check_interleave(struct checker *c, struct interleave *interleave)
         struct limits limits = {i ? "the height" : "the width", interleave->name, EXPR_BAKED, 1,
                                 64};
         int64_t value = 1;
-        if (check_expr(c, sides[i], &limits) && expr_eval(sides[i], 1, 1, &value) == EXPR_OK)
+        if (check_baked(c, sides[i], &limits, &value))
             interleave->tile[i] = (uint32_t)value;
     }
 }
@@ -326,8 +332,7 @@ void check_sizes(struct checker *c)
     for (uint32_t i = 0; i < pipeline->sampler_count; i++) {
         struct sampler *sampler = &pipeline->samplers[i];
         struct limits count = {"the count", sampler->name, EXPR_BAKED, 1, 1 << 24};
-        if (sampler->kind == SAMPLER_HAMMERSLEY && sampler->count &&
-            !check_expr(c, sampler->count, &count))
+        if (sampler->kind == SAMPLER_HAMMERSLEY && !check_expr(c, sampler->count, &count))
             sampler->count = NULL;
     }
     for (uint32_t i = 0; i < pipeline->interleave_count; i++)

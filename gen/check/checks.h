@@ -45,12 +45,14 @@ struct limits {
 /* Resolves, then evaluates at several frame sizes and values of live parameters; reports at most
  * one error. */
 bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits);
-void check_constants(
-    struct checker *c); /* cycles; folds; wrong constants lose their value and count as 1 */
+/* The same of a baked expression, with its value. */
+bool check_baked(struct checker *c, struct expr *expr, const struct limits *limits, int64_t *value);
+/* For limits: "the width of the workgroup". */
+const char *check_part(struct checker *c, const char *part, const char *whole);
 void check_params(struct checker *c);
-void check_sizes(
-    struct checker
-        *c); /* of buffers, images, samplers, interleaves; a wrong resource loses its size */
+/* Cycles; folds. Wrong constants lose their value and count as 1, wrong resources lose their size. */
+void check_constants(struct checker *c);
+void check_sizes(struct checker *c); /* of buffers, images, samplers, interleaves */
 void check_jitter(struct checker *c);
 void check_asserts(struct checker *c);
 enum { FRAME_SIZES = 3 };
@@ -61,8 +63,8 @@ bool image_extent(const struct resource *image, uint32_t mip, const int frame[2]
 
 /* check_names.c */
 void check_names(struct checker *c); /* duplicates, reserved words */
-void check_references(
-    struct checker *c); /* resolves names: element types, accesses, uses, after, outputs */
+/* Resolves names: element types, accesses, uses, after, outputs. */
+void check_references(struct checker *c);
 bool pass_writes(const struct pass *pass, const struct resource *resource); /* check.c */
 
 /* check_passes.c: formats, targets, conflicts, ranges, sizes of dispatches. */

@@ -24,7 +24,7 @@ static void add_type(struct text *out, const struct key *key)
             text_add(out, ", or a map [`%s`](#%s)", child, table_sections[key->child].anchor);
         return;
     }
-    add_cell(out, key->type == KEY_MAP && child ? "a map" : table_type_text(key->type));
+    add_cell(out, key->type == KEY_MAP && child ? "a map" : key_types[key->type].text);
     if (child)
         text_add(out, "%s [`%s`](#%s)", key->type == KEY_MAP || key->type == KEY_LIST ? "" : ", or",
                  child, table_sections[key->child].anchor);
@@ -60,21 +60,17 @@ void emit_reference(struct text *out)
     text_add(
         out,
         "# The spec language\n\n"
-        "Written by `diptych-gen --reference` from the table that its parser uses. A spec is "
-        "one YAML 1.2 document; "
-        "`diptych-gen --schema` prints a JSON Schema of it for editors.\n\n"
-        "Integer expressions stand wherever a count or a size does: `+ - * / %%`, "
-        "`<< >>` by 0 to 31, comparisons, `&& || !`, "
-        "`a ? b : c`, `min(a, b)`, `max(a, b)`, `ceil_div(a, b)` with a positive divisor, "
-        "parentheses, integers, "
-        "`true` and `false`, names of parameters and constants, a vector's component "
-        "(`tile.x`), `frame.width` "
-        "and `frame.height`, and sizes of resources with a `file`: `NAME.width`, `NAME.height`, "
-        "`NAME.count`. They are evaluated in 64 bits; a division by zero or an overflow "
-        "is an error.\n\n"
+        "Written by `diptych-gen --reference` from the table that its parser uses. A spec is one "
+        "YAML 1.2 document; `diptych-gen --schema` prints a JSON Schema of it for editors.\n\n"
+        "Integer expressions stand wherever a count or a size does: `+ - * / %%`, `<< >>` by 0 to "
+        "31, comparisons, `&& || !`, `a ? b : c`, `min(a, b)`, `max(a, b)`, `ceil_div(a, b)` with "
+        "a positive divisor, parentheses, integers, `true` and `false`, names of parameters and "
+        "constants, a vector's component (`tile.x`), `frame.width` and `frame.height`, and sizes "
+        "of resources with a `file`: `NAME.width`, `NAME.height`, `NAME.count`. They are evaluated "
+        "in 64 bits; a division by zero or an overflow is an error.\n\n"
         "`--set PATH=VALUE` overrides a value: the path is dotted "
-        "(`metrics.vpl_distance.position`, elements of lists "
-        "by their `name` or number: `passes.shade.local`), a bare name is a parameter.\n\n"
+        "(`metrics.vpl_distance.position`, elements of lists by their `name` or number: "
+        "`passes.shade.local`), a bare name is a parameter.\n\n"
         "What GLSL may name is [at the end](#body). The language has no stencil, multisampling, "
         "tessellation, mesh or ray stages.\n");
     for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++)

@@ -97,8 +97,8 @@ static const struct body_name frame_names[] = {
 
 static const struct body_name scene_names[] = {
     {"SceneVertex scene_vertices[]", "`reads: [scene_vertices]`",
-     "Vertices of the scene. On CPU drivers a texel buffer: read an element by its index, "
-     "or `scene_vertices.length()`."},
+     "Vertices of the scene. On CPU drivers a texel buffer: read an element by its index, or "
+     "`scene_vertices.length()`."},
     {"uint scene_indices[]", "`reads: [scene_indices]`",
      "Three indices for each triangle, stored in the same way."},
     {"SceneMaterial scene_materials[]", "`draw: scene`, or `reads: [scene_materials]`",
@@ -148,9 +148,8 @@ static const struct body_name resource_names[] = {
      "Adds to a texel, uint or int, and gives the former value; also `atomicMin`, `atomicMax`, "
      "`atomicAnd`, `atomicOr`, `atomicXor`, `atomicExchange`. Elements of buffers have GLSL's: "
      "`atomicAdd(NAME[i], value)`. Integers that one of these functions leaves do not depend on "
-     "the "
-     "order of the invocations. Results of exchanges, of different functions on one texel, former "
-     "values and sums of floats do."},
+     "the order of the invocations. Results of exchanges, of different functions on one texel, "
+     "former values and sums of floats do."},
     {"NAME_atomicCompSwap(p, expected, value)", "the same",
      "Stores the value if the texel is as expected; depends on the order."},
     {"NAME", "fragment, image in `writes`",
@@ -232,8 +231,8 @@ static const struct body_name other_names[] = {
 
 static const struct body_group groups[] = {
     {"Where an invocation stands",
-     "A body is one file with a `main` for each stage, parted by `#ifdef VERTEX` and "
-     "`#ifdef FRAGMENT`. A fullscreen draw may leave the vertex part out.",
+     "A body is one file with a `main` for each stage, parted by `#ifdef VERTEX` and `#ifdef "
+     "FRAGMENT`. A fullscreen draw may leave the vertex part out.",
      place_names},
     {"The frame",
      "A pipeline that does not use the scene runs without `--scene`. Then the camera looks from "
@@ -253,37 +252,34 @@ static const struct body_group groups[] = {
     {"Parameters, constants, structs and macros",
      "Parameters and constants are there by their names, of the type that the spec gives them; a "
      "constant is an int. So are structs. The pass's `defines` are macros of integer literals. "
-     "`#include \"FILE\"` looks beside the including file, "
-     "then in templates and templates/glsl. A body may declare any name itself, also one of this "
-     "chapter, but for names of the spec that the pass lists. Without `exactness: fast`, `/` and "
-     "`sqrt` round to nearest, as `+ - *` do; the other built-in functions whose result depends on "
-     "the driver are those of templates/glsl/exact.glsl: `inversesqrt` within 2 ulp, other "
-     "functions of one number within 4, `sin` and `cos` for |x| up to 65536, `tan` up to 8192. "
-     "Inputs below 2^-126 count as zero. Float to integer saturates, NaN gives 0; shifts take the "
-     "low five bits of their count; `pow` of a negative number is defined for whole exponents; "
-     "`min` and `max` with NaN give the first operand. Constant expressions are glslang's: in "
-     "double precision, rounded once.",
+     "`#include \"FILE\"` looks beside the including file, then in templates and templates/glsl. A "
+     "body may declare any name itself, also one of this chapter, but for names of the spec that "
+     "the pass lists. Without `exactness: fast`, `/` and `sqrt` round to nearest, as `+ - *` do; "
+     "the other built-in functions whose result depends on the driver are those of "
+     "templates/glsl/exact.glsl: `inversesqrt` within 2 ulp, other functions of one number within "
+     "4, `sin` and `cos` for |x| up to 65536, `tan` up to 8192. Inputs below 2^-126 count as zero. "
+     "Float to integer saturates, NaN gives 0; shifts take the low five bits of their count; `pow` "
+     "of a negative number is defined for whole exponents; `min` and `max` with NaN give the first "
+     "operand. Constant expressions are glslang's: in double precision, rounded once.",
      other_names},
 };
 
 void emit_body_reference(struct text *out)
 {
-    text_add(out,
-             "\n<a id=\"body\"></a>\n## What a body sees\n\n"
-             "A pass body is plain GLSL 4.60. The generator declares what the body names; what "
-             "it does not name is left out.\n\n"
-             "Orientation is the same on both backends. Clip space has depth 0 to 1. Row 0 of "
-             "an image is NDC y = -1, column 0 is NDC x = -1: texel (0, 0) covers uv from "
-             "(0, 0) on, and `2 * (p + 0.5) / NAME_size() - 1` is a texel's NDC. PNG and EXR "
-             "files are written with the last row on top.\n\n"
-             "Mips: `NAME(p)`, `NAME_size()` and `NAME_store` see the access's `mip`, 0 "
-             "without one. With a `sampler` and no `mip`, `NAME_sample` picks the mip by "
-             "derivatives in fragment stages and reads mip 0 in others. Several "
-             "mips or layers of an image that a pass reads alike need a name each, by `as`, and "
-             "have their own size and functions. A pass may read one mip and write "
-             "another, also by a draw. An access with a `layer` sees a plain image. Layers of a "
-             "cube are "
-             "its faces; column and row of a face are those of OpenGL and Vulkan.\n");
+    text_add(out, "\n<a id=\"body\"></a>\n## What a body sees\n\n"
+                  "A pass body is plain GLSL 4.60. The generator declares what the body names; "
+                  "what it does not name is left out.\n\n"
+                  "Orientation is the same on both backends. Clip space has depth 0 to 1. Row 0 of "
+                  "an image is NDC y = -1, column 0 is NDC x = -1: texel (0, 0) covers uv from (0, "
+                  "0) on, and `2 * (p + 0.5) / NAME_size() - 1` is a texel's NDC. PNG and EXR "
+                  "files are written with the last row on top.\n\n"
+                  "Mips: `NAME(p)`, `NAME_size()` and `NAME_store` see the access's `mip`, 0 "
+                  "without one. With a `sampler` and no `mip`, `NAME_sample` picks the mip by "
+                  "derivatives in fragment stages and reads mip 0 in others. Several mips or "
+                  "layers of an image that a pass reads alike need a name each, by `as`, and have "
+                  "their own size and functions. A pass may read one mip and write another, also "
+                  "by a draw. An access with a `layer` sees a plain image. Layers of a cube are "
+                  "its faces; column and row of a face are those of OpenGL and Vulkan.\n");
     for (size_t i = 0; i < DT_ARRAY_COUNT(groups); i++) {
         text_add(out, "\n### %s\n\n%s%s| name | where | meaning |\n|---|---|---|\n",
                  groups[i].title, groups[i].doc, *groups[i].doc ? "\n\n" : "");

@@ -52,50 +52,21 @@ static void add_list(struct text *out, const struct key *key)
 
 static void add_scalar_type(struct text *out, const struct key *key)
 {
-    static const char *const types[] = {
-        [KEY_NAME] = "{\"$ref\": \"#/$defs/NAME\"}",
-        [KEY_REFERENCE] = "{\"$ref\": \"#/$defs/REFERENCE\"}",
-        [KEY_TEXT] = "{\"type\": [\"string\", \"number\", \"boolean\"]}",
-        [KEY_FILES] = "{\"type\": \"array\", \"items\": {\"type\": \"string\"}}",
-        [KEY_BODY] =
-            "{\"anyOf\": [{\"type\": \"string\"}, {\"type\": \"array\", \"items\": {\"type\": "
-            "\"string\"}, \"minItems\": 1, \"maxItems\": 2}]}",
-        [KEY_BOOL] = "{\"type\": \"boolean\"}",
-        [KEY_MEMBER] = "{\"type\": \"string\", \"pattern\": "
-                       "\"^[A-Za-z_][A-Za-z0-9_]*(\\\\.[A-Za-z0-9_]+)*$\"}",
-        [KEY_NUMBER] = "{\"type\": \"number\"}",
-        [KEY_AMOUNT] =
-            "{\"anyOf\": [{\"type\": \"number\", \"minimum\": 0}, {\"type\": \"string\", "
-            "\"pattern\": \"^[0-9.]+([eE][-+]?[0-9]+)?( */ *[0-9.]+([eE][-+]?[0-9]+)?| *%)$\"}]}",
-        [KEY_INTEGER] = "{\"type\": \"integer\", \"minimum\": 0}",
-        [KEY_EXPR] = "{\"$ref\": \"#/$defs/EXPR\"}",
-        [KEY_EXPRS] = "{\"anyOf\": [{\"$ref\": \"#/$defs/EXPR\"}, {\"type\": \"array\", \"items\": "
-                      "{\"$ref\": "
-                      "\"#/$defs/EXPR\"}, \"minItems\": 1, \"maxItems\": 3}]}",
-        [KEY_SIZE] = "{\"anyOf\": [{\"const\": \"frame\"}, {\"type\": \"array\", \"items\": "
-                     "{\"$ref\": \"#/$defs/EXPR\"}, "
-                     "\"minItems\": 2, \"maxItems\": 3}]}",
-        [KEY_RECT] = "{\"type\": \"array\", \"items\": {\"$ref\": \"#/$defs/EXPR\"}, "
-                     "\"minItems\": 4, \"maxItems\": 4}",
-        [KEY_VALUE] = "{\"anyOf\": [{\"type\": [\"number\", \"boolean\"]}, {\"type\": \"array\", "
-                      "\"items\": {\"type\": "
-                      "\"number\"}, \"minItems\": 2, \"maxItems\": 4}]}",
-        [KEY_NUMBERS] = "{\"anyOf\": [{\"type\": \"number\"}, {\"type\": \"array\", \"items\": "
-                        "{\"type\": \"number\"}, "
-                        "\"minItems\": 1, \"maxItems\": 4}]}",
-        [KEY_WEIGHT] = "{\"anyOf\": [{\"$ref\": \"#/$defs/NAME\"}, {\"type\": \"number\", "
-                       "\"minimum\": 0}]}",
-        [KEY_LENGTH] = "{\"anyOf\": [{\"const\": \"scene_radius\"}, {\"type\": \"number\", "
-                       "\"exclusiveMinimum\": 0}]}",
-    };
+    const struct key_type_info *type = &key_types[key->type];
     if (key->type == KEY_CHOICE) {
         add_choices(out, key->choices, NULL);
     } else if (key->type == KEY_TYPE) {
         text_add(out, "{\"anyOf\": [");
         add_choices(out, key->choices, "bool");
         text_add(out, ", {\"type\": \"string\", \"pattern\": \"^[a-z0-9]+\\\\[[0-9]+\\\\]$\"}]}");
+    } else if (!type->items) {
+        text_add(out, "%s", type->scalar);
     } else {
-        text_add(out, "%s", types[key->type]);
+        text_add(out, type->scalar ? "{\"anyOf\": [%s, " : "%s", type->scalar ? type->scalar : "");
+        text_add(out, "{\"type\": \"array\", \"items\": %s", type->items);
+        if (type->most)
+            text_add(out, ", \"minItems\": %d, \"maxItems\": %d", type->least, type->most);
+        text_add(out, type->scalar ? "}]}" : "}");
     }
 }
 

@@ -32,7 +32,7 @@ static const struct fields *find_only(struct reader *reader, const struct fields
         if (!field_node(at, key))
             continue;
         if (of) {
-            diag_error(reader->diag, field_loc(reader, at, key), "a second `%s`", key);
+            key_error(reader, at, key, "a second `%s`", key);
             diag_note(reader->diag, field_loc(reader, of, key), "first here");
             return NULL;
         }

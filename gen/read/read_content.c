@@ -21,12 +21,6 @@ static const char *find_file(struct reader *reader, const struct resource *resou
     return found;
 }
 
-static struct expr *content_number(struct reader *reader, uint32_t value, struct loc loc)
-{
-    const char *text = arena_printf(reader->model->arena, "%u", value);
-    return text ? expr_parse(reader->model, text, loc, NULL, reader->diag) : NULL;
-}
-
 /* False: *reason. */
 static bool take_size(struct reader *reader, struct resource *resource, const char *path,
                       const char **reason)
@@ -39,13 +33,13 @@ static bool take_size(struct reader *reader, struct resource *resource, const ch
         if (!array || !npy_header(path, array, reason))
             return false;
         resource->array = array;
-        resource->count = content_number(reader, array->count, loc);
+        resource->count = number_expr(reader, array->count, loc);
         return true;
     }
     if (!picture_size(path, &size[0], &size[1], reason))
         return false;
-    resource->width = content_number(reader, size[0], loc);
-    resource->height = content_number(reader, size[1], loc);
+    resource->width = number_expr(reader, size[0], loc);
+    resource->height = number_expr(reader, size[1], loc);
     return true;
 }
 
@@ -56,11 +50,11 @@ static void refuse_size(struct reader *reader, const struct fields *fields,
     static const char *const keys[] = {"count", "size", "layers", "input"};
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++)
         if (field_given(fields, keys[i]))
-            diag_error(reader->diag, field_loc(reader, fields, keys[i]),
-                       strcmp(keys[i], "input")
-                           ? "the file of `%s` has its size; leave out `%s`"
-                           : "the content of `%s` comes from its file; leave out `%s`",
-                       resource->name, keys[i]);
+            key_error(reader, fields, keys[i],
+                      strcmp(keys[i], "input")
+                          ? "the file of `%s` has its size; leave out `%s`"
+                          : "the content of `%s` comes from its file; leave out `%s`",
+                      resource->name, keys[i]);
 }
 
 void read_content(struct reader *reader, const struct fields *fields, struct resource *resource)
@@ -68,9 +62,9 @@ void read_content(struct reader *reader, const struct fields *fields, struct res
     const char *reason = NULL;
     resource->input |= resource->file != NULL;
     if (resource->input && field_given(fields, "history"))
-        diag_error(reader->diag, field_loc(reader, fields, "history"),
-                   "the content of `%s` comes from outside and stays; leave out `history`",
-                   resource->name);
+        key_error(reader, fields, "history",
+                  "the content of `%s` comes from outside and stays; leave out `history`",
+                  resource->name);
     resource->history |= resource->input;
     if (!resource->file)
         return;

@@ -8,12 +8,6 @@
 
 enum { MOST_PREVIOUS = 64, MOST_MIPS = 15 };
 
-static struct expr *number(struct reader *reader, uint32_t value, struct loc loc)
-{
-    const char *text = arena_printf(reader->model->arena, "%u", value);
-    return text ? expr_parse(reader->model, text, loc, NULL, reader->diag) : NULL;
-}
-
 /* Gives the pass `from` and `to` of images, by the names that the bodies have for them. */
 static void make_copy(struct reader *reader, struct pass *pass, const char *name,
                       const char *shader, struct loc loc, const char *from, const char *to)
@@ -95,7 +89,7 @@ static void fill_mips(struct reader *reader, const struct resource *image)
         make_copy(reader, pass, arena_printf(arena, "%s.mip_%u", name, mip), "copy/mip.glsl", loc,
                   name, name);
         for (uint32_t i = 0; i < pass->access_count; i++)
-            pass->accesses[i].mip = number(reader, mip - 1 + i, loc);
+            pass->accesses[i].mip = number_expr(reader, mip - 1 + i, loc);
     }
 }
 

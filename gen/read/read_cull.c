@@ -127,7 +127,7 @@ static bool check_draw(const struct culled *c)
     struct loc loc = node_loc(reader, c->node);
     bool good = c->name && value_is(c, c->item, "draw", "scene");
     if (!c->name)
-        diag_error(reader->diag, node_loc(reader, c->item), "a pass needs the key `name`");
+        node_error(reader, c->item, "a pass needs the key `name`");
     else if (!good)
         diag_error(reader->diag, loc, "`cull` as a map needs `draw: scene`");
     if (field_node(&c->cull, "again") && !field_node(&c->cull, "each")) {

@@ -128,6 +128,11 @@ static struct loc setting_loc(const struct setting *setting, int column, size_t 
         .source = setting->source, .line = 1, .column = column, .length = length ? (int)length : 1};
 }
 
+static struct loc segment_loc(const struct setting *setting)
+{
+    return setting_loc(setting, setting->column, strlen(setting->segment));
+}
+
 static bool next_segment(struct setting *setting)
 {
     const char *end = setting->take ? setting->path + setting->take : strpbrk(setting->path, ".=");
@@ -274,13 +279,9 @@ static void report_path(struct reader *reader, const struct setting *setting, co
                                           (int)(end - setting->path), setting->path);
         nearest = longer ? nearest_name(longer, names, count) : NULL;
     }
-    struct loc loc = setting_loc(setting, setting->column, strlen(setting->segment));
-    if (nearest)
-        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s; did you mean `%s`?",
-                   setting->source->text, setting->segment, where, nearest);
-    else
-        diag_error(reader->diag, loc, "`--set %s`: no `%s` in %s", setting->source->text,
-                   setting->segment, where);
+    diag_error(reader->diag, segment_loc(setting), "`--set %s`: no `%s` in %s%s%s%s",
+               setting->source->text, setting->segment, where, nearest ? "; did you mean `" : "",
+               nearest ? nearest : "", nearest ? "`?" : "");
 }
 
 static size_t add_keys(struct reader *reader, struct fy_node *map, const char **names, size_t count)
@@ -324,7 +325,7 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
         item = fy_node_sequence_get_by_index(list, (int)number);
         if (!is_use(item))
             return item;
-        diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
+        diag_error(reader->diag, segment_loc(setting),
                    "`--set %s`: element %ld is a use or a repeat; name one of its passes",
                    setting->source->text, number);
         return NULL;
@@ -359,8 +360,7 @@ static void apply_below(struct reader *reader, struct setting *setting, const st
         if (!value)
             return;
         if (is_last(setting)) {
-            diag_error(reader->diag,
-                       setting_loc(setting, setting->column, strlen(setting->segment)),
+            diag_error(reader->diag, segment_loc(setting),
                        "`--set %s`: `%s` is %s; name one of its keys", setting->source->text,
                        setting->segment, table_sections[section].title);
             return;
@@ -371,8 +371,8 @@ static void apply_below(struct reader *reader, struct setting *setting, const st
             apply_in_map(reader, setting, value, section);
         return;
     }
-    diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
-               "`--set %s`: `%s` has no keys below it", setting->source->text, setting->segment);
+    diag_error(reader->diag, segment_loc(setting), "`--set %s`: `%s` has no keys below it",
+               setting->source->text, setting->segment);
 }
 
 /* --set cannot declare a name. It may add a contract: its name is declared as a resource. */
@@ -387,9 +387,8 @@ static void apply_in_map(struct reader *reader, struct setting *setting, struct 
     if (!key || (!pair && declares))
         report_unknown_setting(reader, setting, map, section);
     else if (!pair && inside)
-        diag_error(reader->diag, setting_loc(setting, setting->column, strlen(setting->segment)),
-                   "`--set %s`: the spec has no `%s` here", setting->source->text,
-                   setting->segment);
+        diag_error(reader->diag, segment_loc(setting), "`--set %s`: the spec has no `%s` here",
+                   setting->source->text, setting->segment);
     else if (!is_last(setting))
         apply_below(reader, setting, key,
                     pair ? fy_node_pair_value(pair) : add_value(reader, setting, map, "{}"));
@@ -497,7 +496,7 @@ static void apply_set(struct reader *reader, const char *text, bool early)
         diag_error(reader->diag, setting_loc(&setting, 1, 1), "`--set %s`: the path is too long",
                    text);
     else if (!strcmp(setting.segment, "include") || !strcmp(setting.segment, "groups"))
-        diag_error(reader->diag, setting_loc(&setting, 1, strlen(setting.segment)),
+        diag_error(reader->diag, segment_loc(&setting),
                    *setting.segment == 'i'
                        ? "`--set %s`: includes cannot be set"
                        : "`--set %s`: groups cannot be set; name an entry of an instance",

@@ -32,29 +32,20 @@ static const char *describe_node(struct reader *reader, struct fy_node *node)
     return quoted ? quoted : "text";
 }
 
-static bool is_number_list(struct reader *reader, struct fy_node *node, int least, int most)
+/* A list of as many scalars as the type takes; of numbers, if the type is one of numbers. */
+static bool is_list(struct reader *reader, const struct key *key, struct fy_node *node)
 {
-    if (fy_node_get_type(node) != FYNT_SEQUENCE)
-        return false;
-    int count = fy_node_sequence_item_count(node);
+    const struct key_type_info *type = &key_types[key->type];
+    bool numbers = key->type == KEY_VALUE || key->type == KEY_NUMBERS;
+    int count = list_count(node);
     for (int i = 0; i < count; i++) {
+        struct fy_node *item = fy_node_sequence_get_by_index(node, i);
+        const char *text = numbers ? node_text(reader, item) : NULL;
         double value;
-        const char *text = node_text(reader, fy_node_sequence_get_by_index(node, i));
-        if (!text || !text_number(text, &value))
+        if (numbers ? !text || !text_number(text, &value) : fy_node_get_type(item) != FYNT_SCALAR)
             return false;
     }
-    return count >= least && count <= most;
-}
-
-static bool is_scalar_list(struct fy_node *node, int least, int most)
-{
-    if (fy_node_get_type(node) != FYNT_SEQUENCE)
-        return false;
-    int count = fy_node_sequence_item_count(node);
-    for (int i = 0; i < count; i++)
-        if (fy_node_get_type(fy_node_sequence_get_by_index(node, i)) != FYNT_SCALAR)
-            return false;
-    return count >= least && count <= most;
+    return count >= type->least && count <= type->most;
 }
 
 static bool is_natural(const char *text)
@@ -69,40 +60,35 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
     const char *text = node_text(reader, node);
     bool scalar = text && *text;
     double number;
+    if (key_types[key->type].most && fy_node_get_type(node) == FYNT_SEQUENCE)
+        return is_list(reader, key, node);
     switch (key->type) {
     case KEY_NAME:
         return scalar && is_identifier(text);
     case KEY_REFERENCE:
-        return scalar && is_path(text);
     case KEY_MEMBER:
         return scalar && is_path(text);
     case KEY_TEXT:
     case KEY_EXPR:
+    case KEY_EXPRS:
+    case KEY_BODY:
     case KEY_CHOICE:
     case KEY_TYPE:
         return scalar;
     case KEY_BOOL:
         return scalar && (!strcmp(text, "true") || !strcmp(text, "false"));
     case KEY_NUMBER:
+    case KEY_NUMBERS:
         return scalar && text_number(text, &number);
     case KEY_AMOUNT:
         return scalar && text_amount(text, &number);
     case KEY_INTEGER:
         return scalar && is_natural(text);
-    case KEY_BODY:
-        return scalar || is_scalar_list(node, 1, 2);
-    case KEY_EXPRS:
-        return scalar || is_scalar_list(node, 1, 3);
     case KEY_SIZE:
-        return (scalar && !strcmp(text, "frame")) || is_scalar_list(node, 2, 3);
-    case KEY_RECT:
-        return is_scalar_list(node, 4, 4);
+        return scalar && !strcmp(text, "frame");
     case KEY_VALUE:
-        return scalar
-                   ? !strcmp(text, "true") || !strcmp(text, "false") || text_number(text, &number)
-                   : is_number_list(reader, node, 2, 4);
-    case KEY_NUMBERS:
-        return scalar ? text_number(text, &number) : is_number_list(reader, node, 1, 4);
+        return scalar &&
+               (!strcmp(text, "true") || !strcmp(text, "false") || text_number(text, &number));
     case KEY_LENGTH:
         return scalar &&
                (!strcmp(text, "scene_radius") || (text_number(text, &number) && number > 0));
@@ -114,6 +100,8 @@ static bool fits(struct reader *reader, const struct key *key, struct fy_node *n
         return fy_node_get_type(node) == FYNT_SEQUENCE;
     case KEY_MAP:
         return fy_node_get_type(node) == FYNT_MAPPING;
+    case KEY_RECT:
+        break;
     }
     return false;
 }
@@ -139,6 +127,19 @@ static bool lacks_format(struct reader *reader, const char *text, struct loc loc
     return lacks;
 }
 
+/* The nearest of the names, else all of them. */
+static struct name_hint hint_or_all(const char *word, const char *const *names, size_t count,
+                                    const char *before)
+{
+    struct text list = {0};
+    text_add(&list, "%s", before);
+    for (size_t i = 0; i < count; i++)
+        text_add(&list, "%s %s", i ? "," : "", names[i]);
+    struct name_hint hint = name_hint('`', word, names, count, list.data ? list.data : "");
+    text_free(&list);
+    return hint;
+}
+
 static bool choice_check(struct reader *reader, const struct key *key, const char *text,
                          struct loc loc)
 {
@@ -154,14 +155,9 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
         words[count++] = word;
     if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
         return false;
-    struct text list = {0};
-    text_add(&list, count > 1 ? "; use one of" : "; use");
-    for (size_t i = 0; i < count; i++)
-        text_add(&list, "%s %s", i ? "," : "", words[i]);
     diag_error(reader->diag, loc, "`%s` is not a valid %s%s", text,
                strcmp(key->name, "*") ? key->name : "value",
-               name_hint('`', text, words, count, list.data ? list.data : "").text);
-    text_free(&list);
+               hint_or_all(text, words, count, count > 1 ? "; use one of" : "; use").text);
     return false;
 }
 
@@ -196,12 +192,11 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
         bool quote = label == key->name;
         struct fy_node *item = wrong_number(reader, key, node);
         if (item)
-            diag_error(reader->diag, node_loc(reader, item),
-                       "an element of %s%s%s must be a finite number, not %s", quote ? "`" : "",
-                       label, quote ? "`" : "", describe_node(reader, item));
+            node_error(reader, item, "an element of %s%s%s must be a finite number, not %s",
+                       quote ? "`" : "", label, quote ? "`" : "", describe_node(reader, item));
         else
             diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
-                       quote ? "`" : "", table_type_text(key->type), describe_node(reader, node));
+                       quote ? "`" : "", key_types[key->type].text, describe_node(reader, node));
         return false;
     }
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);
@@ -214,17 +209,10 @@ static void report_unknown_key(struct reader *reader, enum section section, cons
 {
     const char *names[MOST_KEYS];
     size_t count = 0;
-    struct text list = {0};
-    text_add(&list, "; known are");
-    for (const struct key *key = table_section(section); key->name; key++) {
-        text_add(&list, "%s %s", count ? "," : "", key->name);
+    for (const struct key *key = table_section(section); key->name; key++)
         names[count++] = key->name;
-    }
-    if (!count)
-        text_add(&list, " none");
     diag_error(reader->diag, loc, "unknown key `%s` in %s%s", name, table_sections[section].title,
-               name_hint('`', name, names, count, list.data ? list.data : "").text);
-    text_free(&list);
+               hint_or_all(name, names, count, "; known are").text);
 }
 
 static void read_pair(struct reader *reader, struct fy_node_pair *pair, struct fields *fields)
@@ -378,6 +366,12 @@ struct expr *node_expr(struct reader *reader, struct fy_node *node)
                 : NULL;
 }
 
+struct expr *number_expr(struct reader *reader, uint32_t value, struct loc loc)
+{
+    const char *text = arena_printf(reader->model->arena, "%u", value);
+    return text ? expr_parse(reader->model, text, loc, NULL, reader->diag) : NULL;
+}
+
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key)
 {
     return node_expr(reader, field_node(fields, key));
@@ -449,8 +443,8 @@ void record_read(struct reader *reader, const struct fields *fields, unsigned of
     for (const struct key *key = table_section(fields->section); key->name; key++) {
         struct fy_node *node = field_node(fields, key->name);
         if (node && key->of && !(key->of & of))
-            diag_error(reader->diag, field_loc(reader, fields, key->name), "%s has no `%s`",
-                       titles[__builtin_ctz(of)], key->name);
+            key_error(reader, fields, key->name, "%s has no `%s`", titles[__builtin_ctz(of)],
+                      key->name);
         if (key->at)
             take_member(reader, key, node, (char *)record + key->at - 1);
         if (key->place)

@@ -323,8 +323,7 @@ struct scope *add_instance(struct use *use, struct fy_document *yaml, struct fy_
     reader->values = NULL;
     if (reader->instance_count++ < MOST_INSTANCES)
         return scope;
-    diag_error(reader->diag, node_loc(reader, use->item),
-               "groups and repeats make more than %d instances", MOST_INSTANCES);
+    node_error(reader, use->item, "groups and repeats make more than %d instances", MOST_INSTANCES);
     return NULL;
 }
 
@@ -383,9 +382,8 @@ static bool read_span(struct reader *reader, struct fy_node *item, const char **
     struct fy_node *node = map_value(item, "repeat");
     struct loc loc = node_loc(reader, node);
     const char *text = node_text(reader, node);
-    size_t length = text ? strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_"
-                                        "0123456789")
-                         : 0;
+    size_t length =
+        text ? strspn(text, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ_0123456789") : 0;
     const char *dots = text ? strstr(text, "..") : NULL;
     if (text)
         *name = arena_strndup(arena, text, length);
@@ -460,8 +458,8 @@ static struct fy_node *find_group(struct use *use)
     }
     if (!name)
         return NULL;
-    diag_error(reader->diag, field_loc(reader, &use->fields, "group"), "unknown group `%s`%s", name,
-               name_hint('`', name, names, count, "").text);
+    key_error(reader, &use->fields, "group", "unknown group `%s`%s", name,
+              name_hint('`', name, names, count, "").text);
     return NULL;
 }
 
@@ -481,8 +479,7 @@ static void report_unknown_arguments(struct use *use, const struct scope *scope,
         const char *name = pair_name(reader, pair);
         if (!name || find_binding(scope, name, strlen(name)))
             continue;
-        diag_error(reader->diag, node_loc(reader, fy_node_pair_key(pair)),
-                   "the group has no argument `%s`%s", name,
+        node_error(reader, fy_node_pair_key(pair), "the group has no argument `%s`%s", name,
                    name_hint('`', name, names, count, "").text);
     }
 }
@@ -498,18 +495,17 @@ static void bind_arguments(struct use *use, struct scope *scope, struct fy_node 
     while (scope->bindings && (item = next_item(args, &iterator))) {
         const char *name = key_text(reader, item);
         if (!name || !is_identifier(name)) {
-            diag_error(reader->diag, node_loc(reader, item), "an argument must be a name");
+            node_error(reader, item, "an argument must be a name");
             continue;
         }
         struct fy_node_pair *own = with ? yaml_pair(with, name, FY_NT) : NULL;
         struct fy_node *value = own ? fy_node_pair_value(own) : NULL;
         const char *text = node_text(reader, value);
         if (value && (!text || !*text))
-            diag_error(reader->diag, node_loc(reader, text ? fy_node_pair_key(own) : value),
+            node_error(reader, text ? fy_node_pair_key(own) : value,
                        "the argument `%s` must be a name or an expression", name);
         else if (!value && (with || !field_given(&use->fields, "with")))
-            diag_error(reader->diag, node_loc(reader, use->item),
-                       "the group needs the argument `%s`", name);
+            node_error(reader, use->item, "the group needs the argument `%s`", name);
         scope->bindings[scope->binding_count++] = (struct binding){
             name, text, node_scope(reader, use->item), node_loc(reader, value), item};
     }
@@ -526,8 +522,8 @@ static bool is_used_twice(struct use *use, const char *name)
         if (!at->scope || *at->scope->suffix || strncmp(at->scope->prefix, name, length) ||
             strcmp(at->scope->prefix + length, "."))
             continue;
-        diag_error(reader->diag, node_loc(reader, use->item),
-                   "two uses are named `%s`; give one another name with `as`", name);
+        node_error(reader, use->item, "two uses are named `%s`; give one another name with `as`",
+                   name);
         diag_note(reader->diag, at->source->included, "first here");
         return true;
     }
@@ -620,8 +616,7 @@ bool documents_expand(struct reader *reader)
                                                              : expand_cull(&use)))
                 return false;
             if (at->scope && is_include(item))
-                diag_error(reader->diag, node_loc(reader, item),
-                           "`include` cannot stand in a group or repeat");
+                node_error(reader, item, "`include` cannot stand in a group or repeat");
         }
     }
     if (diag_error_count(reader->diag) > errors)

@@ -190,8 +190,8 @@ static void refuse_spec_keys(struct reader *reader, const struct document *docum
     static const char *const keys[] = {"pipeline", "exactness", "target"};
     for (size_t i = 0; i < DT_ARRAY_COUNT(keys); i++)
         if (field_node(&document->fields, keys[i]))
-            diag_error(reader->diag, field_loc(reader, &document->fields, keys[i]),
-                       "`%s` belongs into the spec, not into an included file", keys[i]);
+            key_error(reader, &document->fields, keys[i],
+                      "`%s` belongs into the spec, not into an included file", keys[i]);
 }
 
 const struct fields *documents_fields(struct reader *reader)

@@ -85,7 +85,7 @@ static bool take_value(struct reader *reader, struct param *param, struct fy_nod
         return false;
     if (!param_value(reader, node, param->value, &components, &own)) {
         diag_error(reader->diag, param->value_loc, "the value of `%s` must be %s", param->name,
-                   table_type_text(KEY_VALUE));
+                   key_types[KEY_VALUE].text);
         return false;
     }
     if (type < 0)
@@ -127,11 +127,10 @@ static void finish_param(struct reader *reader, const struct fields *fields, voi
 {
     struct param *param = record;
     if (param->live && param->uniform) {
-        diag_error(
-            reader->diag, node_loc(reader, field_node(fields, "uniform")),
-            "live parameters are already in the uniform block; remove `uniform`. If counts or "
-            "sizes depend on `%s`, remove `live` instead",
-            param->name);
+        node_error(reader, field_node(fields, "uniform"),
+                   "live parameters are already in the uniform block; remove `uniform`. If counts "
+                   "or sizes depend on `%s`, remove `live` instead",
+                   param->name);
         param->uniform = false;
     }
     if (take_value(reader, param, field_node(fields, "value"),

@@ -19,7 +19,7 @@ static uint32_t read_names(struct reader *reader, struct fy_node *list, const ch
         struct fy_node *item = fy_node_sequence_get_by_index(list, i);
         const char *text = referred_name(reader, item);
         if (!text || !is_path(text)) {
-            diag_error(reader->diag, node_loc(reader, item), "expected a name");
+            node_error(reader, item, "expected a name");
             continue;
         }
         (*names)[count] = text;
@@ -99,8 +99,8 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     access->own_mask = field_given(&fields, "mask");
     access->keep = (uint8_t)(14 - field_choice(reader, &fields, "mask", 14));
     if (access->layer && mode == MODE_WRITE)
-        diag_error(reader->diag, field_loc(reader, &fields, "layer"),
-                   "`writes` replaces all layers of a mip; list one layer in `updates`");
+        key_error(reader, &fields, "layer",
+                  "`writes` replaces all layers of a mip; list one layer in `updates`");
     if (access->sampler && mode != MODE_READ)
         diag_error(reader->diag, access->sampler_loc, "only `reads` take a sampler");
     return access->name != NULL;
@@ -253,13 +253,13 @@ static void read_draw(struct reader *reader, const struct fields *fields, struct
         return;
     record_read(reader, &map, 0, pass);
     if (!pass->indirect && !field_given(&map, "vertices"))
-        diag_error(reader->diag, node_loc(reader, node),
+        node_error(reader, node,
                    "a draw of vertices needs the key `vertices`, or `indirect` beside `draw`");
     for (int i = 0; i < 2; i++) {
         const char *key = i ? "instances" : "vertices";
         if (pass->indirect && field_given(&map, key))
-            diag_error(reader->diag, field_loc(reader, &map, key),
-                       "`indirect` excludes `%s`: the buffer gives the number", key);
+            key_error(reader, &map, key, "`indirect` excludes `%s`: the buffer gives the number",
+                      key);
     }
 }
 
@@ -272,10 +272,10 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
         if (!field_node(fields, keys[i]))
             continue;
         if (found)
-            diag_error(reader->diag, field_loc(reader, fields, keys[i]),
-                       "`%s` beside `%s`; a pass has exactly one of "
-                       "`draw`, `dispatch`, `groups`, `interleave`",
-                       keys[i], found);
+            key_error(reader, fields, keys[i],
+                      "`%s` beside `%s`; a pass has exactly one of `draw`, `dispatch`, `groups`, "
+                      "`interleave`",
+                      keys[i], found);
         else
             found = keys[i];
     }
@@ -294,10 +294,10 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
         for (size_t i = 0; i < fields->count; i++)
             given |= !fields->values[i].value;
         if (!given)
-            diag_error(reader->diag, pass->loc,
-                       "the pass `%s` needs one of `draw`, `dispatch`, `groups`, `interleave`, "
-                       "`indirect`",
-                       pass->name);
+            diag_error(
+                reader->diag, pass->loc,
+                "the pass `%s` needs one of `draw`, `dispatch`, `groups`, `interleave`, `indirect`",
+                pass->name);
     }
     if (pass->indirect && found && pass->kind == DT_PASS_DISPATCH)
         diag_error(reader->diag, pass->indirect_loc,
@@ -329,8 +329,7 @@ static void read_depth_bias(struct reader *reader, const struct fields *fields, 
     record_read(reader, &map, 0, pass);
     for (int i = 0; i < 2; i++)
         if (!isfinite((float)(i ? pass->bias_slope : pass->bias_constant)))
-            diag_error(reader->diag, field_loc(reader, &map, keys[i]),
-                       "`%s` is larger than a 32-bit float can be", keys[i]);
+            key_error(reader, &map, keys[i], "`%s` is larger than a 32-bit float can be", keys[i]);
 }
 
 static void read_draw_state(struct reader *reader, const struct fields *fields, struct pass *pass)
@@ -350,9 +349,9 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
     if (pass->clip_distances > 8)
         diag_error(reader->diag, pass->clip_loc, "at most 8 clip distances");
     if (pass->depth_test && !depth)
-        diag_error(reader->diag, field_loc(reader, fields, "depth"),
-                   "`depth` needs a depth target: the pass `%s` writes no image of format d32f",
-                   pass->name);
+        key_error(reader, fields, "depth",
+                  "`depth` needs a depth target: the pass `%s` writes no image of format d32f",
+                  pass->name);
     if (field_given(fields, "depth_bias") && !depth)
         diag_error(
             reader->diag, pass->bias_loc,
@@ -439,6 +438,5 @@ void read_passes(struct reader *reader, const struct fields *top)
     while (top->next && !field_node(top, "passes"))
         top = top->next;
     if (!count && field_node(top, "passes"))
-        diag_error(reader->diag, field_loc(reader, top, "passes"),
-                   "a pipeline has at least one pass");
+        key_error(reader, top, "passes", "a pipeline has at least one pass");
 }

@@ -52,7 +52,7 @@ static void finish_field(struct reader *reader, const struct fields *fields, voi
     if (type)
         set_type(reader, field, type, field_loc(reader, fields, "type"));
     if (count && (elements < 1 || elements > 65536))
-        diag_error(reader->diag, node_loc(reader, count), "an array has 1 to 65536 elements");
+        node_error(reader, count, "an array has 1 to 65536 elements");
     else if (count)
         field->array_count = elements;
 }
@@ -113,9 +113,8 @@ static void read_shape(struct reader *reader, const struct fields *fields, struc
     bool volume =
         size && fy_node_get_type(size) == FYNT_SEQUENCE && fy_node_sequence_item_count(size) == 3;
     if (volume && (cube || image->layers))
-        diag_error(reader->diag, field_loc(reader, fields, "size"),
-                   "`%s` has a depth, so it cannot have `%s`", image->name,
-                   cube ? "cube" : "layers");
+        key_error(reader, fields, "size", "`%s` has a depth, so it cannot have `%s`", image->name,
+                  cube ? "cube" : "layers");
     if (volume) {
         image->shape = DT_SHAPE_3D;
         image->layers = node_expr(reader, fy_node_sequence_get_by_index(size, 2));
@@ -123,8 +122,7 @@ static void read_shape(struct reader *reader, const struct fields *fields, struc
         image->shape = DT_SHAPE_CUBE_ARRAY;
     } else if (cube) {
         image->shape = DT_SHAPE_CUBE;
-        image->layers =
-            expr_parse(reader->model, "6", field_loc(reader, fields, "cube"), NULL, reader->diag);
+        image->layers = number_expr(reader, 6, field_loc(reader, fields, "cube"));
     }
 }
 
@@ -181,10 +179,10 @@ static void finish_sampler(struct reader *reader, const struct fields *fields, v
     if (points && !field_node(fields, "count"))
         diag_error(reader->diag, fields->loc, "a sampler of kind hammersley needs the key `count`");
     if (!points && field_given(fields, "border") && sampler->wrap != DT_WRAP_BORDER)
-        diag_error(reader->diag, field_loc(reader, fields, "border"),
-                   "`%s` has a border colour, but not `wrap: border`", sampler->name);
+        key_error(reader, fields, "border", "`%s` has a border colour, but not `wrap: border`",
+                  sampler->name);
     if (sampler->anisotropy < 1 || sampler->anisotropy > 16)
-        diag_error(reader->diag, field_loc(reader, fields, "anisotropy"), "anisotropy is 1 to 16");
+        key_error(reader, fields, "anisotropy", "anisotropy is 1 to 16");
 }
 
 static struct weight read_weight(struct reader *reader, const struct fields *fields,
@@ -228,7 +226,7 @@ static double read_tolerance(struct reader *reader, const struct fields *fields,
 {
     double tolerance = field_amount(reader, fields, key, 0);
     if (tolerance < 0)
-        diag_error(reader->diag, field_loc(reader, fields, key), "a tolerance cannot be negative");
+        key_error(reader, fields, key, "a tolerance cannot be negative");
     return tolerance;
 }
 
@@ -237,8 +235,7 @@ static void read_outliers(struct reader *reader, const struct fields *fields,
 {
     contract->outliers = field_amount(reader, fields, "outliers", 0);
     if (contract->outliers < 0 || contract->outliers > 1)
-        diag_error(reader->diag, field_loc(reader, fields, "outliers"),
-                   "a share is 0 to 1, or 0%% to 100%%");
+        key_error(reader, fields, "outliers", "a share is 0 to 1, or 0%% to 100%%");
 }
 
 static void read_image_contract(struct reader *reader, struct fy_node *node, struct loc loc,
@@ -278,8 +275,8 @@ static struct contract read_contract(struct reader *reader, const struct named *
     if (allowed->kind == DT_CONTRACT_OF_EXACT)
         read_outliers(reader, &fields, allowed);
     else if (field_node(&fields, "outliers"))
-        diag_error(reader->diag, field_loc(reader, &fields, "outliers"),
-                   "`outliers` is only allowed beside `of_exact`, and in `image`");
+        key_error(reader, &fields, "outliers",
+                  "`outliers` is only allowed beside `of_exact`, and in `image`");
     contract.margin = field_text(reader, &fields, "margin");
     contract.margin_loc = field_loc(reader, &fields, "margin");
     if (contract.margin && !field_node(&fields, "flips"))

@@ -137,6 +137,10 @@ bool expand_cull(struct use *use);
  * the others. */
 void document_set(struct reader *reader, const char *const *sets, size_t set_count, bool early);
 struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 0 for NULL */
+#define node_error(reader, node, ...)                                                              \
+    diag_error((reader)->diag, node_loc(reader, node), __VA_ARGS__)
+#define key_error(reader, fields, key, ...)                                                        \
+    diag_error((reader)->diag, field_loc(reader, fields, key), __VA_ARGS__)
 /* NULL where there is no such value, or no map or list. */
 struct fy_node *map_value(struct fy_node *map, const char *key);
 struct fy_node *section_of(const struct document *document, const char *key);
@@ -165,6 +169,7 @@ double field_amount(struct reader *reader, const struct fields *fields, const ch
                     double fallback);
 int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback);
 struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
+struct expr *number_expr(struct reader *reader, uint32_t value, struct loc loc);
 struct expr *node_expr(struct reader *reader, struct fy_node *node);
 /* One to four expressions; returns their number. */
 int node_exprs(struct reader *reader, struct fy_node *node, struct expr **exprs);

@@ -91,32 +91,8 @@ int table_choice(const char *choices, const char *word)
     return -1;
 }
 
-const char *table_type_text(enum key_type type)
-{
-    static const char *const texts[] = {
-        [KEY_NAME] = "a name",
-        [KEY_REFERENCE] = "a name",
-        [KEY_MEMBER] = "a name or NAME.FIELD",
-        [KEY_TEXT] = "text",
-        [KEY_BOOL] = "true or false",
-        [KEY_NUMBER] = "a number",
-        [KEY_AMOUNT] = "a number, a fraction like 5/255 or a percentage like 0.1%",
-        [KEY_INTEGER] = "an integer, 0 or more",
-        [KEY_EXPR] = "an integer expression",
-        [KEY_EXPRS] = "an integer expression or a list of 1 to 3",
-        [KEY_SIZE] = "`frame` or a list of 2 or 3 integer expressions",
-        [KEY_RECT] = "a list of 4 integer expressions: x, y, width, height",
-        [KEY_VALUE] = "a number, a bool or a list of 2 to 4 numbers",
-        [KEY_NUMBERS] = "a number or a list of 1 to 4",
-        [KEY_LENGTH] = "`scene_radius` or a number",
-        [KEY_WEIGHT] = "a number or a parameter",
-        [KEY_CHOICE] = "a word",
-        [KEY_TYPE] = "a type",
-        [KEY_NAMES] = "a list of names",
-        [KEY_FILES] = "a list of file names",
-        [KEY_BODY] = "a file name or a list of 1 or 2",
-        [KEY_LIST] = "a list of maps",
-        [KEY_MAP] = "a map",
-    };
-    return texts[type];
-}
+const struct key_type_info key_types[] = {
+#define KEY_TYPE(ENUMERATOR, ...) {__VA_ARGS__},
+#include "key_types.def"
+#undef KEY_TYPE
+};

@@ -18,33 +18,17 @@ enum section {
     SECTION_COUNT
 };
 
-/* The type of a key's value. With a child section, a map of that section is accepted as well
- * (KEY_MAP: only a map; KEY_LIST and KEY_NAMES: as elements of the list). */
 enum key_type {
-    KEY_NAME,      /* identifier */
-    KEY_REFERENCE, /* a name, perhaps of an instance: second.views */
-    KEY_MEMBER,    /* NAME or NAME.FIELD */
-    KEY_TEXT,      /* any scalar */
-    KEY_BOOL,      /* true or false */
-    KEY_NUMBER,    /* real */
-    KEY_AMOUNT,    /* real, as a number, a fraction A/B or a percentage */
-    KEY_INTEGER,   /* 0, 1, 2... */
-    KEY_EXPR,      /* integer expression */
-    KEY_EXPRS,     /* integer expression, or a list of 1 to 3 */
-    KEY_SIZE,      /* `frame`, or a list of 2 or 3 expressions */
-    KEY_RECT,      /* list of 4 expressions */
-    KEY_VALUE,     /* number, bool, or a list of 2 to 4 numbers */
-    KEY_NUMBERS,   /* number, or a list of 1 to 4 */
-    KEY_LENGTH,    /* `scene_radius`, or a number */
-    KEY_WEIGHT,    /* number, or the name of a parameter */
-    KEY_CHOICE,    /* one of the words in `choices` */
-    KEY_TYPE,      /* type of a field: a word in `choices`, or TYPE[N] */
-    KEY_NAMES,     /* list of identifiers */
-    KEY_FILES,     /* list of file names */
-    KEY_BODY,      /* file name, or a list of 1 or 2 */
-    KEY_LIST,      /* list of maps */
-    KEY_MAP
+#define KEY_TYPE(ENUMERATOR, ...) KEY_##ENUMERATOR,
+#include "key_types.def"
+#undef KEY_TYPE
 };
+
+struct key_type_info { /* see key_types.def */
+    const char *text, *scalar, *items;
+    int least, most;
+};
+extern const struct key_type_info key_types[];
 
 struct key {
     enum section section; /* begins there; such a row is no key, and has no name */
@@ -83,7 +67,4 @@ const struct key *table_section(enum section section);
 const struct key *table_find(enum section section, const char *name);
 /* Index of `word` in choices joined by `|`; -1: not found. */
 int table_choice(const char *choices, const char *word);
-/* What a value of this key must be, for messages and the reference: "an integer expression". */
-const char *table_type_text(enum key_type type);
-
 #endif
