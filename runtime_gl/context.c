@@ -368,21 +368,6 @@ bool gl_context_open(struct dt_gl_runtime *rt, const char *name)
     return gl_context_suits(rt, context_load, &rt->context) && gl_state_fix(rt);
 }
 
-void gl_context_wait_for_screen(void)
-{
-    glfwSwapInterval(1);
-}
-
-void gl_context_swap(struct dt_gl_runtime *rt)
-{
-    glfwSwapBuffers(rt->context.window);
-}
-
-void gl_context_window_size(struct dt_gl_runtime *rt, int *width, int *height)
-{
-    glfwGetFramebufferSize(rt->context.window, width, height);
-}
-
 void gl_context_close(struct dt_gl_runtime *rt)
 {
     destroy(&rt->context);

@@ -73,14 +73,6 @@ struct gl_builtin {
     GLuint texture_sampler;
 };
 
-/* Objects of present.c for the window; created on first use. */
-struct gl_present {
-    GLuint program;
-    GLuint samplers[2]; /* filtered, not filtered */
-    struct gl_buffer vertices;
-    struct gl_image textures[DT_WINDOW_TEXTURES];
-};
-
 struct gl_kept; /* state.c: the saved state of a host's context */
 
 struct dt_gl_runtime {
@@ -95,7 +87,6 @@ struct dt_gl_runtime {
     uint32_t index_count;
     GLuint scene_input, no_input; /* vertex array objects */
     GLuint nearest;               /* for bindings that name no sampler */
-    struct gl_present present;
 
     GLuint *queries;         /* two per pass and slot: begin, end; NULL without timing */
     bool recording, grouped; /* a pass has begun in this frame; its debug group is open */
@@ -120,10 +111,6 @@ bool gl_finish(struct dt_gl_runtime *rt, const char *object);
 /* Creates the context `name` and makes it current, loads rt->gl, sets the fixed state. */
 bool gl_context_open(struct dt_gl_runtime *rt, const char *name);
 bool gl_context_current(struct dt_gl_runtime *rt);
-void gl_context_wait_for_screen(void);          /* sets the swap interval to 1 */
-void gl_context_swap(struct dt_gl_runtime *rt); /* shows the window's back buffer */
-/* Size of the window's framebuffer in pixels; 0 while minimised. */
-void gl_context_window_size(struct dt_gl_runtime *rt, int *width, int *height);
 void gl_context_close(struct dt_gl_runtime *rt);
 
 /* ---- state.c --------------------------------------------------------------------------------- */
@@ -242,13 +229,7 @@ bool gl_scene_describe(struct dt_gl_runtime *rt,
                        const struct dt_gl_attribute given[DT_ATTRIBUTES]); /* creates scene_input */
 void gl_scene_destroy(struct dt_gl_runtime *rt);
 
-/* ---- present.c: the verbs of a window; readback.c -------------------------------------------- */
-
-bool gl_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
-bool gl_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
-                      const uint8_t *pixels);
-bool gl_present(struct dt_core *core, const struct dt_window_frame *frame);
-void gl_present_destroy(struct dt_gl_runtime *rt);
+/* ---- readback.c ------------------------------------------------------------------------------ */
 
 bool gl_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool gl_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);

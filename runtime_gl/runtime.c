@@ -18,7 +18,6 @@ static void runtime_close(void *runtime)
         return;
     if (rt->context.kind && gl_context_current(rt)) {
         dt_front_destroy(&rt->core);
-        gl_present_destroy(rt);
         gl_scene_destroy(rt);
         gl_builtin_destroy(rt);
     }
@@ -33,9 +32,6 @@ static void set_backend(struct dt_gl_runtime *rt)
     backend->enter = enter;
     backend->leave = NULL;
     backend->read = gl_read;
-    backend->window_copy = gl_window_copy;
-    backend->window_upload = gl_window_upload;
-    backend->present = gl_present;
     rt->core.backend = backend;
 }
 
@@ -54,10 +50,8 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->debug = options->debug;
     rt->glsl = options->glsl;
     set_backend(rt);
-    if (gl_context_open(rt, options->context) && gl_builtin_create(rt)) {
-        rt->core.window = rt->context.window;
+    if (gl_context_open(rt, options->context) && gl_builtin_create(rt))
         return rt;
-    }
     runtime_close(rt);
     return NULL;
 }
@@ -67,11 +61,6 @@ static double runtime_record_ms(void *runtime)
 {
     (void)runtime;
     return (double)NAN;
-}
-
-static void *runtime_window(void *runtime)
-{
-    return ((struct dt_gl_runtime *)runtime)->context.window;
 }
 
 const struct dt_runtime runtime_gl = {
@@ -89,10 +78,6 @@ const struct dt_runtime runtime_gl = {
     .write = dt_verb_write,
     .timings = dt_verb_timings,
     .record_ms = runtime_record_ms,
-    .window = runtime_window,
-    .window_copy = dt_verb_window_copy,
-    .window_upload = dt_verb_window_upload,
-    .present = dt_verb_present,
     .is_lost = dt_verb_is_lost,
     .messages = dt_verb_messages,
     .close = runtime_close,

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAX_DEVICES = 16, MAX_EXTENSIONS = 16 };
+enum { MAX_DEVICES = 16 };
 
 /* ---- Messages -------------------------------------------------------------------------------- */
 
@@ -30,12 +30,8 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
 static bool open_instance(struct dt_vk_runtime *rt)
 {
     static const char *const layers[] = {"VK_LAYER_KHRONOS_validation"};
-    const char *extensions[MAX_EXTENSIONS] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
-                                              VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
-    uint32_t extension_count = rt->labels + rt->debug, window_count = 0;
-    const char *const *window = rt->present.window ? vk_window_extensions(&window_count) : NULL;
-    for (uint32_t i = 0; i < window_count && extension_count < MAX_EXTENSIONS; i++)
-        extensions[extension_count++] = window[i];
+    static const char *const extensions[] = {VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
+                                             VK_EXT_VALIDATION_FEATURES_EXTENSION_NAME};
     static const VkValidationFeatureEnableEXT enabled[] = {
         VK_VALIDATION_FEATURE_ENABLE_SYNCHRONIZATION_VALIDATION_EXT,
     };
@@ -71,7 +67,7 @@ static bool open_instance(struct dt_vk_runtime *rt)
     VkInstanceCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
         .pApplicationInfo = &application,
-        .enabledExtensionCount = extension_count,
+        .enabledExtensionCount = rt->labels + rt->debug,
         .ppEnabledExtensionNames = extensions,
     };
     if (rt->debug) {
@@ -125,20 +121,6 @@ static bool no_such_device(const struct dt_vk_runtime *rt, const VkPhysicalDevic
                     wanted, list);
 }
 
-/* vk_device_suits; with a window, also whether the device can present to the window. */
-static bool device_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
-                         const struct dt_panel *panel, char *text, size_t size)
-{
-    uint32_t bits;
-    if (!vk_device_suits(rt, physical, panel, text, size))
-        return false;
-    if (!rt->present.window ||
-        vk_window_can_present(rt, physical, vk_device_queue_family(rt, physical, &bits)))
-        return true;
-    snprintf(text, size, "presentation to a window");
-    return false;
-}
-
 /* Chooses the device that the user names; without a name the first with all required features,
  * those of the panel included. */
 static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_options *options)
@@ -158,14 +140,14 @@ static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_opti
     if (chosen < 0)
         return no_such_device(rt, devices, count, wanted);
     for (uint32_t i = 0; !wanted && i < count; i++) {
-        if (device_suits(rt, devices[i], options->panel, missing, sizeof missing) &&
+        if (vk_device_suits(rt, devices[i], options->panel, missing, sizeof missing) &&
             vk_device_is_enough(rt, devices[i], options->panel, missing, sizeof missing)) {
             chosen = (int)i;
             break;
         }
     }
     vk_device_describe(rt, devices[chosen]);
-    if (!device_suits(rt, rt->physical, options->panel, missing, sizeof missing))
+    if (!vk_device_suits(rt, rt->physical, options->panel, missing, sizeof missing))
         return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another "
                         "device",
@@ -203,7 +185,6 @@ static bool open_device(struct dt_vk_runtime *rt)
         .queueCount = 1,
         .pQueuePriorities = &(float){1},
     };
-    const char *extension = rt->captures ? statistics : VK_KHR_SWAPCHAIN_EXTENSION_NAME;
     VkPhysicalDevicePipelineExecutablePropertiesFeaturesKHR captures = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PIPELINE_EXECUTABLE_PROPERTIES_FEATURES_KHR,
         .pNext = &rt->features.core,
@@ -214,8 +195,8 @@ static bool open_device(struct dt_vk_runtime *rt)
         .pNext = rt->captures ? (const void *)&captures : &rt->features.core,
         .queueCreateInfoCount = 1,
         .pQueueCreateInfos = &queue,
-        .enabledExtensionCount = rt->present.window || rt->captures,
-        .ppEnabledExtensionNames = &extension,
+        .enabledExtensionCount = rt->captures,
+        .ppEnabledExtensionNames = (const char *const[]){statistics},
     };
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device_name))
         return false;
@@ -267,10 +248,8 @@ static void link_functions(struct vk_dispatch *vk)
 
 bool vk_context_open(struct dt_vk_runtime *rt, const struct dt_runtime_options *options)
 {
-    bool window = rt->core.window;
     link_functions(&rt->vk);
-    return (!window || vk_window_open(rt)) && open_instance(rt) &&
-           (!window || vk_window_surface(rt)) && choose_device(rt, options) && open_device(rt) &&
+    return open_instance(rt) && choose_device(rt, options) && open_device(rt) &&
            (rt->captures || open_commands(rt));
 }
 
@@ -281,7 +260,6 @@ void vk_context_close(struct dt_vk_runtime *rt)
         vkDestroyCommandPool(rt->device, rt->command_pool, NULL);
         vkDestroyDevice(rt->device, NULL);
     }
-    vk_window_close(rt);
     if (rt->messenger) {
         PFN_vkDestroyDebugUtilsMessengerEXT destroy =
             (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(

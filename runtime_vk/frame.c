@@ -91,15 +91,9 @@ static bool begin_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands, c
     return true;
 }
 
-/* Submits the commands and waits. Signals `done` unless it is VK_NULL_HANDLE. */
-static bool run_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands, const char *name,
-                         VkSemaphore done)
+/* Submits the commands and waits. */
+static bool run_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands, const char *name)
 {
-    VkSemaphoreSubmitInfo signal = {
-        .sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO,
-        .semaphore = done,
-        .stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-    };
     VkCommandBufferSubmitInfo buffer = {
         .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_SUBMIT_INFO,
         .commandBuffer = commands,
@@ -108,8 +102,6 @@ static bool run_commands(struct dt_vk_runtime *rt, VkCommandBuffer commands, con
         .sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2,
         .commandBufferInfoCount = 1,
         .pCommandBufferInfos = &buffer,
-        .signalSemaphoreInfoCount = done != VK_NULL_HANDLE,
-        .pSignalSemaphoreInfos = &signal,
     };
     vk_full_barrier(rt, commands); /* the fence alone does not make writes visible to the host */
     return VK(rt, rt->vk.EndCommandBuffer(commands), name) &&
@@ -125,12 +117,7 @@ VkCommandBuffer vk_immediate_begin(struct dt_vk_runtime *rt, const char *name)
 
 bool vk_immediate_end(struct dt_vk_runtime *rt, const char *name)
 {
-    return run_commands(rt, rt->immediate_commands, name, VK_NULL_HANDLE);
-}
-
-bool vk_immediate_end_signal(struct dt_vk_runtime *rt, const char *name, VkSemaphore done)
-{
-    return run_commands(rt, rt->immediate_commands, name, done);
+    return run_commands(rt, rt->immediate_commands, name);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -173,8 +160,7 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
     memcpy(rt->builtin.live.bytes, live, size);
     memcpy((char *)rt->builtin.live.bytes + size, (const char *)pipeline->live_defaults + size,
            pipeline->block_size - size);
-    if (!record_frame(rt, live) ||
-        !run_commands(rt, rt->frame_commands, pipeline->name, VK_NULL_HANDLE))
+    if (!record_frame(rt, live) || !run_commands(rt, rt->frame_commands, pipeline->name))
         return false;
     uint32_t dropped =
         rt->drop_barrier > rt->drop_dependency ? rt->drop_barrier : rt->drop_dependency;
@@ -187,8 +173,7 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
 bool vk_frame_pause(struct dt_core *core)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
-    return run_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name,
-                        VK_NULL_HANDLE);
+    return run_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name);
 }
 
 bool vk_frame_resume(struct dt_core *core)

@@ -86,27 +86,6 @@ struct vk_builtin {
     VkSampler texel_sampler;   /* for texelFetch, without filtering */
 };
 
-enum { VK_MAX_WINDOW_IMAGES = 8 };
-
-/* The window, and objects of present.c, created on first use. */
-struct vk_present {
-    void *window; /* GLFWwindow; NULL: no window */
-    bool owns_glfw;
-    VkSurfaceKHR surface;
-    VkSwapchainKHR swapchain; /* null: created before the next frame */
-    VkFormat format;
-    bool can_be_read; /* images of the swapchain can be copied from */
-    uint32_t width, height, image_count;
-    VkImage images[VK_MAX_WINDOW_IMAGES];
-    VkImageView views[VK_MAX_WINDOW_IMAGES];
-    VkSemaphore drawn[VK_MAX_WINDOW_IMAGES]; /* per image: drawing has finished */
-    VkFence acquired;
-    VkSampler samplers[2]; /* filtered, not filtered */
-    struct vk_buffer vertices;
-    struct vk_image textures[DT_WINDOW_TEXTURES];
-    struct vk_program programs[DT_WINDOW_TEXTURES]; /* identical except for their bindings */
-};
-
 struct vk_features {
     VkPhysicalDeviceFeatures2 core; /* chains the others */
     VkPhysicalDeviceVulkan11Features vulkan11;
@@ -154,7 +133,6 @@ struct dt_vk_runtime {
     PFN_vkCmdEndDebugUtilsLabelEXT end_label;
     PFN_vkSetDebugUtilsObjectNameEXT set_name;
 
-    struct vk_present present;
     struct vk_buffer staging; /* for copies to and from the device; grows on demand */
     struct vk_builtin builtin;
     uint32_t index_count; /* of the scene */
@@ -226,7 +204,6 @@ void vk_device_describe(struct dt_vk_runtime *rt, VkPhysicalDevice physical);
 
 /* ---- Context (context.c) --------------------------------------------------------------------- */
 
-/* With rt->core.window also opens a window. */
 bool vk_context_open(struct dt_vk_runtime *rt, const struct dt_runtime_options *options);
 void vk_context_close(struct dt_vk_runtime *rt); /* also after a failed open */
 
@@ -352,8 +329,6 @@ void vk_program_bind(const struct dt_vk_runtime *rt, const struct vk_program *pr
  * submits and waits. Full barriers order them against work before and after. */
 VkCommandBuffer vk_immediate_begin(struct dt_vk_runtime *rt, const char *name);
 bool vk_immediate_end(struct dt_vk_runtime *rt, const char *name);
-/* The same, and signals the semaphore. */
-bool vk_immediate_end_signal(struct dt_vk_runtime *rt, const char *name, VkSemaphore done);
 
 /* Orders all earlier commands before all later ones; makes writes visible, also to the host. */
 void vk_full_barrier(const struct dt_vk_runtime *rt, VkCommandBuffer commands);
@@ -381,7 +356,7 @@ extern const struct dt_runtime runtime_vk; /* runtime.c */
 bool vk_builtin_create(struct dt_vk_runtime *rt); /* all except the live block and the scene */
 void vk_builtin_destroy(struct dt_vk_runtime *rt);
 
-/* ---- For the app: read-back (readback.c), scene (scene.c), the window (present.c) ------------ */
+/* ---- For the app: read-back (readback.c), scene (scene.c) ------------------------------------- */
 
 /* Functions of struct dt_backend. */
 bool vk_read(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
@@ -390,21 +365,6 @@ bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struc
 bool vk_scene_attributes(struct dt_vk_runtime *rt,
                          const struct dt_vk_attribute given[DT_ATTRIBUTES]);
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene);
-bool vk_window_copy(struct dt_core *core, uint32_t texture, uint32_t resource);
-bool vk_window_upload(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
-                      const uint8_t *pixels);
-bool vk_present(struct dt_core *core, const struct dt_window_frame *frame);
-
 void vk_scene_destroy(struct dt_vk_runtime *rt);
-
-bool vk_window_open(struct dt_vk_runtime *rt); /* before the instance */
-/* The instance extensions that surfaces need. */
-const char *const *vk_window_extensions(uint32_t *count);
-bool vk_window_surface(
-    struct dt_vk_runtime *rt); /* after the instance; also after a lost surface */
-bool vk_window_can_present(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
-                           uint32_t family);
-void vk_present_destroy(struct dt_vk_runtime *rt); /* before the device */
-void vk_window_close(struct dt_vk_runtime *rt);    /* after the device, before the instance */
 
 #endif

@@ -4,7 +4,6 @@
 
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 static void runtime_close(void *runtime)
 {
@@ -13,7 +12,6 @@ static void runtime_close(void *runtime)
         return;
     dt_front_destroy(&rt->core);
     if (rt->device) {
-        vk_present_destroy(rt);
         vk_scene_destroy(rt);
         vk_builtin_destroy(rt);
         vk_buffer_destroy(rt, &rt->staging);
@@ -34,9 +32,6 @@ static void set_backend(struct dt_vk_runtime *rt)
     backend->resume = vk_frame_resume;
     backend->read = vk_read;
     backend->write = vk_write;
-    backend->window_copy = vk_window_copy;
-    backend->window_upload = vk_window_upload;
-    backend->present = vk_present;
     rt->core.backend = backend;
 }
 
@@ -52,7 +47,6 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->core.timing = options->timing;
     rt->core.poison = options->poison;
     rt->core.keep_history = options->keep_history;
-    rt->core.window = options->context && strcmp(options->context, "window") == 0;
     rt->debug = options->debug;
     rt->labels = options->debug || options->labels;
     rt->drop_barrier = options->drop_barrier;
@@ -67,11 +61,6 @@ static double runtime_record_ms(void *runtime)
 {
     const struct dt_vk_runtime *rt = runtime;
     return rt->core.rendered ? rt->record_ms : NAN;
-}
-
-static void *runtime_window(void *runtime)
-{
-    return ((struct dt_vk_runtime *)runtime)->present.window;
 }
 
 const struct dt_runtime runtime_vk = {
@@ -89,10 +78,6 @@ const struct dt_runtime runtime_vk = {
     .write = dt_verb_write,
     .timings = dt_verb_timings,
     .record_ms = runtime_record_ms,
-    .window = runtime_window,
-    .window_copy = dt_verb_window_copy,
-    .window_upload = dt_verb_window_upload,
-    .present = dt_verb_present,
     .is_lost = dt_verb_is_lost,
     .messages = dt_verb_messages,
     .close = runtime_close,

@@ -71,7 +71,7 @@ static const struct option_row rows[] = {
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
      "backends to measure in turn, like gl,vk,zink (default: gl,vk)"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_VIEW, 0, "NAME|both",
-     "one to three backends, like gl,vk,vk@NAME; the first draws the window, and is compared with "
+     "one to three backends, like gl,vk,vk@NAME; the first is compared with "
      "each of the others (default: both, gl,vk)"},
     {"-o", OPTION_STRING, AT(output), VERB_RENDER, 0, "FILE",
      "picture: .exr linear, .png tone-mapped; with %04d in the name, one for each frame; not "

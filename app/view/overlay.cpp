@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <imgui/backends/imgui_impl_glfw.h>
+#include <imgui/backends/imgui_impl_opengl3.h>
 
 struct overlay *overlay_open(void *window)
 {
@@ -18,15 +19,16 @@ struct overlay *overlay_open(void *window)
     overlay->context = ImGui::CreateContext();
     ImGui::SetCurrentContext(overlay->context);
     ImGui::GetIO().IniFilename = nullptr; /* no imgui.ini */
-    ImGui_ImplGlfw_InitForOther(static_cast<GLFWwindow *>(window), true);
+    ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), true);
+    ImGui_ImplOpenGL3_Init("#version 410 core");
+    ImGui_ImplOpenGL3_CreateDeviceObjects();
     return overlay;
 }
 
 void overlay_close(struct overlay *overlay)
 {
-    if (!overlay)
-        return;
     ImGui::SetCurrentContext(overlay->context);
+    ImGui_ImplOpenGL3_Shutdown();
     ImGui_ImplGlfw_Shutdown();
     ImGui::DestroyContext(overlay->context);
     delete overlay;
@@ -63,13 +65,11 @@ static void set_style(float size)
     ImGui::GetStyle() = style;
 }
 
-const uint8_t *overlay_atlas(struct overlay *overlay, float size, uint32_t *width, uint32_t *height)
+void overlay_fonts(struct overlay *overlay, float size)
 {
-    unsigned char *pixels = nullptr;
-    int extent[2];
     ImGui::SetCurrentContext(overlay->context);
     if (size == overlay->font_size)
-        return nullptr;
+        return;
     overlay->font_size = size;
     ImFontAtlas *fonts = ImGui::GetIO().Fonts;
     fonts->Clear();
@@ -77,10 +77,8 @@ const uint8_t *overlay_atlas(struct overlay *overlay, float size, uint32_t *widt
     overlay->large = add_font("DejaVuSans-Bold", std::round(size * 1.5f));
     overlay->mono = add_font("DejaVuSansMono", size);
     set_style(size);
-    fonts->GetTexDataAsRGBA32(&pixels, &extent[0], &extent[1]);
-    *width = static_cast<uint32_t>(extent[0]);
-    *height = static_cast<uint32_t>(extent[1]);
-    return pixels;
+    ImGui_ImplOpenGL3_DestroyFontsTexture();
+    ImGui_ImplOpenGL3_CreateFontsTexture();
 }
 
 /* ---- Parts ----------------------------------------------------------------------------------- */
@@ -549,40 +547,6 @@ static void panes(struct overlay *overlay, struct overlay_model *model)
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-/* ImGui's indexed lists as plain triangles. */
-static void take_triangles(struct overlay *overlay, const ImDrawData *data)
-{
-    static_assert(sizeof(ImDrawVert) == sizeof(dt_window_vertex), "the same layout");
-    const ImVec2 scale = data->FramebufferScale;
-    overlay->vertices.clear();
-    overlay->draws.clear();
-    for (int i = 0; i < data->CmdListsCount; i++) {
-        const ImDrawList *list = data->CmdLists[i];
-        for (const ImDrawCmd &command : list->CmdBuffer) {
-            dt_window_draw draw = {};
-            const ImVec4 &clip = command.ClipRect;
-            const float edges[4] = {clip.x * scale.x, clip.y * scale.y, clip.z * scale.x,
-                                    clip.w * scale.y};
-            for (int k = 0; k < 4; k++)
-                draw.clip[k] = static_cast<int32_t>(edges[k]);
-            draw.texture = static_cast<uint32_t>((uintptr_t)command.GetTexID());
-            draw.first = static_cast<uint32_t>(overlay->vertices.size());
-            draw.count = command.ElemCount;
-            overlay->draws.push_back(draw);
-            for (unsigned k = 0; k < command.ElemCount; k++) {
-                const ImDrawIdx index = list->IdxBuffer[static_cast<int>(command.IdxOffset + k)];
-                const ImDrawVert &from =
-                    list->VtxBuffer[static_cast<int>(command.VtxOffset + index)];
-                dt_window_vertex vertex;
-                std::memcpy(&vertex, &from, sizeof vertex);
-                vertex.position[0] *= scale.x;
-                vertex.position[1] *= scale.y;
-                overlay->vertices.push_back(vertex);
-            }
-        }
-    }
-}
-
 void overlay_build(struct overlay *overlay, struct overlay_model *model)
 {
     ImGui::SetCurrentContext(overlay->context);
@@ -597,17 +561,12 @@ void overlay_build(struct overlay *overlay, struct overlay_model *model)
     if (model->settings->hidden && model->error)
         error_alone(overlay, model->error_title, model->error);
     ImGui::Render();
-    take_triangles(overlay, ImGui::GetDrawData());
 }
 
-struct dt_window_frame overlay_frame(const struct overlay *overlay)
+void overlay_draw(const struct overlay *overlay)
 {
-    struct dt_window_frame frame = {};
-    frame.vertices = overlay->vertices.data();
-    frame.vertex_count = static_cast<uint32_t>(overlay->vertices.size());
-    frame.draws = overlay->draws.data();
-    frame.draw_count = static_cast<uint32_t>(overlay->draws.size());
-    return frame;
+    ImGui::SetCurrentContext(overlay->context);
+    ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
 }
 
 void overlay_room(const struct overlay *overlay, uint32_t size[2])

@@ -40,7 +40,8 @@ struct overlay_side {
     const double *pass_ms; /* NAN: skipped; NULL: no frame yet */
     double frame_ms;
     const struct dt_bytes *bytes; /* of the shown resource, all layers; no data: not read */
-    bool flipped;                 /* its texture's row 0 is at the bottom */
+    unsigned texture;             /* OpenGL's name of its picture */
+    bool flipped;                 /* the texture's row 0 is at the bottom */
 };
 
 /* What a GPU makes of a pass. */
@@ -127,19 +128,17 @@ struct overlay_model {
 
 struct overlay;
 
-/* For a GLFWwindow; set its own callbacks before. NULL when out of memory. */
+/* For a GLFWwindow, whose OpenGL context is current in the calls of this file; set its own callbacks
+ * before. NULL when out of memory. */
 struct overlay *overlay_open(void *window);
-void overlay_close(struct overlay *overlay); /* takes NULL; before the window goes */
+void overlay_close(struct overlay *overlay); /* before the window goes */
 
-/* The texture that its draws name 0: RGBA8; lives until the next call. Makes the fonts in that size
- * when it is another than before; NULL: they are as they were. */
-const uint8_t *overlay_atlas(struct overlay *overlay, float size, uint32_t *width,
-                             uint32_t *height);
+/* Makes the fonts in that size, if it is another than before. */
+void overlay_fonts(struct overlay *overlay, float size);
 
 /* Builds the window of a frame; what the user did is in the model afterwards. */
 void overlay_build(struct overlay *overlay, struct overlay_model *model);
-/* The last one's triangles, in pixels of the window; live until the next build. */
-struct dt_window_frame overlay_frame(const struct overlay *overlay);
+void overlay_draw(const struct overlay *overlay); /* what was built last */
 
 /* Of the last build: the room for each side's picture, in pixels. */
 void overlay_room(const struct overlay *overlay, uint32_t size[2]);

@@ -2,8 +2,6 @@
 #ifndef DIPTYCH_OVERLAY_PARTS_H
 #define DIPTYCH_OVERLAY_PARTS_H
 
-#include <vector>
-
 #include <imgui/imgui.h>
 
 extern "C" {
@@ -19,8 +17,6 @@ struct box {
 
 struct overlay {
     ImGuiContext *context;
-    std::vector<dt_window_vertex> vertices;
-    std::vector<dt_window_draw> draws;
     float font_size;
     ImFont *text, *large, *mono;
     float em; /* height of a line of text */

@@ -337,9 +337,9 @@ static struct place place_in(struct overlay *overlay, const uint32_t size[2], st
 }
 
 /* ImGui's name of a texture is a pointer, or a number in later versions. */
-static ImTextureID texture_of(uint32_t side)
+static ImTextureID texture_of(const struct overlay_side *side)
 {
-    const uintptr_t number = 1 + side;
+    const uintptr_t number = side->texture;
     ImTextureID texture;
     static_assert(sizeof texture == sizeof number, "of one size");
     std::memcpy(&texture, &number, sizeof texture);
@@ -355,7 +355,7 @@ static void draw_part(const struct overlay_model *model, uint32_t side, const ui
     float h = static_cast<float>(size[1]) * place.factor;
     bool flipped = model->sides[side].flipped;
     list->PushClipRect(ImVec2(room.x, room.y), ImVec2(room.x + room.w, room.y + room.h));
-    list->AddImage(texture_of(side), ImVec2(place.x + w * from, place.y),
+    list->AddImage(texture_of(&model->sides[side]), ImVec2(place.x + w * from, place.y),
                    ImVec2(place.x + w * to, place.y + h), ImVec2(from, flipped ? 1.0f : 0.0f),
                    ImVec2(to, flipped ? 0.0f : 1.0f));
     list->PopClipRect();

@@ -35,7 +35,6 @@ static bool read_sides(struct view *view)
         report_error(log, "--backend %s: only gl and vk can draw into a window", first->label);
         return false;
     }
-    first->context = "window";
     view->side_count = view->sides.count;
     return true;
 }
@@ -68,15 +67,11 @@ bool view_open_side(struct view *view, uint32_t index)
 }
 
 /* Letters in the size of the user's settings, on a screen of this density. */
-static bool set_fonts(struct view *view)
+static void set_fonts(struct view *view)
 {
-    const struct session *window = &view->side[0].session;
     float density[2] = {1, 1};
-    uint32_t width, height;
     glfwGetWindowContentScale(view->window, &density[0], &density[1]);
-    const uint8_t *atlas = overlay_atlas(
-        view->overlay, roundf(view->settings.font * fmaxf(density[0], 1)), &width, &height);
-    return !atlas || window->runtime->window_upload(window->handle, 0, width, height, atlas);
+    overlay_fonts(view->overlay, roundf(view->settings.font * fmaxf(density[0], 1)));
 }
 
 static bool open_overlay(struct view *view)
@@ -86,21 +81,8 @@ static bool open_overlay(struct view *view)
         report_error(&view->console->log, "out of memory for the overlay");
         return false;
     }
-    return set_fonts(view);
-}
-
-bool view_open_window(struct view *view, int width, int height)
-{
-    char *title =
-        format_string("diptych: %s, %s", view->pipeline.info->name,
-                      view->options->setup.scene ? view->options->setup.scene : "no scene");
-    view->window = view->side[0].session.runtime->window(view->side[0].session.handle);
-    glfwSetWindowTitle(view->window, title ? title : "diptych");
-    glfwSetWindowSize(view->window, width, height);
-    glfwShowWindow(view->window);
-    free(title);
-    view_input_open(view);
-    return open_overlay(view);
+    set_fonts(view);
+    return true;
 }
 
 /* As the options say, else as the last one was, if the screen has that room. */
@@ -116,6 +98,36 @@ static void choose_window(const struct view *view, int size[2])
         if (!given[i] && room[i] > 0 && size[i] > room[i])
             size[i] = room[i];
     }
+}
+
+bool view_open_window(struct view *view, int width, int height)
+{
+    int size[2] = {width, height};
+    view->screen = gl_window_open(view->console->log, view->options->setup.debug);
+    if (!view->screen)
+        return false;
+    char *title =
+        format_string("diptych: %s, %s", view->pipeline.info->name,
+                      view->options->setup.scene ? view->options->setup.scene : "no scene");
+    view->window = gl_window_handle(view->screen);
+    if (!width)
+        choose_window(view, size);
+    glfwSetWindowTitle(view->window, title ? title : "diptych");
+    glfwSetWindowSize(view->window, size[0], size[1]);
+    glfwShowWindow(view->window);
+    free(title);
+    view_input_open(view);
+    return open_overlay(view);
+}
+
+void view_close_window(struct view *view)
+{
+    if (view->overlay && gl_window_begin(view->screen))
+        overlay_close(view->overlay);
+    view->overlay = NULL;
+    view->noisy |= view->screen && gl_window_messages(view->screen);
+    gl_window_close(view->screen);
+    view->screen = NULL;
 }
 
 /* Without any option, the Cornell Box and both backends, if there are two. */
@@ -139,7 +151,6 @@ static bool open_view(struct view *view)
 {
     const struct options *options = view->options;
     const struct dt_log *log = &view->console->log;
-    int size[2];
     view_settings_read(&view->settings);
     view->backend_given = options->setup.backend;
     if (!options->setup.spec && !options->setup.scene)
@@ -155,10 +166,7 @@ static bool open_view(struct view *view)
         return false;
     view->moving = view->scene.motion;
     memcpy(view->size, options->setup.size, sizeof view->size);
-    if (!open_sides(view))
-        return false;
-    choose_window(view, size);
-    if (!view_open_window(view, size[0], size[1]))
+    if (!open_sides(view) || !view_open_window(view, 0, 0))
         return false;
     view->own.setup.for_gpu = true; /* of later plans, where no side takes the other */
     for (uint32_t i = 0; i < view->side_count; i++)
@@ -318,13 +326,13 @@ bool view_render(struct view *view)
 
 bool view_present(struct view *view, struct dt_bytes *photo)
 {
-    const struct session *window = &view->side[0].session;
-    struct dt_window_frame frame;
-    if (!set_fonts(view) || !view_overlay_build(view))
+    if (!gl_window_begin(view->screen))
         return false;
-    frame = overlay_frame(view->overlay);
-    frame.photo = photo;
-    return window->runtime->present(window->handle, &frame);
+    set_fonts(view);
+    if (!view_overlay_build(view))
+        return false;
+    overlay_draw(view->overlay);
+    return gl_window_end(view->screen, photo);
 }
 
 static void fit_range(struct view *view)
@@ -376,9 +384,9 @@ static bool is_over(const struct view *view)
 /* Whether no frame runs: paused, or a reload on a software driver, which frames would slow down. */
 static bool rests(const struct view *view)
 {
-    const struct session *window = &view->side[0].session;
+    const struct session *first = &view->side[0].session;
     return (view->paused && !view->step) ||
-           (view->reloading && window->runtime->is_software(window->handle));
+           (view->reloading && first->runtime->is_software(first->handle));
 }
 
 static bool run_frame(struct view *view)
@@ -438,10 +446,6 @@ static bool run_window(struct view *view)
 void view_close_side(struct view *view, uint32_t index)
 {
     struct view_side *side = &view->side[index];
-    if (index == 0) { /* over its window */
-        overlay_close(view->overlay);
-        view->overlay = NULL;
-    }
     if (side->session.handle && !session_is_silent(&side->session))
         view->noisy = true;
     session_close(&side->session);
@@ -450,7 +454,7 @@ void view_close_side(struct view *view, uint32_t index)
 
 static void close_sides(struct view *view)
 {
-    for (uint32_t i = view->side_count; i-- > 0;) { /* last: it owns the window */
+    for (uint32_t i = view->side_count; i-- > 0;) {
         view_close_side(view, i);
         view_times_free(&view->side[i].times);
     }
@@ -487,6 +491,7 @@ int verb_view(struct console *console, const struct options *options)
     view_waves_end(&view);
     reload_stop(view.reload);
     close_sides(&view);
+    view_close_window(&view);
     view_outline_forget(&view);
     view_params_free(&view.params);
     view_verdict_free(&view.verdict);

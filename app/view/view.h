@@ -13,6 +13,7 @@
 #include "result/picture.h"
 #include "run/session.h"
 #include "run/undefined.h"
+#include "runtime_gl/window.h"
 #include "view/overlay.h"
 #include "result/points.h"
 
@@ -88,14 +89,14 @@ struct view_log {
     uint32_t seen_lines;
 };
 
-/* A backend at work. The first one has the window. */
+/* A backend at work. */
 struct view_side {
     struct session session;
     struct view_times times;
     struct dt_bytes shown; /* content of the shown resource after the last frame; owned */
     /* content of the buffers and labels of shown points, by source; owned */
     struct dt_bytes elements[VIEW_MAX_SOURCES], labels[VIEW_MAX_SOURCES];
-    struct picture picture; /* its picture; no codes while copied on the device */
+    struct picture picture; /* of what is shown; no codes while `direct` */
 };
 
 struct view {
@@ -108,6 +109,7 @@ struct view {
     struct scene scene; /* its camera flies */
     struct view_side side[VIEW_SIDES];
     uint32_t side_count;
+    struct gl_window *screen; /* what OpenGL draws, in its window: */
     GLFWwindow *window;
     struct overlay *overlay;
     struct overlay_settings settings;
@@ -143,7 +145,7 @@ struct view {
     uint32_t points_count;
 
     /* As of the last frame. */
-    bool direct; /* the first side's texture is a copy of its display output, row 0 at the bottom */
+    bool direct;      /* textures are display outputs as they were read, row 0 at the bottom */
     uint32_t size[2]; /* of the pipeline's frame */
     struct dt_view camera;
     uint32_t window_size[2], fitted[2]; /* fitted: of the window that the frame's size is for */
@@ -169,16 +171,18 @@ struct view {
 /* ---- view.c ---------------------------------------------------------------------------------- */
 
 bool view_render(struct view *view); /* a frame on every side, and its pictures */
-/* Opens one side's device, scene and pipeline; for the first side also window and overlay. */
+/* Opens one side's device, scene and pipeline. */
 bool view_open_side(struct view *view, uint32_t index);
+/* Window and overlay. A size of 0: as options, settings and screen say. */
 bool view_open_window(struct view *view, int width, int height);
+void view_close_window(struct view *view);               /* also takes a closed one */
 void view_close_side(struct view *view, uint32_t index); /* also takes a closed one */
-/* Shows the window. `photo`: see struct dt_window_frame; NULL: none. */
+/* Shows the window. `photo`: see gl_window_end. */
 bool view_present(struct view *view, struct dt_bytes *photo);
 
 /* ---- view_revive.c --------------------------------------------------------------------------- */
 
-/* After a failure: reopens lost devices. False when none was lost, or it does not come back. */
+/* After a failure: reopens lost devices, and the window. False when none was lost, or it does not come back. */
 bool view_revive(struct view *view);
 
 /* ---- view_input.c ---------------------------------------------------------------------------- */

@@ -108,8 +108,8 @@ static void fill_side(const struct view *view, uint32_t index, struct overlay_si
         .pass_ms = times->frames ? times->pass_ms + (size_t)last * times->passes : NULL,
         .frame_ms = last_frame_ms(times),
         .bytes = &from->shown,
-        .flipped = view->direct && index == 0 &&
-                   !view->pipeline.info->resources[view->shown.resource].top};
+        .texture = gl_window_texture(view->screen, index),
+        .flipped = view->direct && !view->pipeline.info->resources[view->shown.resource].top};
 }
 
 static void fill_log(struct view *view, struct overlay_model *model)

@@ -1,5 +1,5 @@
-/* Pictures of a frame: read from each side, and converted to codes if necessary. The display output of a single side, or of the first of two side by side, stays on the
- * device that has the window. */
+/* Pictures of a frame: read from each side, converted to codes if necessary, and uploaded to the
+ * window. */
 #include "view/view.h"
 
 #include <stdlib.h>
@@ -76,7 +76,7 @@ static bool is_difference(const struct view *view)
     return view->side_count > 1 && view->shown.mode == OVERLAY_DIFFERENCE;
 }
 
-/* Whether the pipeline's display output is shown from device memory. */
+/* Whether the pipeline's display output is shown as it is. */
 static bool is_direct(const struct view *view)
 {
     const struct dt_pipeline *info = view->pipeline.info;
@@ -210,43 +210,40 @@ static bool make_pictures(struct view *view)
 
 static bool upload(const struct view *view, uint32_t index)
 {
-    const struct session *window = &view->side[0].session;
     const struct picture *picture = &view->side[index].picture;
     size_t count = (size_t)picture->width * picture->height;
     uint8_t *pixels = malloc(count * 4 + 1);
     if (!pixels) {
-        report_error(&window->log, "window: out of memory for a picture");
+        report_error(&view->console->log, "window: out of memory for a picture");
         return false;
     }
     for (size_t i = 0; i < count; i++) {
         memcpy(pixels + 4 * i, picture->codes + 3 * i, 3);
         pixels[4 * i + 3] = 255;
     }
-    bool good = window->runtime->window_upload(window->handle, 1 + index, picture->width,
-                                               picture->height, pixels);
+    bool good = gl_window_upload(view->screen, index, picture->width, picture->height, pixels);
     free(pixels);
     return good;
 }
 
+static bool upload_directly(const struct view *view, uint32_t index)
+{
+    const struct dt_bytes *shown = &view->side[index].shown;
+    return gl_window_upload(view->screen, index, shown->extent[0], shown->extent[1], shown->data);
+}
+
 bool view_pictures(struct view *view)
 {
-    const struct session *window = &view->side[0].session;
-    uint32_t first = is_direct(view) ? 1 : 0;
-    view->direct = first > 0;
-    if (view->direct) {
-        view_forget(&view->side[0]);
-        if (!window->runtime->window_copy(window->handle, 1, view->shown.resource))
-            return false;
-    }
-    for (uint32_t i = first; i < view->side_count; i++)
-        if (!make_picture(view, &view->side[i]))
+    view->direct = is_direct(view);
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (view->direct ? !view_read(view, &view->side[i]) : !make_picture(view, &view->side[i]))
             return false;
     if (!is_image(view))
         return true;
     if (is_difference(view))
         make_differences(view);
-    for (uint32_t i = first; i < view->side_count; i++)
-        if (!upload(view, i))
+    for (uint32_t i = 0; i < view->side_count; i++)
+        if (view->direct ? !upload_directly(view, i) : !upload(view, i))
             return false;
     return true;
 }

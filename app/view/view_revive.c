@@ -1,5 +1,5 @@
 /* Reopens a lost device: a pass ran too long, or another program's work brought the driver down.
- * The window closes with its device and reopens at its place. */
+ * A window whose context is lost closes, and reopens at its place. */
 #include "view/view.h"
 
 /* Fewest frames between two unrelated losses; with fewer, the pipeline is the likely cause. */
@@ -25,14 +25,17 @@ static bool is_lost(const struct view_side *side)
 
 static bool reopen(struct view *view, uint32_t index)
 {
-    struct window_place place = find_window_place(view->window);
     report_message(&view->side[index].session.log, DT_WARNING,
                    "reopening the device; resources with history start from zero");
     view_close_side(view, index);
-    if (!view_open_side(view, index))
-        return false;
-    if (index > 0)
-        return true;
+    return view_open_side(view, index);
+}
+
+static bool reopen_window(struct view *view)
+{
+    struct window_place place = find_window_place(view->window);
+    report_message(&view->console->log, DT_WARNING, "reopening the window");
+    view_close_window(view);
     if (!view_open_window(view, place.width, place.height))
         return false;
     glfwSetWindowPos(view->window, place.left, place.top);
@@ -76,7 +79,7 @@ static bool has_patience(struct view *view)
 
 bool view_revive(struct view *view)
 {
-    bool lost[VIEW_SIDES] = {false}, any = false;
+    bool lost[VIEW_SIDES] = {false}, window = gl_window_is_lost(view->screen), any = window;
     for (uint32_t i = 0; i < view->side_count; i++)
         any = (lost[i] = is_lost(&view->side[i])) || any;
     if (!any || !has_patience(view))
@@ -84,6 +87,8 @@ bool view_revive(struct view *view)
     for (uint32_t i = 0; i < view->side_count; i++)
         if (lost[i] && !reopen(view, i))
             return false;
+    if (window && !reopen_window(view))
+        return false;
     view->time = glfwGetTime();
     return start_over(view);
 }

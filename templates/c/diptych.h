@@ -336,7 +336,7 @@ struct dt_runtime_options {
     /* vk: of the first pipeline; the device must have the features that its passes need. NULL: those
      * that every pipeline needs */
     const struct dt_panel *panel;
-    /* gl: "egl" (NULL), "osmesa", "zink" (with GALLIUM_DRIVER=zink set) or "window"; vk: NULL or "window" */
+    /* gl: "egl" (NULL), "osmesa", "zink" (with GALLIUM_DRIVER=zink set) or "window", a hidden one */
     const char *context;
     bool debug;  /* validation with synchronization checking; KHR_debug */
     bool labels; /* vk: names for debuggers, as `debug` gives; gl has them always */
@@ -378,36 +378,6 @@ struct dt_observer {
     void *user;
 };
 
-/* ---- Windows --------------------------------------------------------------------------------- */
-
-/* A window shows triangles over black, blended by alpha. Each draw has one texture, multiplied with
- * the vertex colours. Texture 0 is the overlay, with filtering; the others are pictures, without
- * filtering. */
-enum { DT_WINDOW_TEXTURES = 4 };
-
-struct dt_window_vertex {
-    float position[2]; /* pixels of the window, from its top left corner */
-    float uv[2];       /* (0, 0) is the first texel of row 0 */
-    uint8_t color[4];  /* R, G, B, A */
-};
-static_assert(sizeof(struct dt_window_vertex) == 20, "five scalars, no padding");
-
-struct dt_window_draw {
-    uint32_t texture;
-    uint32_t first, count; /* vertices; three per triangle */
-    int32_t clip[4];       /* left, top, right, bottom: pixels of the window */
-};
-
-struct dt_window_frame {
-    const struct dt_window_vertex *vertices;
-    uint32_t vertex_count;
-    const struct dt_window_draw *draws;
-    uint32_t draw_count;
-    /* NULL, or gets what is shown: RGBA8, row 0 at the top, in its width and height; left as it is
-     * while nothing is shown. The caller frees its data */
-    struct dt_bytes *photo;
-};
-
 /* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the pointer
  * that open returned. */
 struct dt_runtime {
@@ -436,15 +406,6 @@ struct dt_runtime {
     /* CPU milliseconds that the calling thread spent on recording the last frame, without
      * submission; NAN if commands run during recording, or with an observer. */
     double (*record_ms)(void *runtime);
-    /* The next four need context "window". Returns the GLFWwindow, hidden at first. The caller
-     * handles its events; only the main thread may use it. */
-    void *(*window)(void *runtime);
-    /* Fill a texture from an RGBA8 image of the pipeline, or from rows of RGBA8. */
-    bool (*window_copy)(void *runtime, uint32_t texture, uint32_t resource);
-    bool (*window_upload)(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
-                          const uint8_t *pixels);
-    /* Draws and shows, or does nothing while the window has no pixels. */
-    bool (*present)(void *runtime, const struct dt_window_frame *frame);
     /* Whether a verb has failed because the device or context was lost. Then only close works;
      * opening a new runtime may help. */
     bool (*is_lost)(void *runtime);

@@ -1352,47 +1352,6 @@ bool dt_verb_timings(void *runtime, double *pass_ms)
     return dt_front_timings(runtime, 0, pass_ms);
 }
 
-static bool has_window(const struct dt_core *core, const char *verb, uint32_t texture)
-{
-    if (!core->window)
-        return dt_error(core, "%s: the %s runtime was opened without a window", verb,
-                        core->backend->api);
-    return texture < DT_WINDOW_TEXTURES ||
-           dt_error(core, "%s: a window has only %d textures, not number %u", verb,
-                    DT_WINDOW_TEXTURES, texture);
-}
-
-bool dt_verb_window_copy(void *runtime, uint32_t texture, uint32_t resource)
-{
-    struct dt_core *core = runtime;
-    struct dt_bytes shape;
-    if (!has_window(core, "window_copy", texture) ||
-        !dt_front_find(core, "window_copy", resource, 0, &shape))
-        return false;
-    const struct dt_resource *image = &core->pipeline->resources[resource];
-    if (image->kind != DT_IMAGE || image->format != DT_FORMAT_RGBA8 || image->layered)
-        return dt_error(
-            core, "window_copy %s: not an RGBA8 image without layers; use read and window_upload",
-            image->name);
-    return leave(core, enter(core) && core->backend->window_copy(core, texture, resource));
-}
-
-bool dt_verb_window_upload(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
-                           const uint8_t *pixels)
-{
-    struct dt_core *core = runtime;
-    return has_window(core, "window_upload", texture) &&
-           leave(core,
-                 enter(core) && core->backend->window_upload(core, texture, width, height, pixels));
-}
-
-bool dt_verb_present(void *runtime, const struct dt_window_frame *frame)
-{
-    struct dt_core *core = runtime;
-    return has_window(core, "present", 0) &&
-           leave(core, enter(core) && core->backend->present(core, frame));
-}
-
 bool dt_verb_is_lost(void *runtime)
 {
     return ((struct dt_core *)runtime)->lost;

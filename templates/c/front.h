@@ -21,7 +21,7 @@ struct dt_core {
     bool software; /* the driver runs on the CPU */
     enum dt_target_device target;
     bool hosted; /* the host owns device or context */
-    bool timing, window;
+    bool timing;
     bool keep_history; /* over resize and create, where a resource has the same name and layout */
     int poison;        /* see struct dt_runtime_options */
     uint32_t messages; /* of validation or KHR_debug so far */
@@ -126,11 +126,6 @@ struct dt_backend {
     bool (*write)(struct dt_core *core, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes);
     bool (*timings)(struct dt_core *core, uint32_t slot, double *pass_ms);
-
-    bool (*window_copy)(struct dt_core *core, uint32_t texture, uint32_t resource);
-    bool (*window_upload)(struct dt_core *core, uint32_t texture, uint32_t width, uint32_t height,
-                          const uint8_t *pixels);
-    bool (*present)(struct dt_core *core, const struct dt_window_frame *frame);
 };
 
 /* ---- Messages -------------------------------------------------------------------------------- */
@@ -253,10 +248,6 @@ bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *liv
 bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
 bool dt_verb_timings(void *runtime, double *pass_ms);
-bool dt_verb_window_copy(void *runtime, uint32_t texture, uint32_t resource);
-bool dt_verb_window_upload(void *runtime, uint32_t texture, uint32_t width, uint32_t height,
-                           const uint8_t *pixels);
-bool dt_verb_present(void *runtime, const struct dt_window_frame *frame);
 bool dt_verb_is_lost(void *runtime);
 uint32_t dt_verb_messages(void *runtime);
 

@@ -645,8 +645,6 @@ static void wrong_before_create(struct transcript *transcript, const struct benc
 {
     const struct dt_runtime *runtime = bench->runtime;
     const struct bench *other = bench == &gl ? &vk : &gl;
-    const uint8_t pixel[4] = {0};
-    const struct dt_window_frame shown = {0};
     struct dt_bytes bytes = {0};
     double ms[PROBE_PASSES];
     WRONG(runtime->resize(rt, 16, 8),
@@ -656,10 +654,6 @@ static void wrong_before_create(struct transcript *transcript, const struct benc
     assert_null(bytes.data);
     WRONG(runtime->write(rt, 0, 0, &bytes), "write: the pipeline has no resource 0");
     WRONG(runtime->timings(rt, ms), "timings: none of a whole frame; open with timing");
-    WRONG(runtime->window_copy(rt, 1, 0), "window_copy: the ");
-    WRONG(runtime->window_upload(rt, 1, 1, 1, pixel), "window_upload: the ");
-    WRONG(runtime->present(rt, &shown), "runtime was opened without a window");
-    assert_null(runtime->window(rt));
     heard.errors = 0;
     assert_false(runtime->create(rt, other->probe));
     assert_non_null(
@@ -980,7 +974,7 @@ static void limits_are_told_in_the_same_words(void **state)
     check_same_words(limits);
 }
 
-/* ---- Memory and windows ---------------------------------------------------------------------- */
+/* ---- Memory ---------------------------------------------------------------------------------- */
 
 static void huge_extent(const struct dt_pipeline *pipeline, uint32_t resource, uint32_t width,
                         uint32_t height, uint32_t size[3])
@@ -1032,34 +1026,6 @@ static int disconnect(void **state)
     (void)state;
     glfwTerminate();
     return 0;
-}
-
-static void a_window_shows_only_pictures_of_rgba8(void **state)
-{
-    const struct bench *bench = *state;
-    struct dt_runtime_options wanted = options();
-    struct transcript memory = {.count = 0}, *transcript = &memory;
-    const struct dt_window_frame nothing = {0};
-    wanted.context = "window";
-    if (!getenv("DISPLAY"))
-        skip();
-    void *rt = bench->runtime->open(&wanted);
-    assert_non_null(rt);
-    assert_non_null(bench->runtime->window(rt));
-    assert_true(bench->runtime->set_scene(rt, &probe_scene) &&
-                bench->runtime->create(rt, bench->probe));
-    WRONG(bench->runtime->window_copy(rt, 1, PROBE_DISPLAY),
-          "window_copy display: it does not exist yet");
-    assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
-    WRONG(bench->runtime->window_copy(rt, 1, PROBE_COLOR), "window_copy color: not an RGBA8 image");
-    WRONG(bench->runtime->window_copy(rt, 1, PROBE_ROWS), "window_copy rows: not an RGBA8 image");
-    WRONG(bench->runtime->window_copy(rt, 1, PROBE_RESOURCES),
-          "window_copy: the pipeline has no resource");
-    assert_true(bench->runtime->window_copy(rt, 1, PROBE_DISPLAY));
-    assert_true(bench->runtime->window_upload(rt, 2, 1, 1, (const uint8_t[]){1, 2, 3, 4}));
-    assert_true(bench->runtime->present(rt, &nothing));
-    probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
-    close_silent(bench, rt);
 }
 
 #define ON_BOTH(test)                                                                              \
@@ -1138,7 +1104,6 @@ int main(void)
         cmocka_unit_test(wrong_calls_are_told_in_the_same_words),
         cmocka_unit_test(limits_are_told_in_the_same_words),
         ON_BOTH(too_much_memory_is_one_error),
-        ON_BOTH(a_window_shows_only_pictures_of_rgba8),
         cmocka_unit_test(a_frame_knows_the_camera_before),
         cmocka_unit_test(jitter_moves_the_picture),
     };
