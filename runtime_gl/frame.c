@@ -2,8 +2,6 @@
  * verb runs at once. */
 #include "internal.h"
 
-#include <math.h>
-
 static const char *pass_name(const struct dt_gl_runtime *rt, uint32_t pass)
 {
     return rt->core.pipeline->passes[pass].name;
@@ -21,9 +19,9 @@ static const struct gl_program *program_of(const struct dt_gl_runtime *rt, uint3
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-bool gl_begin(void *runtime, uint32_t pass, bool runs)
+static bool begin(struct dt_core *core, uint32_t pass, bool runs)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const char *name = pass_name(rt, pass);
     uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass);
     (void)runs;
@@ -36,9 +34,9 @@ bool gl_begin(void *runtime, uint32_t pass, bool runs)
                              (!rt->core.software || GL(rt, name, Finish()))));
 }
 
-bool gl_end(void *runtime, uint32_t pass)
+static bool end(struct dt_core *core, uint32_t pass)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const char *name = pass_name(rt, pass);
     uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass) + 1;
     if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)))
@@ -73,12 +71,13 @@ static GLbitfield bits_of(const struct dt_gl_runtime *rt, const struct dt_barrie
     return bits;
 }
 
-bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers, uint32_t count)
+static bool barriers(struct dt_core *core, uint32_t pass, const struct dt_barrier *list,
+                     uint32_t count)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     GLbitfield bits = 0;
     for (uint32_t i = 0; i < count; i++)
-        bits |= bits_of(rt, &barriers[i]);
+        bits |= bits_of(rt, &list[i]);
     return !bits || GL(rt, pass_name(rt, pass), MemoryBarrier(bits));
 }
 
@@ -120,9 +119,9 @@ static bool bind_image(struct dt_gl_runtime *rt, const struct dt_binding *bindin
                                gl_format(image->format)->internal));
 }
 
-bool gl_bind(void *runtime, uint32_t pass)
+static bool bind(struct dt_core *core, uint32_t pass)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct dt_program *info = info_of(rt, pass);
     const struct gl_program *program = dt_program(&rt->core, pass);
     for (uint32_t i = 0; i < info->binding_count; i++) {
@@ -138,17 +137,17 @@ bool gl_bind(void *runtime, uint32_t pass)
 
 /* ---- Compute --------------------------------------------------------------------------------- */
 
-bool gl_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
+static bool dispatch(struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const char *name = pass_name(rt, pass);
     return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
            GL(rt, name, DispatchCompute(x, y, z));
 }
 
-bool gl_dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
+static bool dispatch_indirect(struct dt_core *core, uint32_t pass, uint32_t arguments)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
     const char *name = pass_name(rt, pass);
     return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
@@ -178,9 +177,9 @@ static bool clear_color(struct dt_gl_runtime *rt, GLuint framebuffer, GLint inde
 }
 
 /* A layered draw clears all layers of its images. */
-bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
+static bool clear_targets(struct dt_core *core, uint32_t pass, uint32_t layers)
 {
-    struct dt_gl_runtime *rt = runtime;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct dt_program *info = info_of(rt, pass);
     GLuint framebuffer = program_of(rt, pass)->framebuffer;
     (void)layers;
@@ -197,18 +196,16 @@ bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers)
                                       rt->core.panel->storage[info->depth->resource].clear));
 }
 
-bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
+static bool clear_image(struct dt_core *core, uint32_t resource, uint32_t mip)
 {
-    struct dt_gl_runtime *rt = runtime;
-    (void)pass;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     return gl_image_clear(rt, gl_image_of(rt, resource), mip,
                           rt->core.panel->storage[resource].clear);
 }
 
-bool gl_clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
+static bool clear_buffer(struct dt_core *core, uint32_t resource)
 {
-    struct dt_gl_runtime *rt = runtime;
-    (void)pass;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     return gl_buffer_fill(rt, gl_buffer_of(rt, resource), 0);
 }
 
@@ -286,97 +283,88 @@ static void set_viewport(struct dt_gl_runtime *rt, const struct dt_program *info
     rt->gl.Scissor(scissor.x, scissor.y, (GLsizei)scissor.width, (GLsizei)scissor.height);
 }
 
-static bool begin_draw(struct dt_gl_runtime *rt, uint32_t pass, uint32_t layers, GLuint input)
-{
-    const struct dt_program *info = info_of(rt, pass);
-    const struct gl_program *program = program_of(rt, pass);
-    const char *name = pass_name(rt, pass);
-    if (!GL(rt, name, BindFramebuffer(GL_FRAMEBUFFER, program->framebuffer)) ||
-        !gl_clear_targets(rt, pass, layers))
-        return false;
-    set_viewport(rt, info);
-    set_raster_state(rt, info);
-    return GL(rt, name, UseProgram(program->handle)) && GL(rt, name, BindVertexArray(input));
-}
-
-/* Programs without vertex input fetch vertices from storage buffers; their draws are indexed,
- * too. */
-static bool begin_indexed(struct dt_gl_runtime *rt, uint32_t pass, uint32_t layers,
-                          uint32_t indices)
-{
-    const struct gl_buffer *buffer = gl_buffer_of(rt, indices);
-    GLuint input =
-        rt->core.pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE ? rt->scene_input : rt->no_input;
-    return begin_draw(rt, pass, layers, input) &&
-           GL(rt, buffer->name, VertexArrayElementBuffer(input, buffer->handle));
-}
-
-bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers)
-{
-    struct dt_gl_runtime *rt = runtime;
-    return begin_indexed(rt, pass, layers, DT_SCENE_INDICES) &&
-           GL(rt, pass_name(rt, pass),
-              DrawElementsInstanced(GL_TRIANGLES, (GLsizei)rt->index_count, GL_UNSIGNED_INT, NULL,
-                                    (GLsizei)layers));
-}
-
-bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
-                      uint32_t arguments)
-{
-    struct dt_gl_runtime *rt = runtime;
-    const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
-    return begin_indexed(rt, pass, layers, indices) &&
-           GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)) &&
-           GL(rt, pass_name(rt, pass),
-              MultiDrawElementsIndirect(GL_TRIANGLES, GL_UNSIGNED_INT, NULL,
-                                        (GLsizei)(buffer->size / DT_DRAW_BYTES), DT_DRAW_BYTES));
-}
-
-bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
-{
-    struct dt_gl_runtime *rt = runtime;
-    return begin_draw(rt, pass, layers, rt->no_input) &&
-           GL(rt, pass_name(rt, pass), DrawArraysInstanced(GL_TRIANGLES, 0, 3, (GLsizei)layers));
-}
-
 static const GLenum topologies[] = {
     [DT_TRIANGLES] = GL_TRIANGLES, [DT_LINES] = GL_LINES, [DT_POINTS] = GL_POINTS};
 
-bool gl_draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
-                      uint32_t instances)
+/* `input`: a vertex array object. */
+static bool begin_draw(struct dt_gl_runtime *rt, uint32_t pass, const struct dt_draw *draw,
+                       GLuint input)
 {
-    struct dt_gl_runtime *rt = runtime;
-    return begin_draw(rt, pass, layers, rt->no_input) &&
-           GL(rt, pass_name(rt, pass),
-              DrawArraysInstanced(topologies[info_of(rt, pass)->topology], 0, (GLsizei)vertices,
-                                  (GLsizei)instances));
+    const struct gl_program *program = program_of(rt, pass);
+    const char *name = pass_name(rt, pass);
+    if (!GL(rt, name, BindFramebuffer(GL_FRAMEBUFFER, program->framebuffer)) ||
+        !clear_targets(&rt->core, pass, draw->layers))
+        return false;
+    set_viewport(rt, info_of(rt, pass));
+    set_raster_state(rt, info_of(rt, pass));
+    if (!GL(rt, name, UseProgram(program->handle)) || !GL(rt, name, BindVertexArray(input)))
+        return false;
+    if (draw->indices == DT_NO_BUFFER)
+        return true;
+    const struct gl_buffer *indices = gl_buffer_of(rt, draw->indices);
+    return GL(rt, indices->name, VertexArrayElementBuffer(input, indices->handle));
 }
 
-bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t arguments)
+static bool draw_indirect(struct dt_gl_runtime *rt, const char *name, GLenum topology,
+                          const struct dt_draw *draw)
 {
-    struct dt_gl_runtime *rt = runtime;
-    const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
-    return begin_draw(rt, pass, layers, rt->no_input) &&
-           GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)) &&
-           GL(rt, pass_name(rt, pass),
-              MultiDrawArraysIndirect(topologies[info_of(rt, pass)->topology], NULL,
+    const struct gl_buffer *buffer = gl_buffer_of(rt, draw->arguments);
+    if (!GL(rt, buffer->name, BindBuffer(GL_DRAW_INDIRECT_BUFFER, buffer->handle)))
+        return false;
+    if (draw->indices != DT_NO_BUFFER)
+        return GL(rt, name,
+                  MultiDrawElementsIndirect(topology, GL_UNSIGNED_INT, NULL,
+                                            (GLsizei)(buffer->size / DT_DRAW_BYTES),
+                                            DT_DRAW_BYTES));
+    return GL(rt, name,
+              MultiDrawArraysIndirect(topology, NULL,
                                       (GLsizei)(buffer->size / DT_VERTEX_DRAW_BYTES),
                                       DT_VERTEX_DRAW_BYTES));
 }
+
+/* Programs without vertex input fetch vertices from storage buffers; their draws may be indexed, too. */
+static bool draw_pass(struct dt_core *core, uint32_t pass, const struct dt_draw *draw)
+{
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
+    const char *name = pass_name(rt, pass);
+    GLenum topology = topologies[info_of(rt, pass)->topology];
+    GLsizei count = (GLsizei)draw->count, instances = (GLsizei)draw->instances;
+    bool scene = core->pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE;
+    if (!begin_draw(rt, pass, draw, scene ? rt->scene_input : rt->no_input))
+        return false;
+    if (draw->arguments != DT_NO_BUFFER)
+        return draw_indirect(rt, name, topology, draw);
+    if (draw->indices == DT_NO_BUFFER)
+        return GL(rt, name, DrawArraysInstanced(topology, 0, count, instances));
+    return GL(rt, name, DrawElementsInstanced(topology, count, GL_UNSIGNED_INT, NULL, instances));
+}
+
+const struct dt_commands gl_commands = {
+    .begin = begin,
+    .barriers = barriers,
+    .bind = bind,
+    .dispatch = dispatch,
+    .dispatch_indirect = dispatch_indirect,
+    .draw = draw_pass,
+    .clear_targets = clear_targets,
+    .clear_buffer = clear_buffer,
+    .clear_image = clear_image,
+    .end = end,
+};
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
 static bool write_blocks(struct dt_gl_runtime *rt, const struct dt_frame *frame, const void *live)
 {
-    return gl_buffer_write(rt, &rt->builtin.frame, frame, sizeof *frame) &&
-           gl_buffer_write(rt, &rt->builtin.live, live, rt->core.pipeline->live_size);
+    return gl_buffer_write(rt, gl_buffer_of(rt, DT_FRAME), frame, sizeof *frame) &&
+           gl_buffer_write(rt, gl_buffer_of(rt, DT_LIVE), live, rt->core.pipeline->live_size);
 }
 
 /* Pass barriers order only this frame. So a part of it begins with a full barrier, against earlier
  * frames and the host, and a host's part also ends with one. */
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     bool good = (core->first_pass || write_blocks(rt, frame, live)) &&
                 GL(rt, "frame", MemoryBarrier(GL_ALL_BARRIER_BITS)) && dt_front_record(core, live);
     if (rt->grouped) /* a pass failed between begin and end */
@@ -397,46 +385,21 @@ bool gl_resume(struct dt_core *core)
     return true;
 }
 
-/* Of a pass that has not finished: NAN for a host, which never waits here; the app waits. */
-static bool read_timing(struct dt_gl_runtime *rt, const GLuint queries[2], const char *name,
-                        double *ms)
+/* A host never waits here; the app waits. */
+bool gl_timing(struct dt_core *core, uint32_t run, const char *name, double *ms)
 {
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
+    const GLuint *queries = &rt->queries[2 * run];
     GLint finished = GL_TRUE;
-    GLuint64 begin = 0, end = 0;
-    *ms = (double)NAN;
-    if (rt->core.hosted &&
+    GLuint64 begun = 0, ended = 0;
+    if (core->hosted &&
         !GL(rt, name, GetQueryObjectiv(queries[1], GL_QUERY_RESULT_AVAILABLE, &finished)))
         return false;
     if (!finished)
         return true;
-    if (!GL(rt, name, GetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begin)) ||
-        !GL(rt, name, GetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &end)))
+    if (!GL(rt, name, GetQueryObjectui64v(queries[0], GL_QUERY_RESULT, &begun)) ||
+        !GL(rt, name, GetQueryObjectui64v(queries[1], GL_QUERY_RESULT, &ended)))
         return false;
-    *ms = (double)(end - begin) * 1e-6;
+    *ms = (double)(ended - begun) * 1e-6;
     return true;
-}
-
-static bool read_timings(struct dt_gl_runtime *rt, uint32_t slot, double *pass_ms)
-{
-    const struct dt_core *core = &rt->core;
-    for (uint32_t i = 0; i < core->pipeline->pass_count; i++) {
-        uint32_t run = dt_run(core, slot, i);
-        pass_ms[i] = (double)NAN;
-        if (core->ran[run] &&
-            !read_timing(rt, &rt->queries[2 * run], pass_name(rt, i), &pass_ms[i]))
-            return false;
-    }
-    return true;
-}
-
-/* A host's query buffer would take the results. */
-bool gl_timings(struct dt_core *core, uint32_t slot, double *pass_ms)
-{
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
-    GLint bound = 0;
-    if (!GL(rt, "timings", GetIntegerv(GL_QUERY_BUFFER_BINDING, &bound)) ||
-        (bound && !GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, 0))))
-        return false;
-    bool good = read_timings(rt, slot, pass_ms);
-    return (!bound || GL(rt, "timings", BindBuffer(GL_QUERY_BUFFER, (GLuint)bound))) && good;
 }

@@ -94,12 +94,10 @@ static bool import_textures(struct dt_gl_runtime *rt, unsigned textures)
 
 static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
-    struct gl_builtin *builtin = &rt->builtin;
     if (scene->indices.offset)
         return dt_error(&rt->core,
                         "scene indices: offset %llu, but it must be 0; use a separate buffer",
                         (unsigned long long)scene->indices.offset);
-    rt->index_count = scene->index_count;
     struct dt_gl_range materials = scene->materials, indices = scene->indices;
     const uint64_t index_bytes = (uint64_t)scene->index_count * sizeof(uint32_t);
     if (indices.size > index_bytes) /* shaders compute length() from the bytes that are bound */
@@ -107,14 +105,15 @@ static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *sce
     if (materials.size > DT_MAX_MATERIALS * sizeof(struct dt_material)) /* the uniform block */
         materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     return ((!scene->vertices.buffer && scene->attributes[DT_POSITION].buffer) ||
-            gl_buffer_import(rt, &builtin->vertices, "scene vertices", &scene->vertices,
-                             sizeof(struct dt_vertex))) &&
-           gl_buffer_import(rt, &builtin->indices, "scene indices", &indices, index_bytes) &&
-           gl_buffer_import(rt, &builtin->materials, "scene materials", &materials,
+            gl_buffer_import(rt, gl_buffer_of(rt, DT_SCENE_VERTICES), "scene vertices",
+                             &scene->vertices, sizeof(struct dt_vertex))) &&
+           gl_buffer_import(rt, gl_buffer_of(rt, DT_SCENE_INDICES), "scene indices", &indices,
+                            index_bytes) &&
+           gl_buffer_import(rt, gl_buffer_of(rt, DT_SCENE_MATERIALS), "scene materials", &materials,
                             DT_MAX_MATERIALS * sizeof(struct dt_material)) &&
            (!scene->objects.buffer ||
-            gl_buffer_import(rt, &builtin->objects, "scene objects", &scene->objects,
-                             sizeof(struct dt_object))) &&
+            gl_buffer_import(rt, gl_buffer_of(rt, DT_SCENE_OBJECTS), "scene objects",
+                             &scene->objects, sizeof(struct dt_object))) &&
            import_textures(rt, scene->textures) && gl_scene_describe(rt, scene->attributes);
 }
 
@@ -154,7 +153,7 @@ bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned te
     if (!rt || !dt_front_choose(&rt->core, "import_image", DT_IMAGE, resource))
         return false;
     rt->core.imported[resource] = texture;
-    rt->imports[resource].texture = texture;
+    ((struct gl_import *)dt_choice(&rt->core, resource))->texture = texture;
     return true;
 }
 
@@ -165,7 +164,7 @@ bool dt_gl_import_buffer(struct dt_gl_runtime *rt, uint32_t resource,
         !dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
         return false;
     rt->core.imported[resource] = range->buffer;
-    rt->imports[resource].buffer = *range;
+    ((struct gl_import *)dt_choice(&rt->core, resource))->buffer = *range;
     return true;
 }
 

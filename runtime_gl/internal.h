@@ -52,7 +52,7 @@ struct gl_resource { /* buffer or image */
     bool stored; /* shaders store to the buffer or texture, perhaps through another resource */
 };
 
-/* The host's texture or buffer for a resource; 0: none. */
+/* The host's texture or buffer for a resource: element of the core's choices; 0: none. */
 struct gl_import {
     GLuint texture;
     struct dt_gl_range buffer;
@@ -66,9 +66,9 @@ struct gl_program {
     GLuint views[DT_MAX_BINDINGS]; /* by binding: texture of one mip or layer; 0: the image's own */
 };
 
-/* Objects that every pipeline may bind besides its resources: enum dt_builtin. */
+/* Objects that every pipeline may bind besides its resources. */
 struct gl_builtin {
-    struct gl_buffer frame, live, vertices, indices, materials, objects;
+    struct gl_buffer buffers[DT_SCENE_TEXTURES - DT_FRAME]; /* by enum dt_builtin */
     struct gl_image textures;
     GLuint texture_sampler;
 };
@@ -84,7 +84,6 @@ struct dt_gl_runtime {
     uint64_t buffer_alignment; /* of offsets into a host's buffers */
 
     struct gl_builtin builtin;
-    uint32_t index_count;
     GLuint scene_input, no_input; /* vertex array objects */
     GLuint nearest;               /* for bindings that name no sampler */
 
@@ -93,9 +92,8 @@ struct dt_gl_runtime {
 
     /* with a host's context, which is current in every call */
     bool leave_state;
-    struct dt_bytes cache;     /* of the host; see cache.c */
-    struct gl_import *imports; /* per resource of the panel */
-    struct gl_kept *kept;      /* NULL: nothing to restore */
+    struct dt_bytes cache; /* of the host; see cache.c */
+    struct gl_kept *kept;  /* NULL: nothing to restore */
 };
 
 /* Makes an OpenGL call that can fail. True, or logs one DT_ERROR that names the call and the
@@ -167,12 +165,18 @@ bool gl_image_view(struct dt_gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view);
 void gl_image_destroy(struct dt_gl_runtime *rt, struct gl_image *image);
 
+/* Layers `layer` to `layer + layers - 1` of a mip. */
+bool gl_image_write(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    uint32_t layer, uint32_t layers, const void *texels);
+uint32_t gl_mip_layers(const struct gl_image *image, uint32_t mip); /* or its depth */
+
 /* Set every byte. */
 bool gl_buffer_fill(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, int byte);
 bool gl_image_fill(struct dt_gl_runtime *rt, const struct gl_image *image, int byte);
 
-bool gl_sampler_create(struct dt_gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info);
-void gl_sampler_destroy(struct dt_gl_runtime *rt, GLuint *sampler);
+/* Of struct dt_backend; a sampler is a GLuint. */
+bool gl_sampler_create(struct dt_core *core, void *sampler, const struct dt_sampler *info);
+void gl_sampler_destroy(struct dt_core *core, void *sampler);
 
 /* ---- program.c ------------------------------------------------------------------------------- */
 
@@ -196,35 +200,24 @@ void gl_builtin_destroy(struct dt_gl_runtime *rt);
 /* `resource`: index in the pipeline, or enum dt_builtin. */
 struct gl_buffer *gl_buffer_of(struct dt_gl_runtime *rt, uint32_t resource);
 const struct gl_image *gl_image_of(const struct dt_gl_runtime *rt, uint32_t resource);
+static inline struct dt_gl_runtime *gl_runtime_of(struct dt_core *core)
+{
+    return (struct dt_gl_runtime *)core;
+}
 
 /* ---- frame.c --------------------------------------------------------------------------------- */
 
-/* The verbs of a panel's record: struct dt_verbs. */
-bool gl_begin(void *runtime, uint32_t pass, bool runs);
-bool gl_barriers(void *runtime, uint32_t pass, const struct dt_barrier *barriers, uint32_t count);
-bool gl_bind(void *runtime, uint32_t pass);
-bool gl_dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z);
-bool gl_dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments);
-bool gl_draw_scene(void *runtime, uint32_t pass, uint32_t layers);
-bool gl_draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
-                      uint32_t arguments);
-bool gl_draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers);
-bool gl_draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
-                      uint32_t instances);
-bool gl_draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t arguments);
-bool gl_clear_targets(void *runtime, uint32_t pass, uint32_t layers);
-bool gl_clear_buffer(void *runtime, uint32_t pass, uint32_t resource);
-bool gl_clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip);
-bool gl_end(void *runtime, uint32_t pass);
+extern const struct dt_commands gl_commands;
 
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
-bool gl_timings(struct dt_core *core, uint32_t slot, double *pass_ms);
+bool gl_timing(struct dt_core *core, uint32_t run, const char *name, double *ms);
 bool gl_pause(struct dt_core *core);
 bool gl_resume(struct dt_core *core);
 
 /* ---- scene.c --------------------------------------------------------------------------------- */
 
-bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene); /* replaces the old one */
+bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene,
+                     const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS]);
 bool gl_scene_describe(struct dt_gl_runtime *rt,
                        const struct dt_gl_attribute given[DT_ATTRIBUTES]); /* creates scene_input */
 void gl_scene_destroy(struct dt_gl_runtime *rt);

@@ -14,18 +14,19 @@ bool gl_builtin_create(struct dt_gl_runtime *rt)
                                                 .linear_mip = true,
                                                 .wrap = DT_WRAP_REPEAT,
                                                 .anisotropy = 1.0f};
-    rt->builtin.frame = (struct gl_buffer){.name = "frame", .size = sizeof(struct dt_frame)};
-    return gl_buffer_create(rt, &rt->builtin.frame, NULL) &&
-           gl_sampler_create(rt, &rt->nearest, &nearest) &&
-           gl_sampler_create(rt, &rt->builtin.texture_sampler, &trilinear) &&
+    struct gl_buffer *frame = gl_buffer_of(rt, DT_FRAME);
+    *frame = (struct gl_buffer){.name = "frame", .size = sizeof(struct dt_frame)};
+    return gl_buffer_create(rt, frame, NULL) &&
+           gl_sampler_create(&rt->core, &rt->nearest, &nearest) &&
+           gl_sampler_create(&rt->core, &rt->builtin.texture_sampler, &trilinear) &&
            GL(rt, "no vertex input", CreateVertexArrays(1, &rt->no_input));
 }
 
 void gl_builtin_destroy(struct dt_gl_runtime *rt)
 {
-    gl_buffer_destroy(rt, &rt->builtin.frame);
-    gl_sampler_destroy(rt, &rt->builtin.texture_sampler);
-    gl_sampler_destroy(rt, &rt->nearest);
+    gl_buffer_destroy(rt, gl_buffer_of(rt, DT_FRAME));
+    gl_sampler_destroy(&rt->core, &rt->builtin.texture_sampler);
+    gl_sampler_destroy(&rt->core, &rt->nearest);
     if (rt->no_input)
         rt->gl.DeleteVertexArrays(1, &rt->no_input);
     rt->no_input = 0;
@@ -38,22 +39,8 @@ static struct gl_resource *resource_of(const struct dt_gl_runtime *rt, uint32_t 
 
 struct gl_buffer *gl_buffer_of(struct dt_gl_runtime *rt, uint32_t resource)
 {
-    switch (resource) {
-    case DT_FRAME:
-        return &rt->builtin.frame;
-    case DT_LIVE:
-        return &rt->builtin.live;
-    case DT_SCENE_VERTICES:
-        return &rt->builtin.vertices;
-    case DT_SCENE_INDICES:
-        return &rt->builtin.indices;
-    case DT_SCENE_MATERIALS:
-        return &rt->builtin.materials;
-    case DT_SCENE_OBJECTS:
-        return &rt->builtin.objects;
-    default:
-        return &resource_of(rt, resource)->buffer;
-    }
+    return resource < DT_FRAME ? &resource_of(rt, resource)->buffer
+                               : &rt->builtin.buffers[resource - DT_FRAME];
 }
 
 const struct gl_image *gl_image_of(const struct dt_gl_runtime *rt, uint32_t resource)
@@ -101,29 +88,27 @@ static bool panel_suits(struct dt_core *core, const struct dt_panel *panel)
 
 static bool begin_panel(struct dt_core *core)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct dt_pipeline *pipeline = core->pipeline;
     uint32_t queries = core->timing ? 2 * dt_run(core, core->frames, 0) : 0;
-    rt->imports = calloc(pipeline->resource_count + 1, sizeof *rt->imports);
+    struct gl_buffer *live = gl_buffer_of(rt, DT_LIVE);
     rt->queries = queries ? calloc(queries, sizeof *rt->queries) : NULL;
-    if (!rt->imports || (queries && !rt->queries))
+    if (queries && !rt->queries)
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
-    rt->builtin.live = (struct gl_buffer){.name = "live parameters", .size = pipeline->block_size};
-    return gl_buffer_create(rt, &rt->builtin.live, pipeline->live_defaults) &&
+    *live = (struct gl_buffer){.name = "live parameters", .size = pipeline->block_size};
+    return gl_buffer_create(rt, live, pipeline->live_defaults) &&
            (!queries ||
             GL(rt, "timestamps", CreateQueries(GL_TIMESTAMP, (GLsizei)queries, rt->queries)));
 }
 
 static void end_panel(struct dt_core *core)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     if (rt->queries)
         rt->gl.DeleteQueries((GLsizei)(2 * dt_run(core, core->frames, 0)), rt->queries);
-    gl_buffer_destroy(rt, &rt->builtin.live);
+    gl_buffer_destroy(rt, gl_buffer_of(rt, DT_LIVE));
     free(rt->queries);
-    free(rt->imports);
     rt->queries = NULL;
-    rt->imports = NULL;
 }
 
 static bool rest(struct dt_core *core, const char *verb)
@@ -131,21 +116,11 @@ static bool rest(struct dt_core *core, const char *verb)
     return core->hosted || gl_finish((struct dt_gl_runtime *)core, verb);
 }
 
-static bool create_sampler(struct dt_core *core, void *sampler, const struct dt_sampler *info)
-{
-    return gl_sampler_create((struct dt_gl_runtime *)core, sampler, info);
-}
-
-static void destroy_sampler(struct dt_core *core, void *sampler)
-{
-    gl_sampler_destroy((struct dt_gl_runtime *)core, sampler);
-}
-
 /* ---- Programs -------------------------------------------------------------------------------- */
 
 static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     struct gl_program *program = made;
     const char *name = core->pipeline->passes[pass].name;
     if (!(program->users = calloc(1, sizeof *program->users)))
@@ -257,7 +232,7 @@ static bool create_texels(struct dt_gl_runtime *rt, const struct dt_program *inf
 
 static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     struct gl_program *program = made;
     return create_texels(rt, &core->panel->programs[pass]) &&
            create_views(rt, program, &core->panel->programs[pass]) &&
@@ -267,7 +242,7 @@ static bool connect_program(struct dt_core *core, void *made, uint32_t pass)
 
 static void disconnect_program(struct dt_core *core, void *made)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     struct gl_program *program = made;
     if (program->framebuffer)
         rt->gl.DeleteFramebuffers(1, &program->framebuffer);
@@ -300,8 +275,9 @@ static bool create_image(struct dt_gl_runtime *rt, uint32_t index, const uint32_
                                .mips = info->mips,
                                .shape = info->shape,
                                .layered = info->layered};
-    if (rt->imports[index].texture)
-        return gl_image_import(rt, image, rt->imports[index].texture);
+    GLuint texture = ((const struct gl_import *)dt_choice(&rt->core, index))->texture;
+    if (texture)
+        return gl_image_import(rt, image, texture);
     const struct gl_image *owner = share < 0 ? NULL : gl_image_of(rt, (uint32_t)share);
     image->borrowed = owner && can_share(image, owner);
     if (!image->borrowed)
@@ -311,11 +287,11 @@ static bool create_image(struct dt_gl_runtime *rt, uint32_t index, const uint32_
 }
 
 /* Of a host's range only the resource's bytes are bound, and draws are counted by them. */
-static bool import_buffer(struct dt_gl_runtime *rt, uint32_t index, GLsizeiptr size)
+static bool import_buffer(struct dt_gl_runtime *rt, uint32_t index, const struct dt_gl_range *range,
+                          GLsizeiptr size)
 {
     const struct dt_storage *storage = &rt->core.panel->storage[index];
     const char *name = rt->core.pipeline->resources[index].name;
-    const struct dt_gl_range *range = &rt->imports[index].buffer;
     struct gl_buffer *buffer = &resource_of(rt, index)->buffer;
     if (storage->usage & (DT_READ_INDEX | DT_READ_INDIRECT) && range->offset)
         return dt_error(&rt->core,
@@ -332,14 +308,14 @@ static bool import_buffer(struct dt_gl_runtime *rt, uint32_t index, GLsizeiptr s
 
 static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t extent[3])
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct dt_resource *info = &core->pipeline->resources[index];
-    const struct dt_gl_range *import = &rt->imports[index].buffer;
+    const struct gl_import *import = dt_choice(core, index);
     struct gl_buffer *buffer = &resource_of(rt, index)->buffer;
     if (info->kind == DT_IMAGE)
         return create_image(rt, index, extent);
-    if (import->buffer)
-        return import_buffer(rt, index, (GLsizeiptr)extent[0] * info->stride);
+    if (import->buffer.buffer)
+        return import_buffer(rt, index, &import->buffer, (GLsizeiptr)extent[0] * info->stride);
     *buffer = (struct gl_buffer){.name = info->name,
                                  .size = (GLsizeiptr)extent[0] * info->stride,
                                  .block = core->panel->storage[index].block};
@@ -350,7 +326,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
  * texture. */
 static bool place_resources(struct dt_core *core)
 {
-    const struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    const struct dt_gl_runtime *rt = gl_runtime_of(core);
     uint32_t count = core->pipeline->resource_count;
     for (uint32_t i = 0; i < count; i++) {
         struct gl_resource *resource = resource_of(rt, i);
@@ -363,21 +339,17 @@ static bool place_resources(struct dt_core *core)
     return true;
 }
 
-static bool fill_resource(struct dt_core *core, uint32_t index)
+static bool fill_resource(struct dt_core *core, uint32_t index, int byte)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct gl_resource *resource = resource_of(rt, index);
-    bool history = core->pipeline->resources[index].history;
-    int byte = history ? 0 : core->poison;
-    if ((!history && !byte) || core->imported[index])
-        return true;
     return resource->image.handle ? gl_image_fill(rt, &resource->image, byte)
                                   : gl_buffer_fill(rt, &resource->buffer, byte);
 }
 
 static void destroy_resource(struct dt_core *core, void *resource)
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
     struct gl_resource *made = resource;
     gl_buffer_destroy(rt, &made->buffer);
     gl_image_destroy(rt, &made->image);
@@ -403,8 +375,8 @@ static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
 static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
 {
     const struct gl_builtin *b = &((const struct dt_gl_runtime *)core)->builtin;
-    return resource == DT_SCENE_VERTICES ? (uint64_t)b->vertices.size / DT_VERTEX_TEXEL
-                                         : (uint64_t)b->indices.size / DT_INDEX_TEXEL;
+    return (uint64_t)b->buffers[resource - DT_FRAME].size /
+           (resource == DT_SCENE_VERTICES ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL);
 }
 
 const struct dt_backend gl_backend = {
@@ -413,6 +385,7 @@ const struct dt_backend gl_backend = {
     .resource_size = sizeof(struct gl_resource),
     .program_size = sizeof(struct gl_program),
     .sampler_size = sizeof(GLuint),
+    .choice_size = sizeof(struct gl_import),
     .enter = gl_state_enter,
     .leave = gl_state_leave,
     .rest = rest,
@@ -421,8 +394,8 @@ const struct dt_backend gl_backend = {
     .texels = scene_texels,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
-    .create_sampler = create_sampler,
-    .destroy_sampler = destroy_sampler,
+    .create_sampler = gl_sampler_create,
+    .destroy_sampler = gl_sampler_destroy,
     .create_program = create_program,
     .share_program = share_program,
     .destroy_program = destroy_program,
@@ -437,24 +410,8 @@ const struct dt_backend gl_backend = {
     .adopt_resource = adopt_resource,
     .render = gl_render,
     .write = gl_write,
-    .verbs =
-        {
-            .begin = gl_begin,
-            .barriers = gl_barriers,
-            .bind = gl_bind,
-            .dispatch = gl_dispatch,
-            .dispatch_indirect = gl_dispatch_indirect,
-            .draw_scene = gl_draw_scene,
-            .draw_indirect = gl_draw_indirect,
-            .draw_fullscreen = gl_draw_fullscreen,
-            .draw_vertices = gl_draw_vertices,
-            .draw_vertices_indirect = gl_draw_vertices_indirect,
-            .clear_targets = gl_clear_targets,
-            .clear_buffer = gl_clear_buffer,
-            .clear_image = gl_clear_image,
-            .end = gl_end,
-        },
+    .commands = &gl_commands,
     .pause = gl_pause,
     .resume = gl_resume,
-    .timings = gl_timings,
+    .timing = gl_timing,
 };

@@ -144,6 +144,25 @@ bool gl_image_import(struct dt_gl_runtime *rt, struct gl_image *image, GLuint te
                own_format, image->width, image->height, image->layers, image->mips);
 }
 
+uint32_t gl_mip_layers(const struct gl_image *image, uint32_t mip)
+{
+    return image->shape == DT_SHAPE_3D ? (uint32_t)gl_mip_size(image->layers, mip) : image->layers;
+}
+
+bool gl_image_write(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
+                    uint32_t layer, uint32_t layers, const void *texels)
+{
+    const struct gl_format *f = gl_format(image->format);
+    GLsizei width = gl_mip_size(image->width, mip), height = gl_mip_size(image->height, mip);
+    if (!image->layered)
+        return GL(rt, image->name,
+                  TextureSubImage2D(image->handle, (GLint)mip, 0, 0, width, height, f->format,
+                                    f->type, texels));
+    return GL(rt, image->name,
+              TextureSubImage3D(image->handle, (GLint)mip, 0, 0, (GLint)layer, width, height,
+                                (GLsizei)layers, f->format, f->type, texels));
+}
+
 bool gl_image_clear(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     const float clear[4])
 {
@@ -197,28 +216,7 @@ static int image_byte(const struct gl_image *image, int byte)
     return image->format == DT_FORMAT_D32F && !(value >= 0.0f && value <= 1.0f) ? 0 : byte;
 }
 
-/* Fills one mip, layer by layer, from `texels` of one layer. Uploads bytes, because OpenGL converts
- * a clear colour and may change a NaN. */
-static bool fill_mip(struct dt_gl_runtime *rt, const struct gl_image *image, GLint mip,
-                     const void *texels)
-{
-    const struct gl_format *f = gl_format(image->format);
-    GLsizei width = gl_mip_size(image->width, (uint32_t)mip);
-    GLsizei height = gl_mip_size(image->height, (uint32_t)mip);
-    if (!image->layered)
-        return GL(
-            rt, image->name,
-            TextureSubImage2D(image->handle, mip, 0, 0, width, height, f->format, f->type, texels));
-    GLsizei layers = image->shape == DT_SHAPE_3D ? gl_mip_size(image->layers, (uint32_t)mip)
-                                                 : (GLsizei)image->layers;
-    for (GLint layer = 0; layer < layers; layer++)
-        if (!GL(rt, image->name,
-                TextureSubImage3D(image->handle, mip, 0, 0, layer, width, height, 1, f->format,
-                                  f->type, texels)))
-            return false;
-    return true;
-}
-
+/* Uploads bytes, layer by layer, because OpenGL converts a clear colour and may change a NaN. */
 bool gl_image_fill(struct dt_gl_runtime *rt, const struct gl_image *image, int byte)
 {
     size_t size = (size_t)image->width * image->height * gl_format(image->format)->bytes;
@@ -228,16 +226,19 @@ bool gl_image_fill(struct dt_gl_runtime *rt, const struct gl_image *image, int b
                         image->name, size);
     memset(texels, image_byte(image, byte), size);
     bool ok = true;
-    for (uint32_t mip = 0; ok && mip < image->mips; mip++)
-        ok = fill_mip(rt, image, (GLint)mip, texels);
+    for (uint32_t mip = 0; mip < image->mips; mip++)
+        for (uint32_t layer = 0; ok && layer < gl_mip_layers(image, mip); layer++)
+            ok = gl_image_write(rt, image, mip, layer, 1, texels);
     free(texels);
     return ok;
 }
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool gl_sampler_create(struct dt_gl_runtime *rt, GLuint *sampler, const struct dt_sampler *info)
+bool gl_sampler_create(struct dt_core *core, void *made, const struct dt_sampler *info)
 {
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
+    GLuint *sampler = made;
     static const GLint wraps[] = {[DT_WRAP_CLAMP] = GL_CLAMP_TO_EDGE,
                                   [DT_WRAP_REPEAT] = GL_REPEAT,
                                   [DT_WRAP_MIRROR] = GL_MIRRORED_REPEAT,
@@ -267,9 +268,8 @@ bool gl_sampler_create(struct dt_gl_runtime *rt, GLuint *sampler, const struct d
             GL(rt, name, SamplerParameteri(*sampler, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL)));
 }
 
-void gl_sampler_destroy(struct dt_gl_runtime *rt, GLuint *sampler)
+void gl_sampler_destroy(struct dt_core *core, void *sampler)
 {
-    if (*sampler)
-        rt->gl.DeleteSamplers(1, sampler);
-    *sampler = 0;
+    gl_runtime_of(core)->gl.DeleteSamplers(1, sampler); /* ignores 0 */
+    *(GLuint *)sampler = 0;
 }

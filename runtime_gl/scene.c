@@ -2,27 +2,6 @@
  * mips. */
 #include "internal.h"
 
-static bool upload_buffers(struct dt_gl_runtime *rt, const struct dt_scene *scene)
-{
-    struct gl_builtin *b = &rt->builtin;
-    b->vertices =
-        (struct gl_buffer){.name = "scene vertices",
-                           .size = (GLsizeiptr)sizeof *scene->vertices * scene->vertex_count};
-    b->indices = (struct gl_buffer){
-        .name = "scene indices", .size = (GLsizeiptr)sizeof *scene->indices * scene->index_count};
-    b->materials = (struct gl_buffer){
-        .name = "scene materials", .size = (GLsizeiptr)sizeof *scene->materials * DT_MAX_MATERIALS};
-    b->objects = (struct gl_buffer){.name = "scene objects",
-                                    .size = (GLsizeiptr)sizeof *scene->objects *
-                                            (scene->object_count ? scene->object_count : 1)};
-    return gl_buffer_create(rt, &b->vertices, scene->vertices) &&
-           gl_buffer_create(rt, &b->indices, scene->indices) &&
-           gl_buffer_create(rt, &b->materials, NULL) &&
-           gl_buffer_write(rt, &b->materials, scene->materials,
-                           scene->material_count * sizeof *scene->materials) &&
-           gl_buffer_create(rt, &b->objects, scene->object_count ? scene->objects : NULL);
-}
-
 static bool upload_textures(struct dt_gl_runtime *rt, const struct dt_scene *scene)
 {
     struct gl_image *image = &rt->builtin.textures;
@@ -34,24 +13,20 @@ static bool upload_textures(struct dt_gl_runtime *rt, const struct dt_scene *sce
                                .layers = scene->texture_layers,
                                .mips = scene->texture_mips,
                                .layered = true};
-    if (!gl_image_create(rt, image))
-        return false;
-    for (uint32_t mip = 0; mip < image->mips; mip++) {
-        GLsizei width = gl_mip_size(image->width, mip), height = gl_mip_size(image->height, mip);
-        if (!GL(rt, image->name,
-                TextureSubImage3D(image->handle, (GLint)mip, 0, 0, 0, width, height,
-                                  (GLsizei)image->layers, GL_RGBA, GL_UNSIGNED_BYTE, texels)))
-            return false;
-        texels += (size_t)width * (size_t)height * image->layers * 4;
+    bool good = gl_image_create(rt, image);
+    for (uint32_t mip = 0; good && mip < image->mips; mip++) {
+        good = gl_image_write(rt, image, mip, 0, image->layers, texels);
+        texels += (size_t)gl_mip_size(image->width, mip) * (size_t)gl_mip_size(image->height, mip) *
+                  image->layers * 4;
     }
-    return true;
+    return good;
 }
 
 /* Every attribute has a binding of its own. */
 bool gl_scene_describe(struct dt_gl_runtime *rt, const struct dt_gl_attribute given[DT_ATTRIBUTES])
 {
     static const GLint components[DT_ATTRIBUTES] = {3, 3, 2, 1, 1};
-    const struct gl_buffer *vertices = &rt->builtin.vertices;
+    const struct gl_buffer *vertices = gl_buffer_of(rt, DT_SCENE_VERTICES);
     rt->core.has_vertices = vertices->handle;
     rt->core.attributes = 0;
     if (!GL(rt, "scene vertices", CreateVertexArrays(1, &rt->scene_input)))
@@ -80,24 +55,27 @@ bool gl_scene_describe(struct dt_gl_runtime *rt, const struct dt_gl_attribute gi
     return true;
 }
 
-bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene)
+bool gl_scene_upload(struct dt_core *core, const struct dt_scene *scene,
+                     const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS])
 {
-    struct dt_gl_runtime *rt = (struct dt_gl_runtime *)core;
+    struct dt_gl_runtime *rt = gl_runtime_of(core);
+    bool good = true;
     gl_scene_destroy(rt);
-    rt->index_count = scene->index_count;
-    core->has_scene = upload_buffers(rt, scene) && upload_textures(rt, scene) &&
-                      gl_scene_describe(rt, (const struct dt_gl_attribute[DT_ATTRIBUTES]){0});
-    core->has_objects = core->has_scene;
-    return core->has_scene;
+    for (int i = 0; good && i < DT_SCENE_BUFFERS; i++) {
+        struct gl_buffer *buffer = gl_buffer_of(rt, buffers[i].resource);
+        *buffer = (struct gl_buffer){.name = buffers[i].name, .size = (GLsizeiptr)buffers[i].size};
+        good = gl_buffer_create(rt, buffer, NULL) &&
+               gl_buffer_write(rt, buffer, buffers[i].data, buffers[i].data_size);
+    }
+    return good && upload_textures(rt, scene) &&
+           gl_scene_describe(rt, (const struct dt_gl_attribute[DT_ATTRIBUTES]){0});
 }
 
 void gl_scene_destroy(struct dt_gl_runtime *rt)
 {
     rt->core.has_scene = rt->core.has_objects = false;
-    gl_buffer_destroy(rt, &rt->builtin.vertices);
-    gl_buffer_destroy(rt, &rt->builtin.indices);
-    gl_buffer_destroy(rt, &rt->builtin.materials);
-    gl_buffer_destroy(rt, &rt->builtin.objects);
+    for (uint32_t i = DT_SCENE_VERTICES; i < DT_SCENE_TEXTURES; i++)
+        gl_buffer_destroy(rt, gl_buffer_of(rt, i));
     gl_image_destroy(rt, &rt->builtin.textures);
     if (rt->scene_input)
         rt->gl.DeleteVertexArrays(1, &rt->scene_input);

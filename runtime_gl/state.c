@@ -200,6 +200,7 @@ static const struct {
     {GL_DISPATCH_INDIRECT_BUFFER_BINDING, GL_DISPATCH_INDIRECT_BUFFER},
     {GL_DRAW_INDIRECT_BUFFER_BINDING, GL_DRAW_INDIRECT_BUFFER},
     {GL_PIXEL_UNPACK_BUFFER_BINDING, GL_PIXEL_UNPACK_BUFFER},
+    {GL_QUERY_BUFFER_BINDING, GL_QUERY_BUFFER}, /* it would take the results of timings */
     {GL_SHADER_STORAGE_BUFFER_BINDING, GL_SHADER_STORAGE_BUFFER},
     {GL_UNIFORM_BUFFER_BINDING, GL_UNIFORM_BUFFER},
 };
@@ -405,6 +406,7 @@ static bool neutralise(struct dt_gl_runtime *rt)
         if (stores[i] != GL_PACK_ALIGNMENT && stores[i] != GL_UNPACK_ALIGNMENT)
             rt->gl.PixelStorei(stores[i], 0);
     rt->gl.BindBuffer(GL_PIXEL_UNPACK_BUFFER, 0);
+    rt->gl.BindBuffer(GL_QUERY_BUFFER, 0);
     rt->gl.ColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
     rt->gl.DepthRange(0, 1);
     rt->gl.PolygonMode(GL_FRONT_AND_BACK, GL_FILL);

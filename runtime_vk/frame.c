@@ -156,10 +156,10 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct dt_pipeline *pipeline = core->pipeline;
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
-    memcpy(rt->builtin.frame.bytes, frame, sizeof *frame);
-    memcpy(rt->builtin.live.bytes, live, size);
-    memcpy((char *)rt->builtin.live.bytes + size, (const char *)pipeline->live_defaults + size,
-           pipeline->block_size - size);
+    char *block = vk_buffer_at(rt, DT_LIVE)->bytes;
+    memcpy(vk_buffer_at(rt, DT_FRAME)->bytes, frame, sizeof *frame);
+    memcpy(block, live, size);
+    memcpy(block + size, (const char *)pipeline->live_defaults + size, pipeline->block_size - size);
     if (!record_frame(rt, live) || !run_commands(rt, rt->frame_commands, pipeline->name))
         return false;
     uint32_t dropped =
@@ -182,26 +182,19 @@ bool vk_frame_resume(struct dt_core *core)
     return begin_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name);
 }
 
-/* Milliseconds of every pass that ran. Timestamps wrap after timestamp_bits bits. A host has waited
- * for the frame, so the query does not wait. */
-bool vk_frame_timings(struct dt_core *core, uint32_t slot, double *pass_ms)
+/* Timestamps wrap after timestamp_bits bits. A host has waited for the frame, so the query does not wait. */
+bool vk_frame_timing(struct dt_core *core, uint32_t run, const char *name, double *ms)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     VkQueryResultFlags wait = core->hosted ? 0 : VK_QUERY_RESULT_WAIT_BIT;
     uint64_t mask = rt->timestamp_bits < 64 ? (1ull << rt->timestamp_bits) - 1 : UINT64_MAX;
-    for (uint32_t pass = 0; pass < core->pipeline->pass_count; pass++) {
-        uint64_t stamps[2];
-        pass_ms[pass] = NAN;
-        uint32_t run = dt_run(core, slot, pass);
-        if (!core->ran[run])
-            continue;
-        if (!VK(rt,
-                rt->vk.GetQueryPoolResults(rt->device, rt->queries, 2 * run, 2, sizeof stamps,
-                                           stamps, sizeof stamps[0], VK_QUERY_RESULT_64_BIT | wait),
-                core->pipeline->passes[pass].name))
-            return false;
-        double ticks = (double)((stamps[1] - stamps[0]) & mask);
-        pass_ms[pass] = ticks * (double)rt->properties.limits.timestampPeriod * 1e-6;
-    }
+    uint64_t stamps[2];
+    if (!VK(rt,
+            rt->vk.GetQueryPoolResults(rt->device, rt->queries, 2 * run, 2, sizeof stamps, stamps,
+                                       sizeof stamps[0], VK_QUERY_RESULT_64_BIT | wait),
+            name))
+        return false;
+    double ticks = (double)((stamps[1] - stamps[0]) & mask);
+    *ms = ticks * (double)rt->properties.limits.timestampPeriod * 1e-6;
     return true;
 }

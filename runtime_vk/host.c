@@ -140,7 +140,6 @@ struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
     if (!rt)
         return NULL;
     rt->backend = vk_backend;
-    rt->backend.verbs = vk_verbs;
     rt->backend.render = render;
     rt->core = (struct dt_core){.backend = &rt->backend,
                                 .log = host->log,
@@ -168,11 +167,9 @@ static void release_scene(struct dt_vk_runtime *rt)
     if (builtin->textures.imported)
         builtin->textures = (struct vk_image){0};
     vk_image_destroy(rt, &builtin->textures);
-    vk_buffer_destroy(rt, &builtin->vertices);
-    vk_buffer_destroy(rt, &builtin->indices);
-    builtin->materials = builtin->objects = (struct vk_buffer){0};
+    for (uint32_t i = DT_SCENE_VERTICES; i < DT_SCENE_TEXTURES; i++)
+        vk_buffer_destroy(rt, vk_buffer_at(rt, i));
     rt->core.has_scene = rt->core.has_objects = false;
-    rt->index_count = 0;
 }
 
 void dt_vk_close(struct dt_vk_runtime *rt)
@@ -215,24 +212,25 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
     release_scene(rt);
     if (!dt_front_import_scene(&rt->core, scene->index_count, scene->numbered) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
-         !vk_buffer_import(rt, &builtin->vertices, "scene_vertices", &scene->vertices,
-                           sizeof(struct dt_vertex))) ||
+         !vk_buffer_import(rt, vk_buffer_at(rt, DT_SCENE_VERTICES), "scene_vertices",
+                           &scene->vertices, sizeof(struct dt_vertex))) ||
         !vk_scene_attributes(rt, scene->attributes) ||
-        !vk_buffer_import(rt, &builtin->indices, "scene_indices", &scene->indices, index_bytes) ||
-        !vk_buffer_import(rt, &builtin->materials, "scene_materials", &scene->materials,
-                          DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
-        (scene->objects.buffer && !vk_buffer_import(rt, &builtin->objects, "scene_objects",
-                                                    &scene->objects, sizeof(struct dt_object))))
+        !vk_buffer_import(rt, vk_buffer_at(rt, DT_SCENE_INDICES), "scene_indices", &scene->indices,
+                          index_bytes) ||
+        !vk_buffer_import(rt, vk_buffer_at(rt, DT_SCENE_MATERIALS), "scene_materials",
+                          &scene->materials, DT_MAX_MATERIALS * sizeof(struct dt_material)) ||
+        (scene->objects.buffer &&
+         !vk_buffer_import(rt, vk_buffer_at(rt, DT_SCENE_OBJECTS), "scene_objects", &scene->objects,
+                           sizeof(struct dt_object))))
         return false;
     /* Shaders compute length() from the bytes that are bound. */
-    builtin->indices.size = index_bytes;
-    builtin->materials.size = DT_MAX_MATERIALS * sizeof(struct dt_material);
+    vk_buffer_at(rt, DT_SCENE_INDICES)->size = index_bytes;
+    vk_buffer_at(rt, DT_SCENE_MATERIALS)->size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     if (scene->textures)
         builtin->textures = (struct vk_image){
             .name = "scene_textures", .view = scene->textures, .layered = true, .imported = true};
     else if (!create_white(rt))
         return false;
-    rt->index_count = scene->index_count;
     rt->core.has_scene = true;
     rt->core.has_objects = scene->objects.buffer;
     return true;
@@ -251,7 +249,7 @@ bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
                         "UNDEFINED discards; give the layout that the image has",
                         into->name);
     rt->core.imported[resource] = image->image;
-    rt->choices[resource].image = *image;
+    vk_choice_at(rt, resource)->image = *image;
     return true;
 }
 
@@ -262,7 +260,7 @@ bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
         !dt_front_choose(&rt->core, "import_buffer", DT_BUFFER, resource))
         return false;
     rt->core.imported[resource] = range->buffer;
-    rt->choices[resource].buffer = *range;
+    vk_choice_at(rt, resource)->buffer = *range;
     return true;
 }
 
@@ -273,8 +271,8 @@ bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family
         return false;
     if (!core->pipeline || resource >= core->pipeline->resource_count || !core->imported[resource])
         return dt_error(core, "exchange: resource %u is not imported; import it first", resource);
-    rt->choices[resource].exchanged = family != VK_QUEUE_FAMILY_IGNORED;
-    rt->choices[resource].family = family;
+    vk_choice_at(rt, resource)->exchanged = family != VK_QUEUE_FAMILY_IGNORED;
+    vk_choice_at(rt, resource)->family = family;
     return true;
 }
 
@@ -282,7 +280,7 @@ bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageU
 {
     if (!rt || !dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
         return false;
-    rt->choices[resource].usage = usage;
+    vk_choice_at(rt, resource)->usage = usage;
     return true;
 }
 
@@ -290,7 +288,7 @@ bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBuffe
 {
     if (!rt || !dt_front_choose(&rt->core, "add_buffer_usage", DT_BUFFER, resource))
         return false;
-    rt->choices[resource].usage = usage;
+    vk_choice_at(rt, resource)->usage = usage;
     return true;
 }
 
@@ -387,7 +385,7 @@ static void wait_for(const struct dt_vk_runtime *rt, VkCommandBuffer commands, e
  * the host waits for before, and signals after; HOST is not allowed here. */
 static void exchange(const struct dt_vk_runtime *rt, uint32_t resource, uint32_t from, uint32_t to)
 {
-    const struct dt_vk_range *range = &rt->choices[resource].buffer;
+    const struct dt_vk_range *range = &vk_choice_at(rt, resource)->buffer;
     const struct vk_image *image = &vk_resource_at(rt, resource)->image;
     VkImageMemoryBarrier2 moved = vk_image_barrier(rt, image, image->layout);
     if (rt->narrow) {
@@ -475,9 +473,9 @@ static void write_uniforms(struct dt_vk_runtime *rt, const struct dt_frame *fram
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
-    write_uniform(rt, &rt->builtin.frame, 0, frame, sizeof *frame);
-    write_uniform(rt, &rt->builtin.live, 0, live, size);
-    write_uniform(rt, &rt->builtin.live, size, (const char *)pipeline->live_defaults + size,
+    write_uniform(rt, vk_buffer_at(rt, DT_FRAME), 0, frame, sizeof *frame);
+    write_uniform(rt, vk_buffer_at(rt, DT_LIVE), 0, live, size);
+    write_uniform(rt, vk_buffer_at(rt, DT_LIVE), size, (const char *)pipeline->live_defaults + size,
                   pipeline->block_size - size);
 }
 
@@ -524,7 +522,7 @@ static void take_imports(struct dt_vk_runtime *rt)
 {
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
         struct vk_image *image = &vk_resource_at(rt, i)->image;
-        const struct vk_choice *choice = &rt->choices[i];
+        const struct vk_choice *choice = vk_choice_at(rt, i);
         if (!rt->core.imported[i])
             continue;
         image->layout = choice->image.layout_before;
@@ -551,7 +549,7 @@ static void begin_frame(struct dt_vk_runtime *rt, const struct dt_frame *frame, 
 static void return_imports(struct dt_vk_runtime *rt)
 {
     for (uint32_t i = 0; i < rt->core.pipeline->resource_count; i++) {
-        const struct vk_choice *choice = &rt->choices[i];
+        const struct vk_choice *choice = vk_choice_at(rt, i);
         if (choice->image.image && choice->image.layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
             vk_transition(rt, rt->frame_commands, &vk_resource_at(rt, i)->image,
                           choice->image.layout_after);

@@ -50,7 +50,7 @@ struct vk_resource {
     struct vk_image image;
 };
 
-/* What the host chose for a resource; null handles: not imported. */
+/* What the host chose for a resource: element of the core's choices; null handles: not imported. */
 struct vk_choice {
     struct dt_vk_image image;
     struct dt_vk_range buffer;
@@ -78,8 +78,7 @@ extern const VkPushConstantRange vk_layer_range;
 
 /* Objects that the runtime provides to every pipeline. */
 struct vk_builtin {
-    struct vk_buffer frame, live; /* uniform blocks */
-    struct vk_buffer vertices, indices, materials, objects;
+    struct vk_buffer buffers[DT_SCENE_TEXTURES - DT_FRAME]; /* by enum dt_builtin */
     struct dt_vk_attribute attributes[DT_ATTRIBUTES]; /* those that the scene lacks: any other */
     struct vk_image textures;
     VkSampler texture_sampler; /* trilinear, repeat */
@@ -102,7 +101,7 @@ struct vk_bound {
 
 struct dt_vk_runtime {
     struct dt_core core;       /* first member: the front casts dt_core pointers */
-    struct dt_backend backend; /* vk_backend and vk_verbs; runtime.c adds functions for the app */
+    struct dt_backend backend; /* vk_backend; runtime.c adds functions for the app */
     bool debug;
     bool labels;              /* names for debuggers; with debug, too */
     bool captures;            /* statistics of programs (statistics.c); then no commands run */
@@ -135,13 +134,11 @@ struct dt_vk_runtime {
 
     struct vk_buffer staging; /* for copies to and from the device; grows on demand */
     struct vk_builtin builtin;
-    uint32_t index_count; /* of the scene */
 
     /* panel.c: of the pipeline */
     struct dt_vk_memory *slots;
-    struct vk_choice *choices; /* one per resource */
-    struct vk_buffer upload;   /* host: for dt_vk_write, as large as the largest input image */
-    VkQueryPool queries;       /* two per pass and slot */
+    struct vk_buffer upload; /* host: for dt_vk_write, as large as the largest input image */
+    VkQueryPool queries;     /* two per pass and slot */
 
     /* Of a frame. */
     struct vk_bound bound;
@@ -161,6 +158,18 @@ static inline struct dt_vk_runtime *vk_runtime_of(struct dt_core *core)
 static inline struct vk_resource *vk_resource_at(const struct dt_vk_runtime *rt, uint32_t resource)
 {
     return dt_resource(&rt->core, resource);
+}
+
+/* `resource`: index in the pipeline, or enum dt_builtin. */
+static inline struct vk_buffer *vk_buffer_at(struct dt_vk_runtime *rt, uint32_t resource)
+{
+    return resource < DT_FRAME ? &vk_resource_at(rt, resource)->buffer
+                               : &rt->builtin.buffers[resource - DT_FRAME];
+}
+
+static inline struct vk_choice *vk_choice_at(const struct dt_vk_runtime *rt, uint32_t resource)
+{
+    return dt_choice(&rt->core, resource);
 }
 
 /* Whether vertex shaders can choose the layer; if not, each layer is drawn alone. */
@@ -272,13 +281,20 @@ bool vk_buffer_bind(struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
 bool vk_image_bind(struct dt_vk_runtime *rt, struct vk_image *image,
                    const struct dt_vk_memory *memory);
 
-bool vk_sampler_create(struct dt_vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info);
-void vk_sampler_destroy(struct dt_vk_runtime *rt, VkSampler *sampler);
+/* Of struct dt_backend; a sampler is a VkSampler. */
+bool vk_sampler_create(struct dt_core *core, void *sampler, const struct dt_sampler *info);
+void vk_sampler_destroy(struct dt_core *core, void *sampler);
 
 /* At least `size` bytes of staging memory; NULL after an error that names `name`. Invalidates
  * earlier pointers. */
 void *vk_staging(struct dt_vk_runtime *rt, VkDeviceSize size, const char *name);
 
+/* Replace the content, from tightly packed bytes, and wait. The rest of a buffer becomes zero; an image is
+ * in `layout` afterwards, or stays in UNDEFINED as it may be. */
+bool vk_buffer_write(struct dt_vk_runtime *rt, const struct vk_buffer *buffer, const void *data,
+                     size_t size);
+bool vk_image_write(struct dt_vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                    const void *data, size_t size, VkImageLayout layout);
 /* Set every byte, and wait. */
 bool vk_buffer_fill(struct dt_vk_runtime *rt, const struct vk_buffer *buffer, int byte);
 bool vk_image_fill(struct dt_vk_runtime *rt, struct vk_image *image, int byte);
@@ -343,14 +359,14 @@ void vk_transition(const struct dt_vk_runtime *rt, VkCommandBuffer commands, str
 bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
 bool vk_frame_pause(struct dt_core *core);
 bool vk_frame_resume(struct dt_core *core);
-bool vk_frame_timings(struct dt_core *core, uint32_t slot, double *pass_ms);
+bool vk_frame_timing(struct dt_core *core, uint32_t run, const char *name, double *ms);
 /* Of the frame's slot, before its timestamps. */
 void vk_reset_queries(const struct dt_vk_runtime *rt);
 
 /* ---- The pipeline (panel.c, verbs.c) --------------------------------------------------------- */
 
 extern const struct dt_backend vk_backend; /* functions for the app and other programs */
-extern const struct dt_verbs vk_verbs;
+extern const struct dt_commands vk_commands;
 extern const struct dt_runtime runtime_vk; /* runtime.c */
 
 bool vk_builtin_create(struct dt_vk_runtime *rt); /* all except the live block and the scene */
@@ -364,7 +380,8 @@ bool vk_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struc
 /* Where the scene's attributes stand: as given, else in the vertices. False after an error. */
 bool vk_scene_attributes(struct dt_vk_runtime *rt,
                          const struct dt_vk_attribute given[DT_ATTRIBUTES]);
-bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene);
+bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene,
+                     const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS]);
 void vk_scene_destroy(struct dt_vk_runtime *rt);
 
 #endif

@@ -24,16 +24,16 @@ bool vk_builtin_create(struct dt_vk_runtime *rt)
                                                .wrap = DT_WRAP_REPEAT,
                                                .anisotropy = 1};
     struct vk_builtin *builtin = &rt->builtin;
-    return create_uniform(rt, &builtin->frame, "frame", sizeof(struct dt_frame)) &&
-           vk_sampler_create(rt, &builtin->texel_sampler, &texel) &&
-           vk_sampler_create(rt, &builtin->texture_sampler, &textures);
+    return create_uniform(rt, vk_buffer_at(rt, DT_FRAME), "frame", sizeof(struct dt_frame)) &&
+           vk_sampler_create(&rt->core, &builtin->texel_sampler, &texel) &&
+           vk_sampler_create(&rt->core, &builtin->texture_sampler, &textures);
 }
 
 void vk_builtin_destroy(struct dt_vk_runtime *rt)
 {
-    vk_buffer_destroy(rt, &rt->builtin.frame);
-    vk_sampler_destroy(rt, &rt->builtin.texel_sampler);
-    vk_sampler_destroy(rt, &rt->builtin.texture_sampler);
+    vk_buffer_destroy(rt, vk_buffer_at(rt, DT_FRAME));
+    vk_sampler_destroy(&rt->core, &rt->builtin.texel_sampler);
+    vk_sampler_destroy(&rt->core, &rt->builtin.texture_sampler);
 }
 
 /* ---- The panel ------------------------------------------------------------------------------- */
@@ -67,10 +67,9 @@ static bool begin_panel(struct dt_core *core)
     };
     rt->stages = stages_of(core->panel);
     rt->slots = calloc(core->panel->slot_count + 1, sizeof *rt->slots);
-    rt->choices = calloc(pipeline->resource_count + 1, sizeof *rt->choices);
-    if (!rt->slots || !rt->choices)
+    if (!rt->slots)
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);
-    return create_uniform(rt, &rt->builtin.live, "live", pipeline->block_size) &&
+    return create_uniform(rt, vk_buffer_at(rt, DT_LIVE), "live", pipeline->block_size) &&
            (!core->timing ||
             VK(rt, rt->vk.CreateQueryPool(rt->device, &queries, rt->callbacks, &rt->queries),
                pipeline->name));
@@ -79,26 +78,14 @@ static bool begin_panel(struct dt_core *core)
 static void end_panel(struct dt_core *core)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
-    vk_buffer_destroy(rt, &rt->builtin.live);
+    vk_buffer_destroy(rt, vk_buffer_at(rt, DT_LIVE));
     rt->vk.DestroyQueryPool(rt->device, rt->queries, rt->callbacks);
     free(rt->slots);
-    free(rt->choices);
     rt->queries = VK_NULL_HANDLE;
     rt->slots = NULL;
-    rt->choices = NULL;
 }
 
 /* ---- Samplers and programs ------------------------------------------------------------------- */
-
-static bool create_sampler(struct dt_core *core, void *sampler, const struct dt_sampler *info)
-{
-    return vk_sampler_create(vk_runtime_of(core), sampler, info);
-}
-
-static void destroy_sampler(struct dt_core *core, void *sampler)
-{
-    vk_sampler_destroy(vk_runtime_of(core), sampler);
-}
 
 static VkFormat format_of(const struct dt_panel *panel, const struct dt_target *target)
 {
@@ -238,7 +225,7 @@ VkImageUsageFlags vk_image_usage(unsigned usage)
 static bool create_buffer(struct dt_vk_runtime *rt, uint32_t index, VkDeviceSize size)
 {
     const struct dt_storage *storage = &rt->core.panel->storage[index];
-    const struct vk_choice *choice = &rt->choices[index];
+    const struct vk_choice *choice = vk_choice_at(rt, index);
     struct vk_buffer *buffer = &vk_resource_at(rt, index)->buffer;
     const struct vk_buffer_info info = {
         .name = rt->core.pipeline->resources[index].name,
@@ -270,7 +257,7 @@ static bool create_resource(struct dt_core *core, uint32_t index, const uint32_t
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct dt_resource *resource = &core->pipeline->resources[index];
     const struct dt_storage *storage = &core->panel->storage[index];
-    const struct vk_choice *choice = &rt->choices[index];
+    const struct vk_choice *choice = vk_choice_at(rt, index);
     if (resource->kind == DT_BUFFER)
         return create_buffer(rt, index, (VkDeviceSize)extent[0] * resource->stride);
     const struct vk_image_info info = {
@@ -324,7 +311,7 @@ static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
     struct vk_resource *made = resource;
     bool image = made->image.handle;
     VkFlags usage = image ? made->image.usage : made->buffer.usage;
-    VkFlags wanted = rt->choices[index].usage |
+    VkFlags wanted = vk_choice_at(rt, index)->usage |
                      (image ? vk_image_usage(storage->usage) : vk_buffer_usage(storage->usage));
     *(image ? &made->image.name : &made->buffer.name) = core->pipeline->resources[index].name;
     return (usage & wanted) == wanted && made->image.by_layer >= by_layer(rt, index);
@@ -387,14 +374,10 @@ static bool place_resources(struct dt_core *core)
     return good;
 }
 
-static bool fill_resource(struct dt_core *core, uint32_t index)
+static bool fill_resource(struct dt_core *core, uint32_t index, int byte)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_resource *resource = vk_resource_at(rt, index);
-    bool history = core->pipeline->resources[index].history;
-    int byte = history ? 0 : core->poison;
-    if ((!history && !byte) || core->imported[index])
-        return true;
     rt->fills = core->hosted; /* for a host, the next frame does it: see fill_now in host.c */
     if (rt->fills)
         return true;
@@ -404,30 +387,10 @@ static bool fill_resource(struct dt_core *core, uint32_t index)
 
 /* ---- Descriptors ----------------------------------------------------------------------------- */
 
-static struct vk_buffer *find_pass_buffer(struct dt_vk_runtime *rt, uint16_t resource)
-{
-    switch (resource) {
-    case DT_FRAME:
-        return &rt->builtin.frame;
-    case DT_LIVE:
-        return &rt->builtin.live;
-    case DT_SCENE_VERTICES:
-        return &rt->builtin.vertices;
-    case DT_SCENE_INDICES:
-        return &rt->builtin.indices;
-    case DT_SCENE_MATERIALS:
-        return &rt->builtin.materials;
-    case DT_SCENE_OBJECTS:
-        return &rt->builtin.objects;
-    default:
-        return &vk_resource_at(rt, resource)->buffer;
-    }
-}
-
 static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
                                                 const struct dt_binding *binding)
 {
-    const struct vk_buffer *buffer = find_pass_buffer(rt, binding->resource);
+    const struct vk_buffer *buffer = vk_buffer_at(rt, binding->resource);
     bool block = binding->kind == DT_BIND_UNIFORM && buffer->block;
     return (VkDescriptorBufferInfo){buffer->handle, buffer->offset,
                                     block ? buffer->block : buffer->size};
@@ -467,7 +430,7 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
         if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE) {
             descriptors[i].buffer = buffer_descriptor(rt, binding);
         } else if (binding->kind == DT_BIND_TEXELS) {
-            struct vk_buffer *buffer = find_pass_buffer(rt, binding->resource);
+            struct vk_buffer *buffer = vk_buffer_at(rt, binding->resource);
             if (!vk_buffer_texels(rt, buffer, binding->resource))
                 return false;
             descriptors[i].texels = buffer->texels;
@@ -488,8 +451,8 @@ static void disconnect_program(struct dt_core *core, void *program)
 static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
 {
     const struct vk_builtin *builtin = &((const struct dt_vk_runtime *)core)->builtin;
-    return resource == DT_SCENE_VERTICES ? builtin->vertices.size / DT_VERTEX_TEXEL
-                                         : builtin->indices.size / DT_INDEX_TEXEL;
+    return builtin->buffers[resource - DT_FRAME].size /
+           (resource == DT_SCENE_VERTICES ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL);
 }
 
 const struct dt_backend vk_backend = {
@@ -498,13 +461,14 @@ const struct dt_backend vk_backend = {
     .resource_size = sizeof(struct vk_resource),
     .program_size = sizeof(struct vk_program),
     .sampler_size = sizeof(VkSampler),
+    .choice_size = sizeof(struct vk_choice),
     .rest = rest,
     .texels = scene_texels,
     .suits = panel_suits,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
-    .create_sampler = create_sampler,
-    .destroy_sampler = destroy_sampler,
+    .create_sampler = vk_sampler_create,
+    .destroy_sampler = vk_sampler_destroy,
     .create_program = create_program,
     .compile_programs = compile_programs,
     .share_program = share_program,
@@ -519,5 +483,6 @@ const struct dt_backend vk_backend = {
     .detach_resource = detach_resource,
     .adopt_resource = adopt_resource,
     .release_memory = release_memory,
-    .timings = vk_frame_timings,
+    .commands = &vk_commands,
+    .timing = vk_frame_timing,
 };

@@ -437,6 +437,46 @@ void vk_image_destroy(struct dt_vk_runtime *rt, struct vk_image *image)
 
 /* ---- Content --------------------------------------------------------------------------------- */
 
+/* The data in the staging buffer, and behind them zeros up to `whole` bytes; begins a command buffer. NULL
+ * after an error. */
+static VkCommandBuffer begin_write(struct dt_vk_runtime *rt, const char *name, const void *data,
+                                   size_t size, VkDeviceSize whole)
+{
+    char *staging = vk_staging(rt, whole, name);
+    if (!staging)
+        return NULL;
+    if (size)
+        memcpy(staging, data, size);
+    memset(staging + size, 0, whole - size);
+    return vk_immediate_begin(rt, name);
+}
+
+bool vk_buffer_write(struct dt_vk_runtime *rt, const struct vk_buffer *buffer, const void *data,
+                     size_t size)
+{
+    VkCommandBuffer commands = begin_write(rt, buffer->name, data, size, buffer->size);
+    if (!commands)
+        return false;
+    rt->vk.CmdCopyBuffer(commands, rt->staging.handle, buffer->handle, 1,
+                         &(VkBufferCopy){.size = buffer->size});
+    return vk_immediate_end(rt, buffer->name);
+}
+
+bool vk_image_write(struct dt_vk_runtime *rt, struct vk_image *image, uint32_t mip,
+                    const void *data, size_t size, VkImageLayout layout)
+{
+    const VkBufferImageCopy region = vk_mip_region(image, mip);
+    VkCommandBuffer commands = begin_write(rt, image->name, data, size, size);
+    if (!commands)
+        return false;
+    vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+    rt->vk.CmdCopyBufferToImage(commands, rt->staging.handle, image->handle, image->layout, 1,
+                                &region);
+    if (layout != VK_IMAGE_LAYOUT_UNDEFINED) /* no transition to it exists */
+        vk_transition(rt, commands, image, layout);
+    return vk_immediate_end(rt, image->name);
+}
+
 bool vk_buffer_fill(struct dt_vk_runtime *rt, const struct vk_buffer *buffer, int byte)
 {
     VkCommandBuffer commands = vk_immediate_begin(rt, buffer->name);
@@ -473,8 +513,10 @@ bool vk_image_fill(struct dt_vk_runtime *rt, struct vk_image *image, int byte)
 
 /* ---- Samplers -------------------------------------------------------------------------------- */
 
-bool vk_sampler_create(struct dt_vk_runtime *rt, VkSampler *sampler, const struct dt_sampler *info)
+bool vk_sampler_create(struct dt_core *core, void *made, const struct dt_sampler *info)
 {
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
+    VkSampler *sampler = made;
     static const VkSamplerAddressMode wraps[] = {
         [DT_WRAP_CLAMP] = VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE,
         [DT_WRAP_REPEAT] = VK_SAMPLER_ADDRESS_MODE_REPEAT,
@@ -509,8 +551,10 @@ bool vk_sampler_create(struct dt_vk_runtime *rt, VkSampler *sampler, const struc
     return true;
 }
 
-void vk_sampler_destroy(struct dt_vk_runtime *rt, VkSampler *sampler)
+void vk_sampler_destroy(struct dt_core *core, void *made)
 {
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
+    VkSampler *sampler = made;
     rt->vk.DestroySampler(rt->device, *sampler, rt->callbacks);
     *sampler = VK_NULL_HANDLE;
 }

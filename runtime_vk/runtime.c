@@ -25,7 +25,6 @@ static void set_backend(struct dt_vk_runtime *rt)
 {
     struct dt_backend *backend = &rt->backend;
     *backend = vk_backend;
-    backend->verbs = vk_verbs;
     backend->upload_scene = vk_scene_upload;
     backend->render = vk_frame_render;
     backend->pause = vk_frame_pause;

@@ -20,9 +20,9 @@ static void write_timestamp(const struct dt_vk_runtime *rt, uint32_t pass, uint3
                               2 * dt_run(&rt->core, rt->core.slot, pass) + end);
 }
 
-static bool begin(void *runtime, uint32_t pass, bool runs)
+static bool begin(struct dt_core *core, uint32_t pass, bool runs)
 {
-    const struct dt_vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
     VkDebugUtilsLabelEXT label = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
         .pLabelName = pass_name(rt, pass),
@@ -41,9 +41,9 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
     return true;
 }
 
-static bool end(void *runtime, uint32_t pass)
+static bool end(struct dt_core *core, uint32_t pass)
 {
-    const struct dt_vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
     if (rt->core.timing && rt->core.ran[dt_run(&rt->core, rt->core.slot, pass)])
         write_timestamp(rt, pass, 1);
     if (rt->end_label)
@@ -161,9 +161,10 @@ static void drop(const struct dt_vk_runtime *rt, uint32_t pass, const struct dt_
 }
 
 /* One vkCmdPipelineBarrier2 for up to BARRIER_BATCH of them. */
-static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
+static bool barriers(struct dt_core *core, uint32_t pass, const struct dt_barrier *list,
+                     uint32_t count)
 {
-    struct dt_vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
     VkImageMemoryBarrier2 images[BARRIER_BATCH];
     for (uint32_t at = 0; at < count; at += BARRIER_BATCH) {
@@ -197,9 +198,9 @@ static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list
 /* ---- Dispatches ------------------------------------------------------------------------------ */
 
 /* Pipelines without attributes also lack their dynamic strides: afterwards they must be bound again. */
-static bool bind(void *runtime, uint32_t pass)
+static bool bind(struct dt_core *core, uint32_t pass)
 {
-    struct dt_vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct vk_program *program = dt_program(&rt->core, pass);
     VkPipelineBindPoint point = rt->core.pipeline->passes[pass].kind == DT_PASS_DISPATCH
                                     ? VK_PIPELINE_BIND_POINT_COMPUTE
@@ -213,17 +214,17 @@ static bool bind(void *runtime, uint32_t pass)
     return true;
 }
 
-static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
+static bool dispatch(struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
-    const struct dt_vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
     (void)pass;
     rt->vk.CmdDispatch(rt->frame_commands, x, y, z);
     return true;
 }
 
-static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
+static bool dispatch_indirect(struct dt_core *core, uint32_t pass, uint32_t arguments)
 {
-    const struct dt_vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct vk_buffer *buffer = &vk_resource_at(rt, arguments)->buffer;
     (void)pass;
     rt->vk.CmdDispatchIndirect(rt->frame_commands, buffer->handle, buffer->offset);
@@ -334,7 +335,7 @@ static bool next_layers(struct dt_vk_runtime *rt, uint32_t pass, uint32_t layers
 bool vk_scene_attributes(struct dt_vk_runtime *rt,
                          const struct dt_vk_attribute given[DT_ATTRIBUTES])
 {
-    const struct vk_buffer *vertices = &rt->builtin.vertices;
+    const struct vk_buffer *vertices = vk_buffer_at(rt, DT_SCENE_VERTICES);
     struct dt_vk_attribute *attributes = rt->builtin.attributes, any = {0};
     rt->core.has_vertices = vertices->handle;
     rt->core.attributes = 0;
@@ -376,15 +377,6 @@ static void bind_scene(struct dt_vk_runtime *rt, const struct vk_buffer *indices
                               VK_INDEX_TYPE_UINT32);
 }
 
-static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
-{
-    struct dt_vk_runtime *rt = runtime;
-    bind_scene(rt, &rt->builtin.indices);
-    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
-        rt->vk.CmdDrawIndexed(rt->frame_commands, rt->index_count, layers, 0, 0, 0);
-    return true;
-}
-
 /* lavapipe 22.3.6 binds an index buffer at an offset for direct draws only: indirect ones count from the
  * start of the buffer, and draw something else without a word. */
 static bool counts_from_start(const struct dt_vk_runtime *rt, uint32_t pass,
@@ -397,93 +389,71 @@ static bool counts_from_start(const struct dt_vk_runtime *rt, uint32_t pass,
                     pass_name(rt, pass), (unsigned long long)indices->offset, rt->core.device_name);
 }
 
-static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
-                          uint32_t arguments)
+static void record_draw(struct dt_vk_runtime *rt, const struct dt_draw *draw, bool indexed)
 {
-    struct dt_vk_runtime *rt = runtime;
-    const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
-    const struct vk_buffer *from =
-        indices == DT_SCENE_INDICES ? &rt->builtin.indices : &vk_resource_at(rt, indices)->buffer;
-    if (!counts_from_start(rt, pass, from))
+    VkCommandBuffer commands = rt->frame_commands;
+    if (draw->arguments == DT_NO_BUFFER && indexed) {
+        rt->vk.CmdDrawIndexed(commands, draw->count, draw->instances, 0, 0, 0);
+    } else if (draw->arguments == DT_NO_BUFFER) {
+        rt->vk.CmdDraw(commands, draw->count, draw->instances, 0, 0);
+    } else {
+        const struct vk_buffer *draws = vk_buffer_at(rt, draw->arguments);
+        uint32_t bytes = indexed ? DT_DRAW_BYTES : DT_VERTEX_DRAW_BYTES;
+        (indexed ? rt->vk.CmdDrawIndexedIndirect : rt->vk.CmdDrawIndirect)(
+            commands, draws->handle, draws->offset, (uint32_t)(draws->size / bytes), bytes);
+    }
+}
+
+static bool draw_pass(struct dt_core *core, uint32_t pass, const struct dt_draw *draw)
+{
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
+    bool indexed = draw->indices != DT_NO_BUFFER;
+    const struct vk_buffer *indices = indexed ? vk_buffer_at(rt, draw->indices) : NULL;
+    if (indexed && draw->arguments != DT_NO_BUFFER && !counts_from_start(rt, pass, indices))
         return false;
-    bind_scene(rt, from);
-    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
-        rt->vk.CmdDrawIndexedIndirect(rt->frame_commands, draws->handle, draws->offset,
-                                      (uint32_t)(draws->size / DT_DRAW_BYTES), DT_DRAW_BYTES);
-    return true;
-}
-
-static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
-{
-    struct dt_vk_runtime *rt = runtime;
-    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
-        rt->vk.CmdDraw(rt->frame_commands, 3, layers, 0, 0); /* one triangle that covers all */
-    return true;
-}
-
-static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
-                          uint32_t instances)
-{
-    struct dt_vk_runtime *rt = runtime;
-    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
-        rt->vk.CmdDraw(rt->frame_commands, vertices, instances, 0, 0);
-    return true;
-}
-
-static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
-                                   uint32_t arguments)
-{
-    struct dt_vk_runtime *rt = runtime;
-    const struct vk_buffer *draws = &vk_resource_at(rt, arguments)->buffer;
-    for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
-        rt->vk.CmdDrawIndirect(rt->frame_commands, draws->handle, draws->offset,
-                               (uint32_t)(draws->size / DT_VERTEX_DRAW_BYTES),
-                               DT_VERTEX_DRAW_BYTES);
+    if (indexed)
+        bind_scene(rt, indices);
+    for (uint32_t done = 0; next_layers(rt, pass, draw->layers, &done);)
+        record_draw(rt, draw, indexed);
     return true;
 }
 
 /* ---- Clears ---------------------------------------------------------------------------------- */
 
-static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
+static bool clear_targets(struct dt_core *core, uint32_t pass, uint32_t layers)
 {
-    struct dt_vk_runtime *rt = runtime;
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
     for (uint32_t done = 0; next_layers(rt, pass, layers, &done);)
         continue;
     return true;
 }
 
 /* The plan's barriers order the clears of a pass that may be skipped, too. */
-static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
+static bool clear_image(struct dt_core *core, uint32_t resource, uint32_t mip)
 {
-    const struct dt_vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct vk_image *image = &vk_resource_at(rt, resource)->image;
     VkClearColorValue value = clear_color(image, rt->core.panel->storage[resource].clear);
     VkImageSubresourceRange range = {image->aspect, mip, 1, 0, image->layers};
-    (void)pass;
     rt->vk.CmdClearColorImage(rt->frame_commands, image->handle, image->layout, &value, 1, &range);
     return true;
 }
 
-static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
+static bool clear_buffer(struct dt_core *core, uint32_t resource)
 {
-    const struct dt_vk_runtime *rt = runtime;
+    const struct dt_vk_runtime *rt = vk_runtime_of(core);
     const struct vk_buffer *buffer = &vk_resource_at(rt, resource)->buffer;
-    (void)pass;
     rt->vk.CmdFillBuffer(rt->frame_commands, buffer->handle, buffer->offset, buffer->size, 0);
     return true;
 }
 
-const struct dt_verbs vk_verbs = {
+const struct dt_commands vk_commands = {
     .begin = begin,
     .barriers = barriers,
     .bind = bind,
     .dispatch = dispatch,
     .dispatch_indirect = dispatch_indirect,
-    .draw_scene = draw_scene,
-    .draw_indirect = draw_indirect,
-    .draw_fullscreen = draw_fullscreen,
-    .draw_vertices = draw_vertices,
-    .draw_vertices_indirect = draw_vertices_indirect,
+    .draw = draw_pass,
     .clear_targets = clear_targets,
     .clear_buffer = clear_buffer,
     .clear_image = clear_image,

@@ -2,6 +2,7 @@
  * runtime. */
 #include "front.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -378,6 +379,7 @@ static struct made take_apart(struct dt_core *core)
     core->backend->end_panel(core);
     free(core->resources);
     free(core->samplers);
+    free(core->choices);
     free(core->ran);
     free(core->written);
     free(core->imported);
@@ -385,7 +387,7 @@ static struct made take_apart(struct dt_core *core)
     free(core->live);
     core->live = NULL;
     core->slot = 0;
-    core->resources = core->programs = core->samplers = NULL;
+    core->resources = core->programs = core->samplers = core->choices = NULL;
     core->ran = core->imported = core->resumed = NULL;
     core->written = NULL;
     core->shaders = (struct dt_shaders){0};
@@ -418,13 +420,14 @@ static bool allocate(struct dt_core *core)
     core->resources = calloc(core->pipeline->resource_count + 1, backend->resource_size);
     core->programs = calloc(core->pipeline->pass_count + 1, backend->program_size);
     core->samplers = calloc(core->panel->sampler_count + 1, backend->sampler_size);
+    core->choices = calloc(core->pipeline->resource_count + 1, backend->choice_size);
     core->ran = calloc(dt_run(core, core->frames, 1), sizeof *core->ran);
     core->written = calloc(core->pipeline->resource_count + 1, sizeof *core->written);
     core->imported = calloc(core->pipeline->resource_count + 1, sizeof *core->imported);
     core->resumed = calloc(core->pipeline->resource_count + 1, sizeof *core->resumed);
     core->live = calloc(1, core->pipeline->block_size + 1);
-    return (core->resources && core->programs && core->samplers && core->ran && core->written &&
-            core->imported && core->resumed && core->live) ||
+    return (core->resources && core->programs && core->samplers && core->choices && core->ran &&
+            core->written && core->imported && core->resumed && core->live) ||
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
@@ -552,6 +555,15 @@ static bool create_resource(struct dt_core *core, uint32_t index)
            core->backend->create_resource(core, index, extent);
 }
 
+/* With zero if it has history; else with core->poison, if set. */
+static bool fill_resource(struct dt_core *core, uint32_t index)
+{
+    bool history = core->pipeline->resources[index].history;
+    int byte = history ? 0 : core->poison;
+    return core->imported[index] || (!history && !byte) ||
+           core->backend->fill_resource(core, index, byte);
+}
+
 static bool create_resources(struct dt_core *core)
 {
     const struct dt_backend *backend = core->backend;
@@ -561,7 +573,7 @@ static bool create_resources(struct dt_core *core)
         good = create_resource(core, i);
     good = good && (!backend->place_resources || backend->place_resources(core));
     for (uint32_t i = 0; good && i < count; i++)
-        good = core->resumed[i] || backend->fill_resource(core, i);
+        good = core->resumed[i] || fill_resource(core, i);
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
         good = backend->connect_program(core, dt_program(core, i), i);
     return good;
@@ -700,6 +712,7 @@ bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offse
 bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered)
 {
     core->numbered = numbered;
+    core->index_count = index_count;
     core->sized = false; /* programs are connected with the former scene until the next resize */
     return (index_count && index_count % 3 == 0) ||
            dt_error(core, "import_scene: %u indices, but triangles have three each", index_count);
@@ -874,7 +887,7 @@ static bool poison(struct dt_core *core, uint32_t pass)
     for (uint32_t i = 0; i < core->pipeline->resource_count && core->poison && good; i++) {
         if (!is_discarded(core, pass, i))
             continue;
-        good = (paused || core->backend->pause(core)) && core->backend->fill_resource(core, i);
+        good = (paused || core->backend->pause(core)) && fill_resource(core, i);
         good = good && (paused || core->backend->resume(core));
     }
     return good;
@@ -895,7 +908,7 @@ static bool begin(void *runtime, uint32_t pass, bool runs)
     core->skips = action == DT_SKIP;
     runs = runs && action == DT_RUN;
     core->ran[dt_run(core, core->slot, pass)] = runs;
-    return action != DT_STOP && core->backend->verbs.begin(core, pass, runs);
+    return action != DT_STOP && core->backend->commands->begin(core, pass, runs);
 }
 
 static bool end(void *runtime, uint32_t pass)
@@ -904,7 +917,7 @@ static bool end(void *runtime, uint32_t pass)
     const struct dt_observer *observer = core->observer;
     if (core->outside)
         return true;
-    if (!core->backend->verbs.end(core, pass))
+    if (!core->backend->commands->end(core, pass))
         return false;
     return !observer || (core->backend->pause(core) &&
                          (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
@@ -914,7 +927,7 @@ static bool end(void *runtime, uint32_t pass)
 static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)
 {
     struct dt_core *core = runtime;
-    return core->outside || core->backend->verbs.barriers(core, pass, list, count);
+    return core->outside || core->backend->commands->barriers(core, pass, list, count);
 }
 
 /* Whether the backend records nothing of the pass. */
@@ -926,7 +939,7 @@ static bool is_idle(const struct dt_core *core)
 static bool bind(void *runtime, uint32_t pass)
 {
     struct dt_core *core = runtime;
-    return is_idle(core) || core->backend->verbs.bind(core, pass);
+    return is_idle(core) || core->backend->commands->bind(core, pass);
 }
 
 static bool check_groups(const struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y,
@@ -940,14 +953,15 @@ static bool check_groups(const struct dt_core *core, uint32_t pass, uint32_t x, 
 static bool dispatch(void *runtime, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
     struct dt_core *core = runtime;
-    return core->skips || (check_groups(core, pass, x, y, z) &&
-                           (core->measures || core->backend->verbs.dispatch(core, pass, x, y, z)));
+    return core->skips ||
+           (check_groups(core, pass, x, y, z) &&
+            (core->measures || core->backend->commands->dispatch(core, pass, x, y, z)));
 }
 
 static bool dispatch_indirect(void *runtime, uint32_t pass, uint32_t arguments)
 {
     struct dt_core *core = runtime;
-    return is_idle(core) || core->backend->verbs.dispatch_indirect(core, pass, arguments);
+    return is_idle(core) || core->backend->commands->dispatch_indirect(core, pass, arguments);
 }
 
 static bool check_target(const struct dt_core *core, uint32_t pass, const struct dt_target *target,
@@ -974,57 +988,58 @@ static bool check_layers(const struct dt_core *core, uint32_t pass, uint32_t lay
     return !program->depth || check_target(core, pass, program->depth, layers);
 }
 
+static bool check_draws(const struct dt_core *core, uint32_t pass, const struct dt_draw *draw)
+{
+    uint32_t extent[3], bytes = DT_VERTEX_DRAW_BYTES;
+    if (draw->arguments == DT_NO_BUFFER)
+        return true;
+    if (draw->indices != DT_NO_BUFFER)
+        bytes = DT_DRAW_BYTES;
+    extent_of(core, draw->arguments, extent);
+    uint64_t draws =
+        (uint64_t)extent[0] * core->pipeline->resources[draw->arguments].stride / bytes;
+    return has_limit(core, pass, DT_LIMIT_DRAWS, draws);
+}
+
+static bool draw_checked(struct dt_core *core, uint32_t pass, const struct dt_draw *draw)
+{
+    return core->skips ||
+           (check_draws(core, pass, draw) && check_layers(core, pass, draw->layers) &&
+            (core->measures || core->backend->commands->draw(core, pass, draw)));
+}
+
 static bool draw_scene(void *runtime, uint32_t pass, uint32_t layers)
 {
     struct dt_core *core = runtime;
-    return core->skips || (check_layers(core, pass, layers) &&
-                           (core->measures || core->backend->verbs.draw_scene(core, pass, layers)));
-}
-
-static bool check_draws(const struct dt_core *core, uint32_t pass, uint32_t arguments,
-                        uint32_t bytes)
-{
-    uint32_t extent[3];
-    extent_of(core, arguments, extent);
-    uint64_t draws = (uint64_t)extent[0] * core->pipeline->resources[arguments].stride / bytes;
-    return has_limit(core, pass, DT_LIMIT_DRAWS, draws);
+    return draw_checked(
+        core, pass,
+        &(struct dt_draw){layers, DT_SCENE_INDICES, DT_NO_BUFFER, core->index_count, layers});
 }
 
 static bool draw_indirect(void *runtime, uint32_t pass, uint32_t layers, uint32_t indices,
                           uint32_t arguments)
 {
-    struct dt_core *core = runtime;
-    return core->skips ||
-           (check_draws(core, pass, arguments, DT_DRAW_BYTES) && check_layers(core, pass, layers) &&
-            (core->measures ||
-             core->backend->verbs.draw_indirect(core, pass, layers, indices, arguments)));
+    return draw_checked(runtime, pass, &(struct dt_draw){layers, indices, arguments, 0, 0});
 }
 
+/* One triangle that covers all. */
 static bool draw_fullscreen(void *runtime, uint32_t pass, uint32_t layers)
 {
-    struct dt_core *core = runtime;
-    return core->skips ||
-           (check_layers(core, pass, layers) &&
-            (core->measures || core->backend->verbs.draw_fullscreen(core, pass, layers)));
+    return draw_checked(runtime, pass,
+                        &(struct dt_draw){layers, DT_NO_BUFFER, DT_NO_BUFFER, 3, layers});
 }
 
 static bool draw_vertices(void *runtime, uint32_t pass, uint32_t layers, uint32_t vertices,
                           uint32_t instances)
 {
-    struct dt_core *core = runtime;
-    return core->skips || (check_layers(core, pass, layers) &&
-                           (core->measures || core->backend->verbs.draw_vertices(
-                                                  core, pass, layers, vertices, instances)));
+    return draw_checked(runtime, pass,
+                        &(struct dt_draw){layers, DT_NO_BUFFER, DT_NO_BUFFER, vertices, instances});
 }
 
 static bool draw_vertices_indirect(void *runtime, uint32_t pass, uint32_t layers,
                                    uint32_t arguments)
 {
-    struct dt_core *core = runtime;
-    return core->skips || (check_draws(core, pass, arguments, DT_VERTEX_DRAW_BYTES) &&
-                           check_layers(core, pass, layers) &&
-                           (core->measures || core->backend->verbs.draw_vertices_indirect(
-                                                  core, pass, layers, arguments)));
+    return draw_checked(runtime, pass, &(struct dt_draw){layers, DT_NO_BUFFER, arguments, 0, 0});
 }
 
 static bool check_viewport(const struct dt_core *core, uint32_t pass, struct dt_rect rect)
@@ -1080,19 +1095,21 @@ static bool clear_targets(void *runtime, uint32_t pass, uint32_t layers)
     struct dt_core *core = runtime;
     return core->skips ||
            (check_layers(core, pass, layers) &&
-            (core->measures || core->backend->verbs.clear_targets(core, pass, layers)));
+            (core->measures || core->backend->commands->clear_targets(core, pass, layers)));
 }
 
 static bool clear_buffer(void *runtime, uint32_t pass, uint32_t resource)
 {
     struct dt_core *core = runtime;
-    return is_idle(core) || core->backend->verbs.clear_buffer(core, pass, resource);
+    (void)pass;
+    return is_idle(core) || core->backend->commands->clear_buffer(core, resource);
 }
 
 static bool clear_image(void *runtime, uint32_t pass, uint32_t resource, uint32_t mip)
 {
     struct dt_core *core = runtime;
-    return is_idle(core) || core->backend->verbs.clear_image(core, pass, resource, mip);
+    (void)pass;
+    return is_idle(core) || core->backend->commands->clear_image(core, resource, mip);
 }
 
 static const struct dt_verbs checked = {
@@ -1203,7 +1220,13 @@ bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
                         "the %u that the runtime was opened for",
                         age, core->frames);
     uint32_t slot = (core->slot + core->frames - age) % core->frames;
-    return leave(core, enter(core) && core->backend->timings(core, slot, pass_ms));
+    bool good = enter(core);
+    for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++) {
+        uint32_t run = dt_run(core, slot, i);
+        pass_ms[i] = (double)NAN;
+        good = !core->ran[run] || core->backend->timing(core, run, pass_name(core, i), &pass_ms[i]);
+    }
+    return leave(core, good);
 }
 
 /* ---- The app's verbs ------------------------------------------------------------------------- */
@@ -1228,15 +1251,8 @@ const char *dt_verb_driver(void *runtime)
     return ((struct dt_core *)runtime)->driver;
 }
 
-static bool check_scene_buffer(const struct dt_core *core, const char *name, uint64_t bytes)
-{
-    uint64_t most = core->limits.most[DT_LIMIT_STORAGE_BYTES];
-    return bytes <= most ||
-           dt_error(core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene", name,
-                    (unsigned long long)bytes, core->device_name, (unsigned long long)most);
-}
-
-static bool check_scene(const struct dt_core *core, const struct dt_scene *scene)
+static bool check_scene(const struct dt_core *core, const struct dt_scene *scene,
+                        const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS])
 {
     uint32_t side = (uint32_t)core->limits.most[DT_LIMIT_IMAGE_SIDE];
     uint32_t layers = (uint32_t)core->limits.most[DT_LIMIT_IMAGE_LAYERS];
@@ -1250,21 +1266,39 @@ static bool check_scene(const struct dt_core *core, const struct dt_scene *scene
                         "or smaller ones",
                         scene->texture_layers, scene->texture_width, scene->texture_height,
                         core->device_name, layers, side, side);
-    return check_scene_buffer(core, "scene vertices",
-                              (uint64_t)scene->vertex_count * sizeof *scene->vertices) &&
-           check_scene_buffer(core, "scene objects",
-                              (uint64_t)scene->object_count * sizeof *scene->objects) &&
-           check_scene_buffer(core, "scene indices",
-                              (uint64_t)scene->index_count * sizeof *scene->indices);
+    uint64_t most = core->limits.most[DT_LIMIT_STORAGE_BYTES];
+    for (int i = 0; i < DT_SCENE_BUFFERS; i++)
+        if (buffers[i].size > most)
+            return dt_error(core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene",
+                            buffers[i].name, (unsigned long long)buffers[i].size, core->device_name,
+                            (unsigned long long)most);
+    return true;
 }
 
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
 {
     struct dt_core *core = runtime;
+#define BUFFER(resource, name, list, count, least)                                                 \
+    {                                                                                              \
+        resource, name, (uint64_t)((count) > (least) ? (count) : (least)) * sizeof *scene->list,   \
+            scene->list, (uint64_t)(count) * sizeof *scene->list                                   \
+    }
+    const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS] = {
+        BUFFER(DT_SCENE_VERTICES, "scene vertices", vertices, scene->vertex_count, 0),
+        BUFFER(DT_SCENE_OBJECTS, "scene objects", objects, scene->object_count, 1),
+        BUFFER(DT_SCENE_INDICES, "scene indices", indices, scene->index_count, 0),
+        BUFFER(DT_SCENE_MATERIALS, "scene materials", materials, scene->material_count,
+               DT_MAX_MATERIALS),
+    };
+#undef BUFFER
     core->sized = false; /* programs are connected with the former scene until the next resize */
     core->numbered = true;
-    return check_scene(core, scene) &&
-           leave(core, enter(core) && core->backend->upload_scene(core, scene));
+    if (!check_scene(core, scene, buffers))
+        return false;
+    core->index_count = scene->index_count;
+    core->has_scene = enter(core) && core->backend->upload_scene(core, scene, buffers);
+    core->has_objects = core->has_scene;
+    return leave(core, core->has_scene);
 }
 
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders)
@@ -1294,8 +1328,18 @@ bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_byte
 {
     struct dt_core *core = runtime;
     *out = (struct dt_bytes){0};
-    return dt_front_find(core, "read", resource, mip, out) &&
-           leave(core, enter(core) && core->backend->read(core, resource, mip, out));
+    if (!dt_front_find(core, "read", resource, mip, out))
+        return false;
+    bool good = (out->data = malloc(out->size ? out->size : 1));
+    if (!good)
+        dt_error(core, "read %s: no memory for %zu bytes; free some, or use a smaller frame",
+                 core->pipeline->resources[resource].name, out->size);
+    good = good && leave(core, enter(core) && core->backend->read(core, resource, mip, out));
+    if (!good) {
+        free(out->data);
+        *out = (struct dt_bytes){0};
+    }
+    return good;
 }
 
 /* OpenGL clamps other depths; Vulkan leaves them undefined. */

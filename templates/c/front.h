@@ -29,13 +29,14 @@ struct dt_core {
     bool has_scene, has_objects, has_vertices; /* vertices: as struct dt_vertex[] */
     bool numbered;                             /* the scene's triangles, for vertex_triangle */
     uint8_t attributes;                        /* mask by enum dt_attribute */
+    uint32_t index_count;                      /* of the scene */
 
     /* The pipeline; NULL before create. */
     struct dt_shaders shaders; /* panel and stages: those for the device */
     const struct dt_panel *panel;
     const struct dt_pipeline *pipeline;
     /* Arrays of the backend's structs, one per resource, pass, sampler; zero: not created. */
-    void *resources, *programs, *samplers;
+    void *resources, *programs, *samplers, *choices;
     uint32_t width, height; /* 0: the resources do not exist */
     uint32_t *written;      /* per resource: mask of the mips written since resize */
     bool *imported;         /* per resource: uses an image or buffer of the host */
@@ -65,12 +66,49 @@ struct dt_core {
     bool *ran;             /* per slot and pass: work recorded */
 };
 
+/* What a pass draws. */
+enum { DT_NO_BUFFER = 0xffff };
+struct dt_draw {
+    uint32_t layers;  /* of its targets */
+    uint32_t indices; /* a buffer, or DT_SCENE_INDICES; DT_NO_BUFFER: vertices are not indexed */
+    uint32_t
+        arguments; /* the buffer of indirect draws; DT_NO_BUFFER: a direct one, of the next two */
+    uint32_t count, instances; /* vertices or indices */
+};
+
+/* The commands of a pass, as struct dt_verbs has them; called with checked arguments, and not for
+ * skipped work. */
+struct dt_commands {
+    bool (*begin)(struct dt_core *core, uint32_t pass, bool runs);
+    bool (*barriers)(struct dt_core *core, uint32_t pass, const struct dt_barrier *list,
+                     uint32_t count);
+    bool (*bind)(struct dt_core *core, uint32_t pass);
+    bool (*dispatch)(struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y, uint32_t z);
+    bool (*dispatch_indirect)(struct dt_core *core, uint32_t pass, uint32_t arguments);
+    bool (*draw)(struct dt_core *core, uint32_t pass, const struct dt_draw *draw);
+    bool (*clear_targets)(struct dt_core *core, uint32_t pass, uint32_t layers);
+    bool (*clear_buffer)(struct dt_core *core, uint32_t resource);
+    bool (*clear_image)(struct dt_core *core, uint32_t resource, uint32_t mip);
+    bool (*end)(struct dt_core *core, uint32_t pass);
+};
+
+/* A buffer of the scene, with the content that the app gives it. */
+struct dt_scene_buffer {
+    uint16_t resource; /* enum dt_builtin */
+    const char *name;
+    uint64_t size; /* bytes */
+    const void *data;
+    uint64_t data_size; /* the rest of the buffer is zero */
+};
+enum { DT_SCENE_BUFFERS = 4 };
+
 /* Every bool function logs its error. All take the core that open made. */
 struct dt_backend {
     const char *name; /* "gl", "vk" */
     const char *api;  /* "OpenGL", "Vulkan": in messages */
     /* Bytes of one element of dt_core's arrays. */
     size_t resource_size, program_size, sampler_size;
+    size_t choice_size; /* what a host chooses for a resource */
 
     /* Called around every verb: make the context current, save and restore a host's state. leave
      * also runs after a failed enter. NULL: nothing to do. */
@@ -78,7 +116,9 @@ struct dt_backend {
     bool (*leave)(struct dt_core *core);
     bool (*rest)(struct dt_core *core, const char *verb); /* afterwards no frame is in flight */
 
-    bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene);
+    /* Replaces the scene. */
+    bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene,
+                         const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS]);
     /* Elements that DT_SCENE_VERTICES or DT_SCENE_INDICES would have as a texel buffer; 0: none yet. */
     uint64_t (*texels)(const struct dt_core *core, uint16_t resource);
 
@@ -102,8 +142,8 @@ struct dt_backend {
      * connect programs. */
     bool (*create_resource)(struct dt_core *core, uint32_t resource, const uint32_t extent[3]);
     bool (*place_resources)(struct dt_core *core); /* allocates the slots; NULL: not needed */
-    /* Fills with zero if it has history; else with core->poison, if set. Nothing is in flight. */
-    bool (*fill_resource)(struct dt_core *core, uint32_t resource);
+    /* Sets all bytes. Nothing is in flight. */
+    bool (*fill_resource)(struct dt_core *core, uint32_t resource, int byte);
     bool (*connect_program)(struct dt_core *core, void *program, uint32_t pass);
     void (*disconnect_program)(struct dt_core *core, void *program);
     void (*destroy_resource)(struct dt_core *core, void *resource);
@@ -116,16 +156,18 @@ struct dt_backend {
     /* A frame or a part of one: calls dt_front_record between its own first and last commands.
      * Writes the blocks if first_pass is 0; `frame` is undefined in later parts. */
     bool (*render)(struct dt_core *core, const struct dt_frame *frame, const void *live);
-    struct dt_verbs verbs; /* called with checked arguments; not called for skipped work */
+    const struct dt_commands *commands;
     /* For an observer: finish all work so far; continue recording. */
     bool (*pause)(struct dt_core *core);
     bool (*resume)(struct dt_core *core);
 
-    /* Resource and mip exist; size and extent of `out` are set, read allocates data. */
+    /* Resource and mip exist; `out` has size, extent and memory. */
     bool (*read)(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
     bool (*write)(struct dt_core *core, uint32_t resource, uint32_t mip,
                   const struct dt_bytes *bytes);
-    bool (*timings)(struct dt_core *core, uint32_t slot, double *pass_ms);
+    /* Milliseconds of a pass that ran; `run`: dt_run of slot and pass. A host's, which has not finished:
+     * *ms stays. */
+    bool (*timing)(struct dt_core *core, uint32_t run, const char *name, double *ms);
 };
 
 /* ---- Messages -------------------------------------------------------------------------------- */
@@ -228,6 +270,10 @@ static inline void *dt_program(const struct dt_core *core, uint32_t pass)
 static inline uint32_t dt_run(const struct dt_core *core, uint32_t slot, uint32_t pass)
 {
     return slot * core->pipeline->pass_count + pass;
+}
+static inline void *dt_choice(const struct dt_core *core, uint32_t resource)
+{
+    return (char *)core->choices + resource * core->backend->choice_size;
 }
 static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 {

@@ -152,8 +152,9 @@ static void set_identity(float matrix[4][4])
 
 static void name_resources(void)
 {
+    static const char *const builtin[] = {
+        "frame", "live", "scene_vertices", "scene_indices", "scene_materials", "scene_objects"};
     const struct dt_pipeline *info = audit.pipeline.info;
-    const struct vk_builtin *builtin = &audit.rt->builtin;
 
     for (uint32_t i = 0; i < info->resource_count; i++) {
         const struct vk_resource *resource = dt_resource(&audit.rt->core, i);
@@ -162,13 +163,9 @@ static void name_resources(void)
                                                        : (uint64_t)resource->image.handle,
                   info->resources[i].name);
     }
-    tape_name((uint64_t)builtin->vertices.handle, "scene_vertices");
-    tape_name((uint64_t)builtin->indices.handle, "scene_indices");
-    tape_name((uint64_t)builtin->materials.handle, "scene_materials");
-    tape_name((uint64_t)builtin->objects.handle, "scene_objects");
-    tape_name((uint64_t)builtin->textures.handle, "scene_textures");
-    tape_name((uint64_t)builtin->frame.handle, "frame");
-    tape_name((uint64_t)builtin->live.handle, "live");
+    for (uint32_t i = 0; i < DT_ARRAY_COUNT(builtin); i++)
+        tape_name((uint64_t)audit.rt->builtin.buffers[i].handle, builtin[i]);
+    tape_name((uint64_t)audit.rt->builtin.textures.handle, "scene_textures");
 }
 
 static struct tape copy_tape(const struct tape *tape)

@@ -419,8 +419,8 @@ static void of_a_range_only_the_indices_are_bound(void **state)
         .materials = {whole.handle, 4096, DT_MAX_MATERIALS * sizeof(struct dt_material)},
     };
     assert_true(dt_gl_import_scene(rt, &scene));
-    assert_int_equal(rt->builtin.indices.size, 3 * sizeof(uint32_t));
-    assert_int_equal(rt->builtin.vertices.size, 4 * sizeof(struct dt_vertex));
+    assert_int_equal(gl_buffer_of(rt, DT_SCENE_INDICES)->size, 3 * sizeof(uint32_t));
+    assert_int_equal(gl_buffer_of(rt, DT_SCENE_VERTICES)->size, 4 * sizeof(struct dt_vertex));
     struct gl_buffer small = {.name = "small", .size = 4};
     assert_true(gl_buffer_create(rt, &small, NULL));
     assert_int_equal(small.size, 4);

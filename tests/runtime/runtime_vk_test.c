@@ -339,8 +339,8 @@ static void of_a_range_only_the_indices_are_bound(void **state)
         .materials = {whole.handle, 4096, DT_MAX_MATERIALS * sizeof(struct dt_material)},
     };
     assert_true(dt_vk_import_scene(rt, &scene));
-    assert_int_equal(rt->builtin.indices.size, 3 * sizeof(uint32_t));
-    assert_int_equal(rt->builtin.vertices.size, 4 * sizeof(struct dt_vertex));
+    assert_int_equal(vk_buffer_at(rt, DT_SCENE_INDICES)->size, 3 * sizeof(uint32_t));
+    assert_int_equal(vk_buffer_at(rt, DT_SCENE_VERTICES)->size, 4 * sizeof(struct dt_vertex));
     vk_buffer_destroy(rt, &whole);
     runtime_vk.close(rt);
     assert_int_equal(heard.errors, 0);
