@@ -13,9 +13,6 @@
 
 #define MOST_OVERLAY_BYTES ((size_t)1 << 20)
 
-/* Logs an error; false. */
-#define fail(log, ...) (report_error(log, __VA_ARGS__), false)
-
 /* The command without its options: "diptych render", "diptych-gen". */
 static const char *command_name(const struct command_line *command, char name[64])
 {
@@ -124,15 +121,15 @@ bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
 {
     const char *height = read_count(text, 'x', 1, OPTIONS_MAX_SIZE, &size[0]);
     return (height && read_count(height, 0, 1, OPTIONS_MAX_SIZE, &size[1])) ||
-           fail(log, "--size %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080", text,
-                OPTIONS_MAX_SIZE);
+           report_error(log, "--size %s: must be WIDTHxHEIGHT, each from 1 to %d, like 1920x1080",
+                        text, OPTIONS_MAX_SIZE);
 }
 
 static bool append_text(struct text_list *list, const char *text, const struct dt_log *log)
 {
     const char **grown = realloc(list->items, (list->count + 1) * sizeof *grown);
     if (!grown)
-        return fail(log, "out of memory");
+        return report_error(log, "out of memory");
     list->items = grown;
     list->items[list->count++] = text;
     return true;
@@ -154,21 +151,22 @@ static bool store(void *options, const struct option_row *row, const char *value
     case OPTION_CHOICE:
         *(const char **)place = value;
         return is_choice(row->argument, value) ||
-               fail(log, "%s %s: must be one of %s", row->name, value, row->argument);
+               report_error(log, "%s %s: must be one of %s", row->name, value, row->argument);
     case OPTION_COUNT:
     case OPTION_INDEX:
         return read_count(value, 0, least, OPTIONS_MAX_COUNT, place) ||
-               fail(log, "%s %s: must be a whole number from %u to %d", row->name, value, least,
-                    OPTIONS_MAX_COUNT);
+               report_error(log, "%s %s: must be a whole number from %u to %d", row->name, value,
+                            least, OPTIONS_MAX_COUNT);
     case OPTION_NUMBER:
         return parse_option_number(value, place) ||
-               fail(log, "%s %s: must be a number above 0", row->name, value);
+               report_error(log, "%s %s: must be a number above 0", row->name, value);
     case OPTION_SIZE:
         return option_size(value, place, log);
     case OPTION_SET:
         if (!strchr(value, '=') || value[0] == '=')
-            return fail(log, "%s %s: must be %s, like %s", row->name, value, row->argument,
-                        strcmp(row->argument, "NAME=FILE") ? "clusters=16" : "photo=in.png");
+            return report_error(log, "%s %s: must be %s, like %s", row->name, value, row->argument,
+                                strcmp(row->argument, "NAME=FILE") ? "clusters=16"
+                                                                   : "photo=in.png");
         return append_text(place, value, log);
     case OPTION_TEXTS:
         return append_text(place, value, log);
@@ -187,14 +185,15 @@ static bool take_option(const struct command_line *command, void *options, int a
     if (!row)
         return unknown_option(command, argument, length, log);
     if (row->kind == OPTION_FLAG)
-        return value ? fail(log, "%s: takes no value", row->name) : store(options, row, "", log);
+        return value ? report_error(log, "%s: takes no value", row->name)
+                     : store(options, row, "", log);
     if (row->kind == OPTION_WORDS && !value)
         return store(options, row, "", log);
     /* An option is no value: `--graph --help` must not write a file named `--help`. */
     if (!value && *at + 1 < argc && strncmp(argv[*at + 1], "--", 2) != 0)
         value = argv[++*at];
     if (!value || !*value)
-        return fail(log, "%s: %s is missing", row->name, row->argument);
+        return report_error(log, "%s: %s is missing", row->name, row->argument);
     return store(options, row, value, log);
 }
 
@@ -209,8 +208,9 @@ bool command_parse(const struct command_line *command, void *options, int argc, 
         if (!only_names && strcmp(argv[i], "--") == 0) {
             only_names = true;
         } else if (alone && !row) {
-            return fail(log, "%sunexpected argument \"%s\"; see %s --help",
-                        error_prefix(command, prefix), argv[i], command_name(command, name));
+            return report_error(log, "%sunexpected argument \"%s\"; see %s --help",
+                                error_prefix(command, prefix), argv[i],
+                                command_name(command, name));
         } else if (alone ? !store(options, row, argv[i], log)
                          : !take_option(command, options, argc, argv, &i, log)) {
             return false;
@@ -271,9 +271,9 @@ bool command_overlay(struct text_list *sets, const char *path, char **text,
     const char *reason;
     size_t length;
     *text = input_read(path, MOST_OVERLAY_BYTES, &length, &reason);
-    bool good = *text || fail(log, "--with %s: cannot be read: %s", path, reason);
+    bool good = *text || report_error(log, "--with %s: cannot be read: %s", path, reason);
     if (good && strlen(*text) != length)
-        good = fail(log, "--with %s: is no text: it has a byte of zero", path);
+        good = report_error(log, "--with %s: is no text: it has a byte of zero", path);
     for (char *rest = *text, *line; good && (line = strsep(&rest, "\n")); number++) {
         if (!*line || *line == '#')
             continue;
@@ -294,9 +294,9 @@ bool command_is_complete(const struct command_line *command, const void *options
     for (uint32_t i = 0; i < command->row_count; i++) {
         const struct option_row *row = &command->rows[i];
         if ((row->required & command->bit) && !text_at(options, row))
-            return fail(log, "%s%s%s%s is missing; see %s --help", error_prefix(command, prefix),
-                        row->name, row->argument ? " " : "", row->argument ? row->argument : "",
-                        command_name(command, name));
+            return report_error(log, "%s%s%s%s is missing; see %s --help",
+                                error_prefix(command, prefix), row->name, row->argument ? " " : "",
+                                row->argument ? row->argument : "", command_name(command, name));
     }
     return true;
 }

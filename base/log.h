@@ -7,7 +7,9 @@
 /* printf into a log, without the trailing newline; nowhere if its message is NULL. */
 void report_message(const struct dt_log *log, enum dt_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-#define report_error(log, ...) report_message(log, DT_ERROR, __VA_ARGS__)
+/* An error. False, for `return`. */
+bool report_error(const struct dt_log *log, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 
 /* A log that puts "NAME: " before each message and hands it on. `source` must outlive what it is
  * given to. */

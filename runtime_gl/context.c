@@ -209,6 +209,7 @@ static bool window_make(struct gl_context *ctx, int major, int minor, bool debug
                         struct reason *why)
 {
     const char *text = "no window system";
+    leave_egl(); /* GLFW makes a new window's context current for a while */
     bool system = window_initialise(ctx);
     if (system) {
         glfwDefaultWindowHints();

@@ -201,14 +201,8 @@ static bool open_device(struct dt_vk_runtime *rt)
     if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device_name))
         return false;
     vkGetDeviceQueue(rt->device, rt->queue_family, 0, &rt->queue);
-    if (rt->labels) {
-        rt->begin_label = (PFN_vkCmdBeginDebugUtilsLabelEXT)vkGetInstanceProcAddr(
-            rt->instance, "vkCmdBeginDebugUtilsLabelEXT");
-        rt->end_label = (PFN_vkCmdEndDebugUtilsLabelEXT)vkGetInstanceProcAddr(
-            rt->instance, "vkCmdEndDebugUtilsLabelEXT");
-        rt->set_name = (PFN_vkSetDebugUtilsObjectNameEXT)vkGetInstanceProcAddr(
-            rt->instance, "vkSetDebugUtilsObjectNameEXT");
-    }
+    if (rt->labels)
+        vk_load_labels(rt, vkGetInstanceProcAddr);
     return true;
 }
 

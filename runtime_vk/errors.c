@@ -53,6 +53,17 @@ bool vk_check(struct dt_vk_runtime *rt, VkResult result, const char *call, const
                     length, call, name, (int)result);
 }
 
+void vk_load_labels(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
+{
+    rt->begin_label =
+        (PFN_vkCmdBeginDebugUtilsLabelEXT)get(rt->instance, "vkCmdBeginDebugUtilsLabelEXT");
+    rt->end_label = (PFN_vkCmdEndDebugUtilsLabelEXT)get(rt->instance, "vkCmdEndDebugUtilsLabelEXT");
+    rt->set_name =
+        (PFN_vkSetDebugUtilsObjectNameEXT)get(rt->instance, "vkSetDebugUtilsObjectNameEXT");
+    if (!rt->end_label)
+        rt->begin_label = NULL;
+}
+
 void vk_set_name(const struct dt_vk_runtime *rt, VkObjectType type, uint64_t handle,
                  const char *name)
 {

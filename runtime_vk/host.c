@@ -40,18 +40,6 @@ static bool load_device(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
     return check_functions(rt, good);
 }
 
-/* Called only if the host says that VK_EXT_debug_utils is enabled. */
-static void load_labels(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
-{
-    rt->begin_label =
-        (PFN_vkCmdBeginDebugUtilsLabelEXT)get(rt->instance, "vkCmdBeginDebugUtilsLabelEXT");
-    rt->end_label = (PFN_vkCmdEndDebugUtilsLabelEXT)get(rt->instance, "vkCmdEndDebugUtilsLabelEXT");
-    rt->set_name =
-        (PFN_vkSetDebugUtilsObjectNameEXT)get(rt->instance, "vkSetDebugUtilsObjectNameEXT");
-    if (!rt->end_label)
-        rt->begin_label = NULL;
-}
-
 static bool check_family(struct dt_vk_runtime *rt)
 {
     const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
@@ -98,7 +86,7 @@ static bool open_on(struct dt_vk_runtime *rt, const struct dt_vk_host *host)
     else if (!vk_features_enabled(rt, host->device_info))
         return false;
     if (host->labels)
-        load_labels(rt, host->get_instance_proc_addr);
+        vk_load_labels(rt, host->get_instance_proc_addr);
     return check_family(rt) && vk_builtin_create(rt);
 }
 

@@ -185,6 +185,8 @@ static inline bool vk_has_layers(const struct dt_vk_runtime *rt)
 bool vk_check(struct dt_vk_runtime *rt, VkResult result, const char *call, const char *name);
 #define VK(rt, call, name) vk_check(rt, call, #call, name)
 
+/* With VK_EXT_debug_utils: takes its functions for labels and names. */
+void vk_load_labels(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get);
 /* Names a handle in messages of the validation layers; does nothing without debug. */
 void vk_set_name(const struct dt_vk_runtime *rt, VkObjectType type, uint64_t handle,
                  const char *name);

@@ -34,8 +34,7 @@ struct dt_player {
 
 static bool player_fail(struct dt_player *player, const char *reason)
 {
-    report_error(&player->console.log, "%s", reason);
-    return false;
+    return report_error(&player->console.log, "%s", reason);
 }
 
 /* Whether this is the process that opened the player. A child of fork() shares its device's memory, not
@@ -87,11 +86,9 @@ static struct setup setup_of(const struct dt_play_options *wanted)
 
 static bool check_size(const struct dt_player *player, const uint32_t size[2])
 {
-    if (size[0] && size[1] && size[0] <= OPTIONS_MAX_SIZE && size[1] <= OPTIONS_MAX_SIZE)
-        return true;
-    report_error(&player->console.log, "size %ux%u: must be from 1x1 to %ux%u", size[0], size[1],
-                 OPTIONS_MAX_SIZE, OPTIONS_MAX_SIZE);
-    return false;
+    return (size[0] && size[1] && size[0] <= OPTIONS_MAX_SIZE && size[1] <= OPTIONS_MAX_SIZE) ||
+           report_error(&player->console.log, "size %ux%u: must be from 1x1 to %ux%u", size[0],
+                        size[1], OPTIONS_MAX_SIZE, OPTIONS_MAX_SIZE);
 }
 
 static bool start_player(struct dt_player *player, const struct dt_play_options *options)
@@ -209,11 +206,9 @@ bool dt_play_resize(struct dt_player *player, uint32_t width, uint32_t height)
     if (!may_call(player, "resize") || !check_size(player, size))
         return false;
     const uint32_t *fixed = player->pipeline.frame_size;
-    if (fixed[0] && memcmp(fixed, size, sizeof size) != 0) {
-        report_error(&player->console.log, "size %ux%u: a file of `inputs` fits %ux%u alone", width,
-                     height, fixed[0], fixed[1]);
-        return false;
-    }
+    if (fixed[0] && memcmp(fixed, size, sizeof size) != 0)
+        return report_error(&player->console.log, "size %ux%u: a file of `inputs` fits %ux%u alone",
+                            width, height, fixed[0], fixed[1]);
     const uint32_t before[2] = {player->setup.size[0], player->setup.size[1]};
     forget_inputs(player, size);
     memcpy(player->setup.size, size, sizeof size);
@@ -283,20 +278,16 @@ bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, con
     if (!pipeline_find(info, "write", name, &index, &player->console.log))
         return false;
     const struct dt_resource *resource = &info->resources[index];
-    if (!resource->input) {
-        report_error(&player->console.log, "write %s: it is no input of %s", name, info->name);
-        return false;
-    }
-    if (mip >= (resource->kind == DT_IMAGE ? resource->mips : 1)) {
-        report_error(&player->console.log, "write %s: it has no mip %u", name, mip);
-        return false;
-    }
+    if (!resource->input)
+        return report_error(&player->console.log, "write %s: it is no input of %s", name,
+                            info->name);
+    if (mip >= (resource->kind == DT_IMAGE ? resource->mips : 1))
+        return report_error(&player->console.log, "write %s: it has no mip %u", name, mip);
     resource_extent(info, index, player->setup.size, mip, bytes.extent);
-    if (size != resource_elements(resource, bytes.extent) * resource_stride(resource)) {
-        report_error(&player->console.log, "write %s: %zu bytes, but it has %zu", name, size,
-                     (size_t)resource_elements(resource, bytes.extent) * resource_stride(resource));
-        return false;
-    }
+    if (size != resource_elements(resource, bytes.extent) * resource_stride(resource))
+        return report_error(&player->console.log, "write %s: %zu bytes, but it has %zu", name, size,
+                            (size_t)resource_elements(resource, bytes.extent) *
+                                resource_stride(resource));
     return is_finite(player, resource, &bytes) && recover(player) &&
            player->session.runtime->write(player->session.handle, index, mip, &bytes) &&
            keep_input(player, index, mip, &bytes);
@@ -340,10 +331,8 @@ static bool is_there(const struct dt_player *player, uint32_t index, uint32_t mi
     const struct dt_log *log = &player->console.log;
     bool lasts = resource->history || resource->keep || (int)index == info->linear_output ||
                  (int)index == info->display_output;
-    if (!player->session.frame && !resource->input) {
-        report_error(log, "read %s: no frame was rendered", resource->name);
-        return false;
-    }
+    if (!player->session.frame && !resource->input)
+        return report_error(log, "read %s: no frame was rendered", resource->name);
     for (uint32_t i = 0; player->observer && i < info->passes[player->pass].write_count; i++)
         lasts |= info->passes[player->pass].writes[i] == index;
     if (!lasts)

@@ -49,47 +49,38 @@ static bool check_output(struct render *render)
 {
     const char *path = render->options.output;
     if (!path) {
-        if (!render->options.show &&
-            (render->options.dump || render->options.timings || render->options.setup.capture))
-            return true;
-        report_error(&render->console->log, "-o FILE is missing: the file of the picture");
-        return false;
+        return (!render->options.show && (render->options.dump || render->options.timings ||
+                                          render->options.setup.capture)) ||
+               report_error(&render->console->log, "-o FILE is missing: the file of the picture");
     }
     bool good = true;
     render->exr = ends_with(path, ".exr");
     render->numbered = is_numbered(path, "-o", &good, &render->console->log);
-    if (!render->exr && !ends_with(path, ".png")) {
-        report_error(&render->console->log,
-                     "-o %s: must end in .exr (linear) or .png (tone-mapped)", path);
-        return false;
-    }
-    if (good && render->numbered && render->options.timings) {
-        report_error(
+    if (!render->exr && !ends_with(path, ".png"))
+        return report_error(&render->console->log,
+                            "-o %s: must end in .exr (linear) or .png (tone-mapped)", path);
+    if (good && render->numbered && render->options.timings)
+        return report_error(
             &render->console->log,
             "--timings: pictures of every frame would slow the frames down; leave out -o %s", path);
-        return false;
-    }
     return good;
 }
 
 static bool check_poison(const struct render *render)
 {
-    if (render->options.poison <= UINT8_MAX)
-        return true;
-    report_error(&render->console->log, "--poison %u: must be from 1 to %d", render->options.poison,
-                 UINT8_MAX);
-    return false;
+    return render->options.poison <= UINT8_MAX ||
+           report_error(&render->console->log, "--poison %u: must be from 1 to %d",
+                        render->options.poison, UINT8_MAX);
 }
 
 static bool check_drop(const struct render *render)
 {
     const struct options *options = &render->options;
-    if (strcmp(render->side.backend, "vk") == 0 ||
-        !(options->setup.drop_barrier || options->setup.drop_dependency))
-        return true;
-    report_error(&render->console->log, "%s: only Vulkan has barriers to drop; use --backend vk",
-                 options->setup.drop_barrier ? "--drop-barrier" : "--drop-dependency");
-    return false;
+    return strcmp(render->side.backend, "vk") == 0 ||
+           !(options->setup.drop_barrier || options->setup.drop_dependency) ||
+           report_error(&render->console->log,
+                        "%s: only Vulkan has barriers to drop; use --backend vk",
+                        options->setup.drop_barrier ? "--drop-barrier" : "--drop-dependency");
 }
 
 static bool read_side(struct render *render)
@@ -112,19 +103,16 @@ static bool find_shown(struct render *render)
         if (!pipeline_find(info, "--show", render->options.show, &render->shown, log))
             return false;
     } else if (output < 0) {
-        report_error(log, "%s names no %s output; pick a resource with --show", info->name,
-                     render->exr ? "linear" : "display");
-        return false;
+        return report_error(log, "%s names no %s output; pick a resource with --show", info->name,
+                            render->exr ? "linear" : "display");
     } else {
         render->shown = (uint32_t)output;
     }
     const struct dt_resource *resource = &info->resources[render->shown];
-    if (resource->kind != DT_IMAGE) {
-        report_error(
+    if (resource->kind != DT_IMAGE)
+        return report_error(
             log, "%s is a buffer; a picture can only be made of an image (--dump writes buffers)",
             resource->name);
-        return false;
-    }
     for (uint32_t i = info->pass_count; i-- > 0;) {
         for (uint32_t j = 0; j < info->passes[i].write_count; j++) {
             if (info->passes[i].writes[j] == render->shown &&
@@ -134,9 +122,8 @@ static bool find_shown(struct render *render)
             }
         }
     }
-    report_error(log, "%s%s is written by no pass of %s", resource->mips > 1 ? "mip 0 of " : "",
-                 resource->name, info->name);
-    return false;
+    return report_error(log, "%s%s is written by no pass of %s",
+                        resource->mips > 1 ? "mip 0 of " : "", resource->name, info->name);
 }
 
 /* Reads one mip of what the pass wrote, to be dumped, shown or both. */
@@ -264,11 +251,10 @@ static bool run_frames(struct render *render)
     }
     if (!take_undefined(render) || !session_is_silent(&render->session))
         return false;
-    if (render->picture.data || !options->output)
-        return true;
-    report_error(&render->console->log, "the runtime finished the frame without reporting pass %s",
-                 render->pipeline.info->passes[render->shown_pass].name);
-    return false;
+    return render->picture.data || !options->output ||
+           report_error(&render->console->log,
+                        "the runtime finished the frame without reporting pass %s",
+                        render->pipeline.info->passes[render->shown_pass].name);
 }
 
 static bool find_render_fault(struct render *render)

@@ -180,9 +180,9 @@ bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         if (!pipeline->passes[i].uses_scene)
             continue;
-        report_error(&console->log, "--scene FILE is missing: the pass %s of %s uses the scene",
-                     pipeline->passes[i].name, pipeline->name);
-        return false;
+        return report_error(&console->log,
+                            "--scene FILE is missing: the pass %s of %s uses the scene",
+                            pipeline->passes[i].name, pipeline->name);
     }
     return true;
 }

@@ -28,9 +28,9 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
             return true;
         }
     }
-    report_error(log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
-                 name_hint('"', name, names, DRIVERS, "; there are gl, vk, osmesa and zink").text);
-    return false;
+    return report_error(
+        log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
+        name_hint('"', name, names, DRIVERS, "; there are gl, vk, osmesa and zink").text);
 }
 
 /* The text behind the driver's name; NULL: none. */
@@ -38,20 +38,15 @@ static bool refine(struct side *side, const char *form, const char *device,
                    const struct dt_log *log)
 {
     bool vulkan = strcmp(side->backend, "vk") == 0;
-    if (form && strcmp(form, "glsl") != 0) {
-        report_error(log, "--backend %s: unknown form \"+%s\"; there is +glsl", side->label, form);
-        return false;
-    }
-    if (form && vulkan) {
-        report_error(log, "--backend %s: only OpenGL takes GLSL text", side->label);
-        return false;
-    }
-    if (device && (!vulkan || !*device)) {
-        report_error(log, "--backend %s: %s", side->label,
-                     vulkan ? "the device's name is missing behind the @"
-                            : "only vk takes a device");
-        return false;
-    }
+    if (form && strcmp(form, "glsl") != 0)
+        return report_error(log, "--backend %s: unknown form \"+%s\"; there is +glsl", side->label,
+                            form);
+    if (form && vulkan)
+        return report_error(log, "--backend %s: only OpenGL takes GLSL text", side->label);
+    if (device && (!vulkan || !*device))
+        return report_error(log, "--backend %s: %s", side->label,
+                            vulkan ? "the device's name is missing behind the @"
+                                   : "only vk takes a device");
     side->glsl = form;
     side->device = device;
     return true;
@@ -61,10 +56,8 @@ bool side_read(struct side *side, const char *entry, const struct setup *setup,
                const struct dt_log *log)
 {
     *side = (struct side){.label = strdup(entry), .text = strdup(entry)};
-    if (!side->label || !side->text) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!side->label || !side->text)
+        return report_error(log, "out of memory");
     char *device = strchr(side->text, '@');
     if (device)
         *device++ = 0;
@@ -103,10 +96,8 @@ static bool make_label_unique(struct sides *sides, uint32_t index, const struct 
     if (times == 1)
         return true;
     char *label = format_string("%s#%u", side->label, times);
-    if (!label) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!label)
+        return report_error(log, "out of memory");
     free(side->label);
     side->label = label;
     return true;
@@ -192,13 +183,12 @@ bool sides_read(struct sides *sides, const struct setup *setup, const struct dt_
 {
     if (!sides_read_each(sides, setup, log))
         return false;
-    if (sides->count > 1)
-        return true;
-    report_error(log,
-                 "--backend %s: a comparison needs two sides; name two, like gl,vk, or a dump with "
-                 "--against",
-                 backend_list(setup));
-    return false;
+    return sides->count > 1 ||
+           report_error(
+               log,
+               "--backend %s: a comparison needs two sides; name two, like gl,vk, or a dump with "
+               "--against",
+               backend_list(setup));
 }
 
 void sides_free(struct sides *sides)

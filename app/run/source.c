@@ -25,10 +25,9 @@ bool source_reach(struct row_source *source, struct worker_place place)
         return true;
     const struct session_info *session = &source->worker.info.session;
     const struct dt_pipeline *pipeline = session->pipeline->info;
-    report_error(
+    return report_error(
         &session->console->log, "%s: the runtime left out pass %s of frame %u", source->side->label,
         place.pass < pipeline->pass_count ? pipeline->passes[place.pass].name : "", place.frame);
-    return false;
 }
 
 bool source_ask(struct row_source *source, const struct row *row)

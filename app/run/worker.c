@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <signal.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/mman.h>
@@ -14,6 +15,8 @@
 
 #include "base/files.h"
 #include "console/texels.h"
+
+enum { MOST_NOTE = 256 };
 
 enum message_kind {
     /* from the child */
@@ -90,6 +93,22 @@ struct child {
     bool ended;      /* by the parent's command */
 };
 
+/* What it does now, in words, behind the shared bytes: for the parent, if it crashes there. */
+__attribute__((format(printf, 2, 3))) static void note(const struct child *child,
+                                                       const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf((char *)child->shared + child->capacity, MOST_NOTE, format, arguments);
+    va_end(arguments);
+}
+
+static void note_pass(const struct child *child, uint32_t pass)
+{
+    note(child, "in pass %s of frame %u", child->info->session.pipeline->info->passes[pass].name,
+         child->frame);
+}
+
 /* Ends this process when the message cannot be sent: then the parent has ended. */
 static void tell_child(const struct child *child, const struct worker_message *message)
 {
@@ -156,6 +175,8 @@ static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32
     for (;;) {
         if (!receive_all(child->socket, &message, sizeof message))
             _exit(EXIT_FAILED);
+        if (message.kind == READ || message.kind == WRITE)
+            note(child, "while resources were read or written in frame %u", child->frame);
         switch (message.kind) {
         case READ:
             serve_read(child, &message);
@@ -167,6 +188,7 @@ static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32
             serve_measure(child);
             break;
         case RESUME:
+            note(child, "at the end of frame %u", child->frame);
             return (enum dt_action)message.code;
         default:
             child->ended = true;
@@ -178,7 +200,10 @@ static enum dt_action stop_at(struct child *child, enum worker_stop stop, uint32
 static enum dt_action worker_before_pass(void *user, uint32_t pass)
 {
     struct child *child = user;
-    return pass < child->info->stops_before ? stop_at(child, WORKER_BEFORE_PASS, pass) : DT_RUN;
+    enum dt_action action =
+        pass < child->info->stops_before ? stop_at(child, WORKER_BEFORE_PASS, pass) : DT_RUN;
+    note_pass(child, pass);
+    return action;
 }
 
 static bool worker_after_pass(void *user, uint32_t pass)
@@ -201,18 +226,24 @@ static bool run_frames(struct child *child)
         .before_pass = worker_before_pass, .after_pass = worker_after_pass, .user = child};
     for (child->frame = info->session.first_frame; child->frame < info->frames; child->frame++) {
         bool observed = child->frame >= info->first_observed;
+        if (observed)
+            note_pass(child, 0);
+        else
+            note(child, "before frame %u", info->first_observed);
         if (observed ? !session_frame(&child->session, &observer) : !measured_frame(child))
             return false;
         if ((observed || info->stops_after_frames) &&
             stop_at(child, WORKER_FRAME_DONE, 0) == DT_STOP)
             return false;
     }
+    note(child, "after the last frame");
     return session_is_silent(&child->session);
 }
 
 static bool run_session(struct child *child)
 {
     struct session *session = &child->session;
+    note(child, "while it opened the device");
     if (!session_open(session, &child->info->session))
         return false;
     if (!send_text(child->socket, (struct worker_message){.kind = DEVICE},
@@ -220,6 +251,7 @@ static bool run_session(struct child *child)
         !send_text(child->socket, (struct worker_message){.kind = DRIVER},
                    session->runtime->driver(session->handle)))
         return false;
+    note(child, "while it created the programs");
     return session_prepare(session) && stop_at(child, WORKER_READY, 0) != DT_STOP &&
            run_frames(child) && stop_at(child, WORKER_FINISHED, 0) != DT_STOP;
 }
@@ -228,10 +260,8 @@ static bool choose_threads(const struct child *child)
 {
     char number[16];
     snprintf(number, sizeof number, "%u", child->info->threads);
-    if (!child->info->threads || setenv("LP_NUM_THREADS", number, 1) == 0)
-        return true;
-    report_error(&child->info->session.console->log, "out of memory");
-    return false;
+    return !child->info->threads || setenv("LP_NUM_THREADS", number, 1) == 0 ||
+           report_error(&child->info->session.console->log, "out of memory");
 }
 
 /* Ends without the parent's exit handlers, which must not run here. */
@@ -243,6 +273,7 @@ static _Noreturn void be_child(const struct worker *worker, int socket)
                           .capacity = worker->capacity};
     worker->info.session.console->log = (struct dt_log){.message = say, .user = &child};
     bool good = choose_threads(&child) && run_session(&child);
+    note(&child, "while it closed the device");
     session_close(&child.session);
     _exit(good || child.ended ? EXIT_FINE : EXIT_FAILED);
 }
@@ -259,45 +290,6 @@ static const char *label_of(const struct worker *worker)
     return worker->info.session.side->label;
 }
 
-/* What a running worker does, in words: "in pass shade of frame 0". free(). */
-static char *describe_run(const struct worker *worker)
-{
-    const struct worker_info *info = &worker->info;
-    const struct dt_pipeline *pipeline = info->session.pipeline->info;
-    struct worker_place at = worker->place;
-    if (!worker->device)
-        return strdup("while it opened the device");
-    if (at.stop == WORKER_FINISHED)
-        return strdup("while it closed the device");
-    if (!worker->running && at.stop == WORKER_READY)
-        return strdup("while it created the programs");
-    if (!worker->running)
-        return format_string("while resources were read or written in frame %u", at.frame);
-    switch (at.stop) {
-    case WORKER_READY:
-        at.frame = info->session.first_frame;
-        if (at.frame < info->first_observed)
-            return format_string("before frame %u", info->first_observed);
-        at.pass = 0;
-        break;
-    case WORKER_FRAME_DONE:
-        at.frame++;
-        at.pass = 0;
-        break;
-    case WORKER_AFTER_PASS:
-        at.pass++;
-        break;
-    case WORKER_BEFORE_PASS:
-    case WORKER_FINISHED:
-        break;
-    }
-    if (at.frame >= info->frames)
-        return strdup("after the last frame");
-    if (at.pass >= pipeline->pass_count)
-        return format_string("at the end of frame %u", at.frame);
-    return format_string("in pass %s of frame %u", pipeline->passes[at.pass].name, at.frame);
-}
-
 static bool is_crash(int signal)
 {
     return signal == SIGSEGV || signal == SIGABRT || signal == SIGBUS || signal == SIGFPE ||
@@ -311,15 +303,14 @@ static void report_end(struct worker *worker)
     while (waitpid(worker->process, &status, 0) < 0 && errno == EINTR)
         continue;
     worker->process = 0;
-    char *where = describe_run(worker);
+    const char *where = (const char *)worker->shared + worker->capacity;
     if (WIFSIGNALED(status))
         report_error(log_of(worker), "%s: the %s (SIG%s) %s", label_of(worker),
                      is_crash(WTERMSIG(status)) ? "driver crashed" : "process was ended",
-                     sigabbrev_np(WTERMSIG(status)), where ? where : "");
+                     sigabbrev_np(WTERMSIG(status)), where);
     else if (!worker->spoke)
         report_error(log_of(worker), "%s: the process ended by itself, with exit status %d, %s",
-                     label_of(worker), WEXITSTATUS(status), where ? where : "");
-    free(where);
+                     label_of(worker), WEXITSTATUS(status), where);
 }
 
 /* ---- The parent's verbs ---------------------------------------------------------------------- */
@@ -337,10 +328,8 @@ static bool receive_text(const struct worker *worker, const struct worker_messag
                          char **text)
 {
     *text = malloc(message->text + 1);
-    if (!*text) {
-        report_error(log_of(worker), "out of memory");
-        return false;
-    }
+    if (!*text)
+        return report_error(log_of(worker), "out of memory");
     (*text)[message->text] = 0;
     return receive_all(worker->socket, *text, message->text);
 }
@@ -399,14 +388,13 @@ static bool share_memory(struct worker *worker)
 {
     const struct session_info *session = &worker->info.session;
     worker->capacity = largest_exchange(session->pipeline->info, session->setup->size);
-    worker->shared = mmap(NULL, worker->capacity, PROT_READ | PROT_WRITE,
+    worker->shared = mmap(NULL, worker->capacity + MOST_NOTE, PROT_READ | PROT_WRITE,
                           MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
     if (worker->shared != MAP_FAILED)
         return true;
     worker->shared = NULL;
-    report_error(log_of(worker), "%s: %zu bytes cannot be shared with its process: %s",
-                 label_of(worker), worker->capacity, strerror(errno));
-    return false;
+    return report_error(log_of(worker), "%s: %zu bytes cannot be shared with its process: %s",
+                        label_of(worker), worker->capacity, strerror(errno));
 }
 
 bool worker_start(struct worker *worker, const struct worker_info *info)
@@ -416,11 +404,9 @@ bool worker_start(struct worker *worker, const struct worker_info *info)
     worker->info.session.name_in_log = true;
     if (!share_memory(worker))
         return false;
-    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0) {
-        report_error(log_of(worker), "%s: no socket for its process: %s", label_of(worker),
-                     strerror(errno));
-        return false;
-    }
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, sockets) != 0)
+        return report_error(log_of(worker), "%s: no socket for its process: %s", label_of(worker),
+                            strerror(errno));
     worker->socket = sockets[0];
     pid_t child = console_fork(info->session.console);
     if (child == 0) {
@@ -482,13 +468,11 @@ bool worker_write(struct worker *worker, uint32_t resource, uint32_t mip,
 {
     struct worker_message message = {
         .kind = WRITE, .resource = resource, .mip = mip, .size = bytes->size};
-    if (bytes->size > worker->capacity) {
-        report_error(
+    if (bytes->size > worker->capacity)
+        return report_error(
             log_of(worker), "%s: %s: %zu bytes to write, where its extent says at most %zu",
             label_of(worker), worker->info.session.pipeline->info->resources[resource].name,
             bytes->size, worker->capacity);
-        return false;
-    }
     memmove(worker->shared, bytes->data, bytes->size);
     memcpy(message.extent, bytes->extent, sizeof message.extent);
     return command(worker, &message) && answer(worker, &message) && message.good;
@@ -524,7 +508,7 @@ void worker_close(struct worker *worker)
             continue;
     }
     if (worker->shared) {
-        munmap(worker->shared, worker->capacity);
+        munmap(worker->shared, worker->capacity + MOST_NOTE);
         close(worker->socket);
     }
     free(worker->device);

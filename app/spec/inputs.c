@@ -34,9 +34,9 @@ struct loading {
 
 /* ---- Errors ---------------------------------------------------------------------------------- */
 
-/* Reports at the option or at the spec's line. */
-__attribute__((format(printf, 2, 3))) static void report(const struct loading *loading,
-                                                         const char *format, ...)
+/* Reports at the option or at the spec's line. False. */
+__attribute__((format(printf, 2, 3))) static bool refuse_input(const struct loading *loading,
+                                                               const char *format, ...)
 {
     char *text = NULL, *all;
     va_list values;
@@ -55,8 +55,8 @@ __attribute__((format(printf, 2, 3))) static void report(const struct loading *l
         free(all);
     }
     free(text);
+    return false;
 }
-#define refuse(...) (report(__VA_ARGS__), false)
 
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
@@ -126,7 +126,7 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
     }
     if (result)
         fclose(result);
-    return good || refuse(loading, "%s", heard.reason);
+    return good || refuse_input(loading, "%s", heard.reason);
 }
 
 static size_t row_from_top(const struct loading *loading, const struct picture_level *level,
@@ -143,8 +143,8 @@ static bool decode(const struct loading *loading, const struct picture_level *le
     for (size_t i = 0; i < CHANNELS * count; i++) {
         if (!isfinite(level->texels[i])) {
             size_t texel = i / CHANNELS;
-            return refuse(loading, "its texel (%zu, %zu), from the top left, is not finite",
-                          texel % level->width, row_from_top(loading, level, texel));
+            return refuse_input(loading, "its texel (%zu, %zu), from the top left, is not finite",
+                                texel % level->width, row_from_top(loading, level, texel));
         }
         if (holds_light(loading) && i % CHANNELS < 3)
             level->texels[i] = srgb_decode(level->texels[i]);
@@ -197,7 +197,7 @@ static bool encode_input(const struct loading *loading, const struct picture_lev
     *bytes = (struct dt_bytes){.size = count * size, .extent = {level->width, level->height, 1}};
     bytes->data = calloc(count, size);
     if (!bytes->data)
-        return refuse(loading, "out of memory");
+        return refuse_input(loading, "out of memory");
     for (size_t i = 0; i < count; i++)
         for (uint32_t c = 0; c < channels; c++) {
             struct component channel = format_component(format, c);
@@ -207,11 +207,12 @@ static bool encode_input(const struct loading *loading, const struct picture_lev
             bool depth = format == DT_FORMAT_D32F && !(value >= 0 && value <= 1);
             if (depth ||
                 !number_store(channel.kind, (double)value, bytes->data + i * size + channel.offset))
-                return refuse(loading,
-                              "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
-                              "of %s",
-                              i % level->width, row_from_top(loading, level, i), (double)value,
-                              format_info(format)->name);
+                return refuse_input(
+                    loading,
+                    "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
+                    "of %s",
+                    i % level->width, row_from_top(loading, level, i), (double)value,
+                    format_info(format)->name);
         }
     return true;
 }
@@ -222,14 +223,15 @@ static bool fits_image(const struct loading *loading, const struct picture_level
     uint32_t extent[3];
     resource_extent(loading->pipeline->info, loading->input->resource, loading->size, 0, extent);
     if (image->layered)
-        return refuse(loading, "%s is an array image, and a picture has no layers", image->name);
+        return refuse_input(loading, "%s is an array image, and a picture has no layers",
+                            image->name);
     if (format_is_integer(image->format))
-        return refuse(loading, "%s is %s, and a picture has no integers", image->name,
-                      format_info(image->format)->name);
+        return refuse_input(loading, "%s is %s, and a picture has no integers", image->name,
+                            format_info(image->format)->name);
     return (level->width == extent[0] && level->height == extent[1]) ||
-           refuse(loading, "it has %ux%u texels, but %s has %ux%u in a frame of %ux%u",
-                  level->width, level->height, image->name, extent[0], extent[1], loading->size[0],
-                  loading->size[1]);
+           refuse_input(loading, "it has %ux%u texels, but %s has %ux%u in a frame of %ux%u",
+                        level->width, level->height, image->name, extent[0], extent[1],
+                        loading->size[0], loading->size[1]);
 }
 
 static bool load_image(const struct loading *loading)
@@ -237,11 +239,11 @@ static bool load_image(const struct loading *loading)
     struct picture_level level = {0}, next = {0};
     const char *reason;
     if (!picture_size(loading->file, &level.width, &level.height, &reason))
-        return refuse(loading, "%s", reason);
+        return refuse_input(loading, "%s", reason);
     bool good = fits_image(loading, &level) && read_picture(loading, &level) &&
                 decode(loading, &level) && encode_input(loading, &level, 0);
     for (uint32_t mip = 1; good && mip < loading->input->mips; mip++) {
-        good = shrink_input(&level, &next) || refuse(loading, "out of memory");
+        good = shrink_input(&level, &next) || refuse_input(loading, "out of memory");
         free(level.texels);
         level = next;
         good = good && encode_input(loading, &level, mip);
@@ -259,9 +261,9 @@ static bool fits_buffer(const struct loading *loading, const struct npy *array)
     resource_extent(loading->pipeline->info, loading->input->resource, loading->size, 0, extent);
     const char *misfit = npy_misfit(array, buffer->fields, buffer->field_count);
     if (misfit)
-        return refuse(loading, "%s", misfit);
-    return array->count == extent[0] || refuse(loading, "it has %u elements, but %s has %u",
-                                               array->count, buffer->name, extent[0]);
+        return refuse_input(loading, "%s", misfit);
+    return array->count == extent[0] || refuse_input(loading, "it has %u elements, but %s has %u",
+                                                     array->count, buffer->name, extent[0]);
 }
 
 /* Places the numbers of one element as std430 lays them out. False: one is not finite. */
@@ -276,8 +278,8 @@ static bool place_element(const struct loading *loading, const struct npy *array
             float number;
             memcpy(&number, &numbers[i], sizeof number);
             if (from->type == DT_TYPE_FLOAT && !isfinite(number))
-                return refuse(loading, "its element %zu has a number%s%s that is not finite", index,
-                              *from->name ? " in " : "", from->name);
+                return refuse_input(loading, "its element %zu has a number%s%s that is not finite",
+                                    index, *from->name ? " in " : "", from->name);
             memcpy(element + to->offset + i / size * to->array_stride + i % size * sizeof number,
                    &number, sizeof number);
         }
@@ -294,13 +296,13 @@ static bool load_buffer(const struct loading *loading)
     size_t stride = loading->resource->stride;
     uint32_t *numbers = npy_read(loading->file, &array, &reason);
     if (!numbers)
-        return refuse(loading, "%s", reason);
+        return refuse_input(loading, "%s", reason);
     bool good = fits_buffer(loading, &array);
     if (good) {
         *bytes = (struct dt_bytes){.data = calloc(array.count, stride),
                                    .size = array.count * stride,
                                    .extent = {array.count, 1, 1}};
-        good = bytes->data || refuse(loading, "out of memory");
+        good = bytes->data || refuse_input(loading, "out of memory");
     }
     for (size_t i = 0; good && i < array.count; i++)
         good = place_element(loading, &array, i, numbers + i * array.numbers,
@@ -356,18 +358,15 @@ static bool check_input_options(const struct pipeline *pipeline, const struct se
                 found = &info->resources[k];
         if (!found)
             return refuse_option(log, info, option);
-        if (found->file) {
-            report_error(log,
-                         "input %s: the spec has a file for it; set %s.%s.file=FILE instead, where "
-                         "FILE is absolute or relative to the spec's folder",
-                         option, found->kind == DT_IMAGE ? "images" : "buffers", found->name);
-            return false;
-        }
+        if (found->file)
+            return report_error(
+                log,
+                "input %s: the spec has a file for it; set %s.%s.file=FILE instead, where "
+                "FILE is absolute or relative to the spec's folder",
+                option, found->kind == DT_IMAGE ? "images" : "buffers", found->name);
         for (uint32_t k = 0; k < i; k++)
-            if (names(setup->inputs.items[k], found->name)) {
-                report_error(log, "input %s: %s has a file already", option, found->name);
-                return false;
-            }
+            if (names(setup->inputs.items[k], found->name))
+                return report_error(log, "input %s: %s has a file already", option, found->name);
     }
     return true;
 }
@@ -461,9 +460,8 @@ static bool load_resource(struct pipeline *pipeline, struct console *console,
         pipeline->input_count--;
         return true;
     }
-    report_error(&console->log, "%s: the input %s has no content; give the input %s=FILE",
-                 pipeline->info->name, resource->name, resource->name);
-    return false;
+    return report_error(&console->log, "%s: the input %s has no content; give the input %s=FILE",
+                        pipeline->info->name, resource->name, resource->name);
 }
 
 bool inputs_load(struct pipeline *pipeline, struct console *console, struct setup *setup)

@@ -101,10 +101,8 @@ static bool take_plan(struct pipeline *pipeline, struct load *load, const struct
     pipeline->gl = plan_shaders(pipeline->plan, "gl");
     pipeline->vk = plan_shaders(pipeline->plan, "vk");
     pipeline->live = malloc(pipeline->info->live_size);
-    if (!pipeline->live) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!pipeline->live)
+        return report_error(log, "out of memory");
     memcpy(pipeline->live, pipeline->info->live_defaults, pipeline->info->live_size);
     pipeline->spec = load->spec;
     pipeline->templates = load->templates;

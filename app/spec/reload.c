@@ -249,8 +249,7 @@ bool reload_again(struct reload *reload, const char *const *sets, uint32_t count
         good = (copy[i] = strdup(sets[i]));
     if (!good) {
         free_sets(copy, count);
-        report_error(&reload->console->log, "out of memory");
-        return false;
+        return report_error(&reload->console->log, "out of memory");
     }
     pthread_mutex_lock(&reload->lock);
     char **before = reload->asked;

@@ -58,92 +58,58 @@ struct tap_vk {
 /* Depth of 16 and 24 bits becomes d32f. */
 TAP_FUNCTION const char *tap_vk_format(VkFormat format)
 {
-    switch ((int)format) {
-    case VK_FORMAT_R8_UNORM:
-        return "r8";
-    case VK_FORMAT_R8G8_UNORM:
-        return "rg8";
-    case VK_FORMAT_A8B8G8R8_UNORM_PACK32:
-    case VK_FORMAT_B8G8R8A8_UNORM:
-    case VK_FORMAT_R8G8B8A8_UNORM:
-        return "rgba8";
-    case VK_FORMAT_A8B8G8R8_SRGB_PACK32:
-    case VK_FORMAT_B8G8R8A8_SRGB:
-    case VK_FORMAT_R8G8B8A8_SRGB:
-        return "rgba8_srgb";
-    case VK_FORMAT_R16_UNORM:
-        return "r16";
-    case VK_FORMAT_R16G16_UNORM:
-        return "rg16";
-    case VK_FORMAT_R16G16B16A16_UNORM:
-        return "rgba16";
-    case VK_FORMAT_R16_SNORM:
-        return "r16_snorm";
-    case VK_FORMAT_R16G16_SNORM:
-        return "rg16_snorm";
-    case VK_FORMAT_R16G16B16A16_SNORM:
-        return "rgba16_snorm";
-    case VK_FORMAT_R16_SFLOAT:
-        return "r16f";
-    case VK_FORMAT_R16G16_SFLOAT:
-        return "rg16f";
-    case VK_FORMAT_R16G16B16A16_SFLOAT:
-        return "rgba16f";
-    case VK_FORMAT_R32_SFLOAT:
-        return "r32f";
-    case VK_FORMAT_R32G32_SFLOAT:
-        return "rg32f";
-    case VK_FORMAT_R32G32B32A32_SFLOAT:
-        return "rgba32f";
-    case VK_FORMAT_R8_UINT:
-        return "r8ui";
-    case VK_FORMAT_R8G8_UINT:
-        return "rg8ui";
-    case VK_FORMAT_R8G8B8A8_UINT:
-        return "rgba8ui";
-    case VK_FORMAT_R8_SINT:
-        return "r8i";
-    case VK_FORMAT_R8G8_SINT:
-        return "rg8i";
-    case VK_FORMAT_R8G8B8A8_SINT:
-        return "rgba8i";
-    case VK_FORMAT_R16_UINT:
-        return "r16ui";
-    case VK_FORMAT_R16G16_UINT:
-        return "rg16ui";
-    case VK_FORMAT_R16G16B16A16_UINT:
-        return "rgba16ui";
-    case VK_FORMAT_R16_SINT:
-        return "r16i";
-    case VK_FORMAT_R16G16_SINT:
-        return "rg16i";
-    case VK_FORMAT_R16G16B16A16_SINT:
-        return "rgba16i";
-    case VK_FORMAT_R32_UINT:
-        return "r32ui";
-    case VK_FORMAT_R32G32_UINT:
-        return "rg32ui";
-    case VK_FORMAT_R32G32B32A32_UINT:
-        return "rgba32ui";
-    case VK_FORMAT_R32_SINT:
-        return "r32i";
-    case VK_FORMAT_R32G32_SINT:
-        return "rg32i";
-    case VK_FORMAT_R32G32B32A32_SINT:
-        return "rgba32i";
-    case VK_FORMAT_B10G11R11_UFLOAT_PACK32:
-        return "r11g11b10f";
-    case VK_FORMAT_A2B10G10R10_UNORM_PACK32:
-        return "rgb10a2";
-    case VK_FORMAT_D16_UNORM:
-    case VK_FORMAT_X8_D24_UNORM_PACK32:
-    case VK_FORMAT_D24_UNORM_S8_UINT:
-    case VK_FORMAT_D32_SFLOAT:
-    case VK_FORMAT_D32_SFLOAT_S8_UINT:
-        return "d32f";
-    default:
-        return NULL;
-    }
+    static const struct {
+        VkFormat format;
+        const char *name;
+    } formats[] = {{VK_FORMAT_R8_UNORM, "r8"},
+                   {VK_FORMAT_R8G8_UNORM, "rg8"},
+                   {VK_FORMAT_A8B8G8R8_UNORM_PACK32, "rgba8"},
+                   {VK_FORMAT_B8G8R8A8_UNORM, "rgba8"},
+                   {VK_FORMAT_R8G8B8A8_UNORM, "rgba8"},
+                   {VK_FORMAT_A8B8G8R8_SRGB_PACK32, "rgba8_srgb"},
+                   {VK_FORMAT_B8G8R8A8_SRGB, "rgba8_srgb"},
+                   {VK_FORMAT_R8G8B8A8_SRGB, "rgba8_srgb"},
+                   {VK_FORMAT_R16_UNORM, "r16"},
+                   {VK_FORMAT_R16G16_UNORM, "rg16"},
+                   {VK_FORMAT_R16G16B16A16_UNORM, "rgba16"},
+                   {VK_FORMAT_R16_SNORM, "r16_snorm"},
+                   {VK_FORMAT_R16G16_SNORM, "rg16_snorm"},
+                   {VK_FORMAT_R16G16B16A16_SNORM, "rgba16_snorm"},
+                   {VK_FORMAT_R16_SFLOAT, "r16f"},
+                   {VK_FORMAT_R16G16_SFLOAT, "rg16f"},
+                   {VK_FORMAT_R16G16B16A16_SFLOAT, "rgba16f"},
+                   {VK_FORMAT_R32_SFLOAT, "r32f"},
+                   {VK_FORMAT_R32G32_SFLOAT, "rg32f"},
+                   {VK_FORMAT_R32G32B32A32_SFLOAT, "rgba32f"},
+                   {VK_FORMAT_R8_UINT, "r8ui"},
+                   {VK_FORMAT_R8G8_UINT, "rg8ui"},
+                   {VK_FORMAT_R8G8B8A8_UINT, "rgba8ui"},
+                   {VK_FORMAT_R8_SINT, "r8i"},
+                   {VK_FORMAT_R8G8_SINT, "rg8i"},
+                   {VK_FORMAT_R8G8B8A8_SINT, "rgba8i"},
+                   {VK_FORMAT_R16_UINT, "r16ui"},
+                   {VK_FORMAT_R16G16_UINT, "rg16ui"},
+                   {VK_FORMAT_R16G16B16A16_UINT, "rgba16ui"},
+                   {VK_FORMAT_R16_SINT, "r16i"},
+                   {VK_FORMAT_R16G16_SINT, "rg16i"},
+                   {VK_FORMAT_R16G16B16A16_SINT, "rgba16i"},
+                   {VK_FORMAT_R32_UINT, "r32ui"},
+                   {VK_FORMAT_R32G32_UINT, "rg32ui"},
+                   {VK_FORMAT_R32G32B32A32_UINT, "rgba32ui"},
+                   {VK_FORMAT_R32_SINT, "r32i"},
+                   {VK_FORMAT_R32G32_SINT, "rg32i"},
+                   {VK_FORMAT_R32G32B32A32_SINT, "rgba32i"},
+                   {VK_FORMAT_B10G11R11_UFLOAT_PACK32, "r11g11b10f"},
+                   {VK_FORMAT_A2B10G10R10_UNORM_PACK32, "rgb10a2"},
+                   {VK_FORMAT_D16_UNORM, "d32f"},
+                   {VK_FORMAT_X8_D24_UNORM_PACK32, "d32f"},
+                   {VK_FORMAT_D24_UNORM_S8_UINT, "d32f"},
+                   {VK_FORMAT_D32_SFLOAT, "d32f"},
+                   {VK_FORMAT_D32_SFLOAT_S8_UINT, "d32f"}};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        if (formats[i].format == format)
+            return formats[i].name;
+    return NULL;
 }
 
 TAP_FUNCTION int tap_vk_begin(struct tap_vk *taps, struct tap *tap, VkPhysicalDevice physical,

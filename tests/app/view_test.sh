@@ -307,7 +307,7 @@ fi
 # The window opens a lost device again, any number of times if losses are rare. After two quick losses it waits for the user.
 losses=$build/tests/view_losses.so
 for backend in gl vk both; do # with `both`, the second device is lost
-    LOSE=61 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --window 240x180 --set bounces=0 --frames 40 --screenshot alive.png
+    LOSE=31 LD_PRELOAD=$losses open_window --backend $backend --size 240x180 --window 240x180 --set bounces=0 --frames 40 --screenshot alive.png
     check "$backend outlives a device" ends 0
     check "... that was lost" says "told: the device is lost"
     check "... and opened anew" says "reopening the device"
