@@ -32,7 +32,7 @@ Architecture: $architecture
 Maintainer: diptych contributors <diptych@localhost>
 Installed-Size: $(du -ks $folder/root | cut -f1)
 Depends: $needs, libvulkan-dev
-Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc, python3-numpy, bubblewrap
+Recommends: mesa-vulkan-drivers, libgl1-mesa-dri, gcc, python3-numpy, snakemake, python3-matplotlib, bubblewrap
 Provides: python3-diptych (= $version)
 Section: graphics
 Priority: optional

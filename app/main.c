@@ -77,8 +77,8 @@ static const struct verb verbs[] = {
      "Exit status: 0 done, 1 --against: a pass is worse beyond the limit, 2 it could not run.",
      verb_cost, EXIT_USAGE},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
-     "Runs reference, render, metrics, bench and compare from a ninja file in the folder, and "
-     "makes\nindex.html from their results. The same command continues an interrupted "
+     "Runs reference, render, metrics, bench and compare by Snakemake, from a Snakefile in the "
+     "folder, and makes\nindex.html from their results. The same command continues an interrupted "
      "report.\nExit status: 0 done, 1 a step failed (the page shows the rest), 2 it could not run.",
      verb_report, EXIT_USAGE},
     {"view", VERB_VIEW, "a window on one to three backends, which says whether they agree",
@@ -101,15 +101,12 @@ static const struct verb verbs[] = {
      "Exit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_view, EXIT_FAILED},
     {"sweep", VERB_SWEEP, "compare or measure over many variations of a spec, scenes and sizes",
-     "Give --random N or --grid. Writes a folder with build.ninja, an edge per run, and starts "
-     "ninja; with\n"
-     "commands, a line per run to paste; runs/, the output of each run; index.html, a page; "
-     "summary.json\n"
-     "and summary.csv. The same command continues an interrupted sweep. --set fixes a value in "
-     "every run.\n"
+     "Give --grid. Writes a folder with a Snakefile, its config.json, a folder of results for each "
+     "scene,\nindex.html, a page, and summary.json and summary.csv, and starts Snakemake. The same "
+     "command continues\nan interrupted sweep. --set fixes a value in every run.\n"
      "--measure takes times and errors instead: the page has a plot of each quantity, rows.csv a "
-     "row for\n"
-     "each combination and backend. A failed run has a row with its reason.\n"
+     "row for\neach combination and backend. A failed run has a row with its reason.\n"
+     "On a cluster: --profile, or snakemake -s DIR/Snakefile --cluster ..., then --collect.\n"
      "Exit status: 0 all runs agree, or were measured, 1 some differ, 2 some could not run.",
      verb_sweep, EXIT_USAGE},
     {"tune", VERB_TUNE, "find the fastest choices that change no bit, for one device",

@@ -9,6 +9,8 @@ rm -rf "$bundle" build/bundle/root
 DESTDIR=$PWD/build/bundle/root PREFIX=/diptych sh app/install.sh "$version"
 mkdir -p "$bundle/bin" "$bundle/lib/diptych" "$bundle/lib/own" "$bundle/lib/fallback" "$bundle/share"
 cp -r build/bundle/root/diptych/share/diptych "$bundle/share"
+mkdir -p "$bundle/lib/python3"
+cp -r build/bundle/root/diptych/lib/python3/dist-packages "$bundle/lib/python3"
 rm "$bundle/share/diptych/installed"
 sed 's|\.\./build/scenes/||' scenes/atrium.yaml >"$bundle/share/diptych/scenes/atrium.yaml"
 cp build/scenes/atrium.obj build/scenes/atrium.mtl "$bundle/share/diptych/scenes"

@@ -75,10 +75,11 @@ struct options {
     struct text_list scene_list; /* sweep, report: instead of scene and size */
     struct text_list size_list;
     struct text_list grid;
-    const char *topic;                         /* help: a verb, or NULL */
-    const char *measure;                       /* sweep: of agree,time,error,own; NULL: agree */
-    const char *x;                             /* sweep: path of a grid; NULL: the first */
-    uint32_t random, memory, jobs, run_frames; /* 0: not given; sweep, bench, view */
+    const char *topic;         /* help: a verb, or NULL */
+    const char *measure;       /* sweep: of agree,time,error,own; NULL: agree */
+    const char *x;             /* sweep: path of a grid; NULL: the first */
+    uint32_t jobs, run_frames; /* 0: not given; sweep, bench, view */
+    const char *profile;       /* sweep, report: of Snakemake */
     uint32_t warmup;
     bool collect;
     const char *screenshot; /* view; like the next two */

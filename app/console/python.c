@@ -12,7 +12,7 @@
 #include "base/installed.h"
 
 /* The request as stdin. */
-static bool hand_over(const struct console *console, cJSON *request)
+static bool give_request(const struct console *console, cJSON *request)
 {
     char *program = tools_folder(&console->log);
     char *path = program ? format_string("%s/diptych", program) : NULL;
@@ -50,7 +50,7 @@ int python_verb(struct console *console, const char *verb, cJSON *request)
     sigset_t none;
     sigemptyset(&none);
     const char *argv[] = {"python3", "-m", "diptych", verb, NULL};
-    bool good = hand_over(console, request) && set_path(console);
+    bool good = give_request(console, request) && set_path(console);
     cJSON_Delete(request);
     if (!good) {
         report_error(&console->log, "%s: cannot be handed to Python: %s", verb, strerror(errno));

@@ -7,7 +7,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/mman.h>
 #include <sys/prctl.h>
 #include <sys/socket.h>
 #include <sys/wait.h>
@@ -131,64 +130,6 @@ int tool_status(char *const argv[], struct console *console)
     else
         report_error(&console->log, "%s: cannot be started: %s", argv[0], strerror(error));
     return -1;
-}
-
-/* Read end of a pipe, and the callback for its lines. */
-struct line_reader {
-    FILE *in;
-    void (*take)(void *user, const char *line);
-    void *user;
-};
-
-static void *read_lines(void *user)
-{
-    const struct line_reader *reader = user;
-    char *line = NULL;
-    size_t size = 0;
-    ssize_t length;
-    while ((length = getline(&line, &size, reader->in)) > 0) {
-        line[length - (line[length - 1] == '\n')] = 0;
-        reader->take(reader->user, line);
-    }
-    free(line);
-    return NULL;
-}
-
-bool tool_lines(const struct tool *tool, char *const argv[],
-                void (*take)(void *user, const char *line), void *user, struct console *console)
-{
-    int ends[2] = {-1, -1};
-    struct line_reader reader = {.take = take, .user = user};
-    pthread_t thread;
-    if (pipe2(ends, O_CLOEXEC) == 0)
-        reader.in = fdopen(ends[0], "r");
-    bool reads = reader.in && pthread_create(&thread, NULL, read_lines, &reader) == 0;
-    if (!reads)
-        report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
-    bool good = reads && tool_run(tool, argv, ends[1], console);
-    if (ends[1] >= 0)
-        close(ends[1]); /* lines end when the tool and its children have closed the pipe */
-    if (reads)
-        pthread_join(thread, NULL);
-    if (reader.in)
-        fclose(reader.in);
-    else if (ends[0] >= 0)
-        close(ends[0]);
-    return good;
-}
-
-char *tool_read(const struct tool *tool, char *const argv[], struct console *console)
-{
-    int file = memfd_create("output", MFD_CLOEXEC);
-    char *text = NULL;
-    bool ran = file >= 0 && tool_run(tool, argv, file, console);
-    if (ran)
-        text = file_contents(file);
-    if (file < 0 || (ran && !text))
-        report_error(&console->log, "%s: its output cannot be read: %s", argv[0], strerror(errno));
-    if (file >= 0)
-        close(file);
-    return text;
 }
 
 bool tool_is_there(const char *name)

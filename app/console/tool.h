@@ -1,4 +1,4 @@
-/* Programs that the command line runs: the generator, gnuplot, ninja. Each process has 16 GiB of memory. */
+/* Programs that the command line runs: the generator, compilers, git. Each process has 16 GiB of memory. */
 #ifndef DIPTYCH_TOOL_H
 #define DIPTYCH_TOOL_H
 
@@ -22,13 +22,6 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
 bool tool_quiet(char *const argv[], struct console *console);
 /* Runs argv[0] with our streams; its exit status, or -1, logged. */
 int tool_status(char *const argv[], struct console *console);
-
-/* Runs one and returns its stdout; NULL on failure; free(). */
-char *tool_read(const struct tool *tool, char *const argv[], struct console *console);
-
-/* The same, but calls `take` for each line of stdout, from a thread of its own. */
-bool tool_lines(const struct tool *tool, char *const argv[],
-                void (*take)(void *user, const char *line), void *user, struct console *console);
 
 /* Whether there is a program of that name in a folder of PATH. */
 bool tool_is_there(const char *name);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "measure/cost.h"
+#include "spec/inputs.h"
 #include "spec/list.h"
 
 struct listing {
@@ -54,16 +55,27 @@ static void add_stages(const struct listing *listing, cJSON *root)
         item, "stages", cost_stages_json(&listing->gpu, &listing->frame, pass++));
 }
 
+/* The spec and all files that it is made of. */
+static void add_files(cJSON *root, const struct pipeline *pipeline)
+{
+    uint32_t count;
+    const char *const *files = plan_sources(pipeline->plan, &count);
+    cJSON_AddStringToObject(root, "spec", pipeline->spec);
+    cJSON_AddItemToObject(root, "files", cJSON_CreateStringArray(files, (int)count));
+}
+
 int verb_list(struct console *console, const struct options *options)
 {
     struct setup setup = options->setup;
     struct listing listing = {0};
     setup.for_gpu = options->gpu;
     bool good = pipeline_load(&listing.pipeline, console, &setup) &&
+                inputs_find_size(&listing.pipeline, &setup, &console->log) &&
                 (!options->gpu || ask(&listing, options->gpu, &setup, console));
     if (good) {
         list_print(&listing.pipeline, setup.size, options->gpu ? print_stages : NULL, &listing);
         console->result = list_json(&listing.pipeline, setup.size);
+        add_files(console->result, &listing.pipeline);
         if (options->gpu)
             add_stages(&listing, console->result);
     }

@@ -13,22 +13,22 @@ import sys
 import urllib.parse
 
 VOID = {"meta", "img", "br", "link", "hr", "input"}
-SCENE = "a & box"
+SCENE, FOLDER = "a & box", "a___box"
 VALUES = ["0.05", "0.1", "0.2"]
 PICTURES = ["dark", "shown"]
-MOTION = "t % n"
+MOTION = "t___n"
 HEADLINES = [("relative MSE", "hdr.relative_mse"), ("SMAPE", "hdr.smape"), ("FLIP", "ldr.flip.mean"), ("mean / reference", "hdr.ratio"),
              ("darker than 1/5", "hdr.darker"), ("brighter than 5 times", "hdr.brighter")]
 
 
 def error_file(picture, value, ending=""):
-    """Errors of the first backend's picture at a value of the sweep; with the ending _own, against the last value."""
-    return f"{SCENE}/picture_{picture}_level_{value}_gl{ending}.json"
+    """Errors of the first backend's picture at a value of the sweep; with the ending own, against the last value."""
+    return f"{FOLDER}/48x27_picture_{picture}_level_{value}_gl.{ending or 'metrics'}.json"
 
 
 def bench_file(value):
     """Times of the last picture at a value of the sweep."""
-    return f"{SCENE}/picture_shown_level_{value}_bench.json"
+    return f"{FOLDER}/48x27_picture_shown_level_{value}.bench.json"
 
 
 class Page(html.parser.HTMLParser):
@@ -100,7 +100,7 @@ def check_numbers(page, results, missing, values):
     marked = page.all("data")
     # the headlines in the overview and under each of two pictures, if they are there; samples; two of the map; a table of each
     # headline and one against the last value, two pictures each
-    shown = 2 - (f"{SCENE}/dark.json" in missing)
+    shown = 2 - (f"{FOLDER}/dark.metrics.json" in missing)
     # and four of each run of the motion, and of the noise
     headlines = len(HEADLINES)
     assert len(marked) == headlines * (2 + shown) + 1 + 2 + 2 * (headlines + 1) * len(values) + 3 * 4, len(marked)
@@ -112,7 +112,7 @@ def check_numbers(page, results, missing, values):
             scale = 100 if text.endswith("\u00a0%") else 1
             near(text.removesuffix("\u00a0%"), scale * follow(results[file], path), attributes["value"])
     assert {e[1]["value"].split("#")[0] for e in marked} == (set(results) | set(missing)) - {
-        f"{SCENE}/compare.json"} - {f for f in set(results) | set(missing) if f.endswith("_bench.json")}
+        f"{FOLDER}/all.compare.json"} - {f for f in set(results) | set(missing) if f.endswith(".bench.json")}
 
 
 def table_rows(page, caption):
@@ -159,35 +159,35 @@ def check_overview(page, results):
     rows = table_rows(page, "ScenePicture")
     assert len(rows) == 3 and rows[1][1] == "Dark, < 0.2"
     for row, name, level in ((rows[1], "dark", 0.1), (rows[2], "shown", 0.2)):
-        if f"{SCENE}/{name}.json" not in results:
+        if f"{FOLDER}/{name}.metrics.json" not in results:
             assert row[-len(HEADLINES):] == ["\u2013"] * len(HEADLINES)
             continue
-        linear = results[f"{SCENE}/{name}.json"]["hdr"]
+        linear = results[f"{FOLDER}/{name}.metrics.json"]["hdr"]
         assert rows[0][2:] == [title for title, _ in HEADLINES], rows[0]
         for text, (title, path) in zip(row[-len(HEADLINES):], HEADLINES):
-            near(text, follow(results[f"{SCENE}/{name}.json"], path), title)
+            near(text, follow(results[f"{FOLDER}/{name}.metrics.json"], path), title)
         near(row[-3], linear["mean_test"] / linear["mean_reference"], "ratio")
         # the picture is grey at that level, and exposed
-        near(str(linear["mean_test"]), level * results[f"{SCENE}/{name}.json"]["exposure"], name)
+        near(str(linear["mean_test"]), level * results[f"{FOLDER}/{name}.metrics.json"]["exposure"], name)
 
 
 def check_motion(page, folder, results):
     """The grey picture does not change, so all changes of the reference count as flicker; two frames have one step."""
     for run in ("steady", "other"):
-        result = results[f"{SCENE}/{MOTION}/{run}.json"]
+        result = results[f"{FOLDER}/{MOTION}/{run}.flicker.json"]
         assert len(result["per_frame"]) == 1 and result["change"] == 0 and result["block"] == 2, result
         assert 0 < result["flicker"] == result["change_reference"] == -result["excess"], result
-    noise = results[f"{SCENE}/{MOTION}/noise.json"]
+    noise = results[f"{FOLDER}/{MOTION}/noise.flicker.json"]
     near(str(noise["mean_reference"]), result["mean_reference"], "the same reference")
     assert any("a & box: it <turns>" == e[2] for e in page.all("h3")) and not any("not here" == e[2] for e in page.all("h3"))
     rows = table_rows(page, "Means over all frames")
     assert [r[0] for r in rows[1:3]] == ["Steady", "Others' & more"], rows
-    with open(os.path.join(folder, f"plots/change_{SCENE}_{MOTION}.csv"), encoding="utf-8") as file:
+    with open(os.path.join(folder, f"plots/motion_{FOLDER}_{MOTION}.csv"), encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     assert [r["frame"] for r in rows] == ["1"]
     assert "--from-bounce 0 --bounces 1 --quantity radiance" in page.elements[0][2]
     assert "radiance, the radiance, changes" in page.elements[0][2]
-    for row, step in zip(rows, results[f"{SCENE}/{MOTION}/other.json"]["per_frame"]):
+    for row, step in zip(rows, results[f"{FOLDER}/{MOTION}/other.flicker.json"]["per_frame"]):
         near(row["reference"], 100 * step["relative_change_reference"], "CSV")
         near(row["other"], 0, "CSV")
         near(row["other_flicker"], 100 * step["relative_flicker"], "CSV")
@@ -203,7 +203,7 @@ def check_csv(folder, results):
     for row in rows:
         assert (row["scene"], row["width"], row["height"], row["status"], row["reason"]) == (SCENE, "48", "27", "done", ""), row
         result = results[error_file(row["picture"], row["level"])]
-        own = results.get(error_file(row["picture"], row["level"], "_own"))
+        own = results.get(error_file(row["picture"], row["level"], "own"))
         assert bool(own) == (row["level"] != VALUES[-1]), row
         if row["backend"] == "gl":
             near(row["relative_mse"], result["hdr"]["relative_mse"], "CSV")
@@ -266,14 +266,15 @@ def main():
     page = Page(text)
     values = ["0.05", "0.1", "7"] if incomplete else VALUES
     # the last value has no error against itself
-    missing = [error_file(p, values[-1], "_own") for p in PICTURES]
+    missing = [error_file(p, values[-1], "own") for p in PICTURES]
     if incomplete:
-        missing += [f"{SCENE}/dark.json", bench_file(7)]
+        missing += [f"{FOLDER}/dark.metrics.json", bench_file(7)]
         missing += [error_file("dark", v) for v in values] + [error_file("shown", 7)]
-        missing += [error_file(p, v, "_own") for p in PICTURES for v in ("0.05", "0.1")]
-    names = ["reference", "dark", "shown", "compare"] + [f"{MOTION}/{n}" for n in ("steady", "other", "noise")]
-    names = [f"{SCENE}/{n}.json" for n in names] + [bench_file(v) for v in values]
-    names += [error_file(p, v, e) for p in PICTURES for i, v in enumerate(values) for e in ["", "_own"][:1 + (i + 1 < len(values))]]
+        missing += [error_file(p, v, "own") for p in PICTURES for v in ("0.05", "0.1")]
+    names = ["reference.reference", "dark.metrics", "shown.metrics", "all.compare"]
+    names += [f"{MOTION}/{n}.flicker" for n in ("steady", "other", "noise")]
+    names = [f"{FOLDER}/{n}.json" for n in names] + [bench_file(v) for v in values]
+    names += [error_file(p, v, e) for p in PICTURES for i, v in enumerate(values) for e in ["", "own"][:1 + (i + 1 < len(values))]]
     results = {}
     for name in names:
         if name not in missing:

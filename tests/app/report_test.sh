@@ -46,18 +46,18 @@ check "... with its pass" /usr/bin/python3 "$root/tests/app/report.py" --collect
 check_status 2 "a folder without results" "$diptych" report --collect "$work"
 check_status 2 "a folder without --collect" "$diptych" report "$work/ran"
 
-told_first() { # without gnuplot in PATH
+told_first() { # without snakemake in PATH
     PATH=$work/none "$diptych" report --spec "$root/templates/ssvp.yaml" -o "$work/undone" 2>"$work/said"
-    [ $? = 2 ] && [ ! -e "$work/undone" ] && grep "gnuplot: cannot be started.*install the package gnuplot-nox" "$work/said"
+    [ $? = 2 ] && [ ! -e "$work/undone" ] && grep "snakemake: cannot be started.*install the package snakemake" "$work/said"
 }
-check "gnuplot is asked for before the work" told_first
+check "snakemake is asked for before the work" told_first
 
-if ! command -v gnuplot >/dev/null; then
-    skip "a report" "gnuplot is missing, the package gnuplot-nox"
+if ! command -v snakemake >/dev/null; then
+    skip "a report" "snakemake is missing"
     finish
 fi
 
-# ---- A pipeline with an outline, in folders with characters that are special to a shell, ninja, gnuplot or HTML --------
+# ---- A pipeline with an outline, in folders with characters that are special to a shell, Snakemake or HTML --------
 
 # shellcheck disable=SC2016
 folder=$work/'it'\''s $HOME: <a> & b'
@@ -90,27 +90,25 @@ assert len(it["scenes"]) == 1 and it["scenes"][0].endswith("/a & box.yaml"), it
 assert [error["severity"] for error in it["errors"]] == ["warning"] and "left out" in it["errors"][0]["message"], it' "$folder/told.json"
 check "the page is well formed, its links lead somewhere, its numbers are those of the results" \
     /usr/bin/python3 "$root/tests/app/report.py" "$report"
-for plot in "$report"/plots/*.svg; do
-    # shellcheck disable=SC2016
-    check "$(basename "$plot") is XML" /usr/bin/python3 -c 'import sys, xml.dom.minidom; xml.dom.minidom.parse(sys.argv[1])' "$plot"
-done
+# shellcheck disable=SC2016
+check "plots are XML" /usr/bin/python3 -c 'import sys, xml.dom.minidom; [xml.dom.minidom.parse(path) for path in sys.argv[1:]]' "$report"/plots/*.svg
 
 # ---- Going on ---------------------------------------------------------------------------------------------------------
 
 times() { # of the results
-    (cd "$report/a & box" && stat -c '%n %y' -- *.json)
+    (cd "$report/a___box" && stat -c '%n %y' -- *.json)
 }
 times >"$work/before"
-check "the same command does nothing again" said 0 "no work to do" "${small[@]}"
+check "the same command does nothing again" said 0 "Nothing to be done" "${small[@]}"
 times >"$work/after"
 unchanged() {
     [ -s "$work/before" ] && cmp "$work/before" "$work/after"
 }
 check "... and leaves the results alone" unchanged
-rm "$report/a & box/shown.exr"
+rm "$report/a___box/shown.render.exr"
 check "a picture that is gone is made again" "${small[@]}"
 check "... with what was measured of it, and nothing else" \
-    [ "$(times | comm -13 "$work/before" - | cut -d' ' -f1 | tr '\n' ' ')" = "shown.exr.json shown.json " ]
+    [ "$(times | comm -13 "$work/before" - | cut -d' ' -f1 | tr '\n' ' ')" = "shown.metrics.json shown.render.json " ]
 
 # ---- What fails -------------------------------------------------------------------------------------------------------
 

@@ -7,6 +7,7 @@
     frame = vk.render("indirect", "rsm_position")
     frame["indirect"].shape                        # (180, 320, 4)
     print(diptych.compare(gl, vk))
+    rows = diptych.sweep("folder", {"samples": [8, 16]}, spec="rsm", scene="cornell")
 
 Images are arrays of (height, width), with layers or depth in front and channels behind where there are
 several; row 0 is the bottom of the picture. Texels are numbers of the format: codes of unorm and snorm,
@@ -18,14 +19,16 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+from .verbs import run, sweep
+
 if TYPE_CHECKING:
     from .play import Comparison, Error, Pipeline, Tap, compare, open, tap  # noqa: A004
 
-__all__ = ["Error", "Pipeline", "Comparison", "Tap", "open", "compare", "tap"]
+__all__ = ["Error", "Pipeline", "Comparison", "Tap", "open", "compare", "tap", "run", "sweep"]
 
 
 def __getattr__(name: str) -> Any:
     """Loads NumPy and the library with the first name: what plans many runs needs neither."""
-    if name.startswith("__"):
-        raise AttributeError(name)
+    if name not in __all__ and (not name.startswith("_") or name.startswith("__")):
+        raise AttributeError(name)  # also asked for a module before it is imported
     return getattr(importlib.import_module(".play", __name__), name)

@@ -16,10 +16,13 @@ from .console import Console, Failure
 VERBS: dict[str, tuple[str, int]] = {
     "flicker": ("flicker", 1),
     "metrics": ("metrics", 1),
+    "report": ("report", 2),
+    "sweep": ("grid", 2),
 }
 
 
 def interrupted(number: int, _frame: Any) -> None:
+    print("diptych: interrupted, nothing half-written is left", file=sys.stderr)
     raise SystemExit(128 + number)
 
 
