@@ -86,7 +86,7 @@ for file in count/* scene/* remember/* slice/* halve/*.* halve/parts/* project/t
     echo '#error changed since: { ]' >>"$file"
 done
 rm -rf project/build/cache && touch project/build/cache
-export MESA_SHADER_CACHE_DIR=${XDG_CACHE_HOME:-$HOME/.cache} XDG_CACHE_HOME=$work/cache
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}} XDG_CACHE_HOME=$work/cache
 for pass in count scene remember slice halve; do # scene has its fault in OpenGL, the reference side
     check "$pass: gl leaves what was expected" replayed 0 "pass $pass on gl: as expected" $pass --backend gl
     check "$pass: vk does not, as before" replayed 1 "is not as expected, and all is bit for bit as vk had it" $pass --backend vk

@@ -2,8 +2,8 @@
 # The command line reports each error once, with the exit status that scripts rely on, and leaves no half-written file. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 scene=$root/scenes/cornell.yaml
-render=("$diptych" render --scene "$scene" --size 8x8)
-compare=("$diptych" compare --scene "$scene" --size 8x8)
+render=("$diptych" render --scene "$scene" --size 37x23)
+compare=("$diptych" compare --scene "$scene" --size 37x23)
 
 says() { # status text command...: one error in all, which contains the text
     local want=$1 text=$2 got
@@ -57,13 +57,13 @@ same_help() { # [verb]
 }
 check "drivers that are found and asked, not named" \
     env -u VK_DRIVER_FILES -u VK_ICD_FILENAMES \
-    "$diptych" compare --spec "$root/tests/specs/mips.yaml" --scene "$scene" --size 16x8
+    "$diptych" compare --spec "$root/tests/specs/mips.yaml" --scene "$scene" --size 37x23
 
 # Mesa reports 4.5 by itself.
 check "OpenGL 4.5 with the extensions of 4.6, from SPIR-V and from text" \
-    "$diptych" compare --spec "$root/tests/specs/mips.yaml" --scene "$scene" --size 16x8 --backend gl,gl+glsl
+    "$diptych" compare --spec "$root/tests/specs/mips.yaml" --scene "$scene" --size 37x23 --backend gl,gl+glsl
 check "OpenGL 4.6" env MESA_GL_VERSION_OVERRIDE=4.6 MESA_GLSL_VERSION_OVERRIDE=460 \
-    "$diptych" compare --spec "$root/tests/specs/mips.yaml" --scene "$scene" --size 16x8 --backend gl,gl+glsl
+    "$diptych" compare --spec "$root/tests/specs/mips.yaml" --scene "$scene" --size 37x23 --backend gl,gl+glsl
 
 check "help is --help" same_help
 for verb in list render sweep; do
@@ -104,13 +104,13 @@ check "values that are valid only together are" \
     "${render[@]}" --backend vk -o "$work/a.png" --set passes.shade.ranges.first_range.storage=uniform \
     --set 'tile=[1,1]' --set first_vpls=64
 # Pictures against a reference.
-"$diptych" render --scene "$scene" --size 16x8 --backend vk -o "$work/a.exr"
-"$diptych" render --scene "$scene" --size 16x8 --backend vk -o "$work/a.png"
-"$diptych" render --scene "$scene" --size 8x8 --backend vk -o "$work/b.exr"
+"$diptych" render --scene "$scene" --size 37x23 --backend vk -o "$work/a.exr"
+"$diptych" render --scene "$scene" --size 37x23 --backend vk -o "$work/a.png"
+"$diptych" render --scene "$scene" --size 39x23 --backend vk -o "$work/b.exr"
 metrics=("$diptych" metrics --reference "$work/a.exr")
 refused 2 '--test FILE is missing' "${metrics[@]}"
 refused 2 '--exposure 0: must be a number above 0' "${metrics[@]}" --test "$work/a.exr" --exposure 0
-refused 1 'has 16x8 pixels and' "${metrics[@]}" --test "$work/b.exr"
+refused 1 'has 37x23 pixels and' "${metrics[@]}" --test "$work/b.exr"
 refused 1 'one holds light and the other 8-bit codes' "${metrics[@]}" --test "$work/a.png"
 refused 1 'absent.exr' "${metrics[@]}" --test "$work/absent.exr"
 refused 1 'must be from 1 to 4096' "${metrics[@]}" --test "$work/a.exr" --pixels-per-degree 5000
@@ -130,7 +130,7 @@ cp "$work/a.exr" "$work/absent_0.exr"
 refused 1 'absent_1.exr' "${metrics[@]}" --test "$work/absent_%d.exr" --frames 2
 several() { # the metrics of two pictures are the means and standard errors of each picture's metrics
     local frame
-    "$diptych" render --scene "$scene" --size 16x8 --backend vk --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
+    "$diptych" render --scene "$scene" --size 37x23 --backend vk --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
     for frame in 0 1; do
         "${metrics[@]}" --test "$work/several_$frame.exr" --json "$work/several_$frame.json" || return
     done

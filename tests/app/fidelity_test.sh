@@ -80,7 +80,7 @@ check "further bounces have their energy" all
 # The areas of second-bounce VPLs add up to the surface that the clusters see, here the whole box, 24 m2.
 areas() {
     local total
-    "$diptych" render --scene "$root/scenes/white_box.yaml" --size 16x16 --backend vk --set second_vpls=1024 \
+    "$diptych" render --scene "$root/scenes/white_box.yaml" --size 37x23 --backend vk --set second_vpls=1024 \
         --dump "$work/box" -o "$work/box.exr" || return
     total=$(/usr/bin/python3 - "$work/box" <<'END'
 import json, struct, sys

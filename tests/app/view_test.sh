@@ -14,7 +14,8 @@ spec=$work/templates/ssvp.yaml
 tonemap=$work/templates/shared/tonemap.glsl
 scene=$work/cornell.yaml
 # Without a mean over frames a still scene has a still picture.
-small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32 --set accumulate=0 --set reuse_pattern=1 --set kept_maps=1)
+small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32 --set accumulate=0 --set reuse_pattern=1 --set kept_maps=1
+    --set first_vpls=64 --set second_vpls=64 --set clusters=3 --set map_triangles=300) # frames are made until a check holds
 cd "$work" || exit 1 # where screenshots go
 
 exec 3<>display.number
@@ -458,8 +459,8 @@ else
 fi
 
 # What a body does that is undefined.
-/usr/bin/python3 -B "$root/tests/gen/sanitize.py" make "$work"
-check "undefined behaviour is found" "$diptych" view --spec wrong.yaml --sanitize --backend vk --size 16x16 --window 640x480 --frames 2 --json view.json
+/usr/bin/python3 -B "$root/tests/gen/sanitize.py" make "$work" 1
+check "undefined behaviour is found" "$diptych" view --spec few.yaml --sanitize --backend vk --size 16x16 --window 640x480 --frames 2 --json view.json
 check "... in its line" holds_json '": undefined: index 8 of " in d["undefined"]'
 
 # Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.

@@ -445,7 +445,7 @@ def plain(bits):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--programs", type=int, default=300)
+    parser.add_argument("--programs", type=int, default=150)
     parser.add_argument("build")
     parser.add_argument("sides", nargs="+")
     arguments = parser.parse_args()

@@ -4,7 +4,7 @@
 # CMake and Meson build a project with the installed files. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 cd "$root" || exit
-size=(96 64)
+size=(76 46)
 frames=2
 version=$(sed -n 's/^version = //p' build.ninja)
 soversion=$(sed -n 's/^soversion = //p' build.ninja)
@@ -45,7 +45,7 @@ check "uninstall leaves no file" uninstalls
 
 installed=$work/moved
 mv "$work/dest/opt/diptych" "$installed"
-export MESA_SHADER_CACHE_DIR=${XDG_CACHE_HOME:-$HOME/.cache} # Mesa need not compile again what other tests compile
+export MESA_SHADER_CACHE_DIR=${MESA_SHADER_CACHE_DIR:-${XDG_CACHE_HOME:-$HOME/.cache}} # Mesa need not compile again what other tests compile
 export PKG_CONFIG_PATH=$installed/lib/pkgconfig XDG_CACHE_HOME=$work/cache LD_LIBRARY_PATH=$installed/lib
 
 # ---- Symbols ----
@@ -97,7 +97,7 @@ for backend in gl vk; do
         --backend $backend --frames $frames --dump "$work/$backend"
 done
 check "... a second time without a compiler" env PATH= "$(command -v env)" -u CC "$installed/bin/diptych" render \
-    --scene "$installed/$scene" --backend vk --size 8x8 -o "$work/small.png"
+    --scene "$installed/$scene" --backend vk --size 37x23 -o "$work/small.png"
 check "... caches where the user's files are" in_cache
 check "... made of what is installed" no_ego
 python_renders() { # the module's bits are the command's

@@ -17,12 +17,12 @@ build_host() { # api -DAPI
 takes() { # api target wanted scene picture...
     local api=$1 target=$2 wanted=$3 scene=$4
     shift 4
-    TARGET=$target "$work/host_$api" "$scene" 48 32 2 "$@" >"$work/told" 2>&1
+    TARGET=$target "$work/host_$api" "$scene" 37 23 2 "$@" >"$work/told" 2>&1
     cat "$work/told"
     [ "$(sort "$work/told")" = "$(printf '%s\n' "rsm: $wanted" "ssvp: $wanted")" ]
 }
 refuses() {
-    ! TARGET=1 "$work/host_vk" scenes/atrium.yaml 48 32 1 "$work/none.ppm" 2>"$work/told" && cat "$work/told" && grep -qF "$1" "$work/told"
+    ! TARGET=1 "$work/host_vk" scenes/atrium.yaml 37 23 1 "$work/none.ppm" 2>"$work/told" && cat "$work/told" && grep -qF "$1" "$work/told"
 }
 
 same_pictures() { # api picture

@@ -29,7 +29,7 @@ build_inputs() {
         c++ -std=c++17 "${flags[@]}" tests/hosts/examples/host_inputs_vk.cpp "$work"/{both,inputs}/*.o -lvulkan -ldl -lm -o "$work/writer"
 }
 runs_in_silence() {
-    TSAN_OPTIONS="suppressions='$root/tests/lib/threads.supp'" "${fixed[@]}" "$work/threads" scenes/cornell.yaml 96 64 3 "$work/ssvp.ppm" \
+    TSAN_OPTIONS="suppressions='$root/tests/lib/threads.supp'" "${fixed[@]}" "$work/threads" scenes/cornell.yaml 76 46 3 "$work/ssvp.ppm" \
         "$work/rsm.ppm" "$work/second.ppm" && [ ! -s "$work/output" ] && cmp "$work/ssvp.ppm" "$work/second.ppm"
 }
 inputs_run_in_silence() {

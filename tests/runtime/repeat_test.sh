@@ -5,6 +5,7 @@
 # DIPTYCH_LONG, twenty runs on five backends.
 . "$(dirname "$0")/../lib/tap.sh"
 scene=$root/scenes/cornell.yaml
+[ -n "${DIPTYCH_LONG:-}" ] || export GALLIVM_PERF=nopt # Mesa compiles in two thirds of the time
 runs=${DIPTYCH_LONG:+20}
 runs=${runs:-1}
 backends=(gl vk)

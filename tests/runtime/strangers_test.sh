@@ -56,8 +56,12 @@ for driver in "${strangers[@]}"; do
         --set 'contracts.number={raster: 0}'
     check_status 1 "... a fault in what is computed is found" "$diptych" "${edges[@]}" --backend "$home,$driver" \
         --fault "$driver:count:bit"
-    # Every pipeline that ships; DIPTYCH_LONG has both scenes, at the defaults.
-    for spec in rsm ssvp ssdo taa deep clustered instant_radiosity; do
+    # Every pipeline that ships, on both scenes, at the defaults; without DIPTYCH_LONG ssvp and three others, which SEED draws.
+    seed=${SEED:-$RANDOM}
+    others=(rsm ssdo taa deep clustered instant_radiosity)
+    [ -n "${DIPTYCH_LONG:-}" ] || mapfile -t others < <(printf '%s\n' "${others[@]}" |
+        awk -v seed="$seed" 'BEGIN { srand(seed) } { print rand(), $1 }' | sort | cut -d' ' -f2 | head -n 3)
+    for spec in ssvp "${others[@]}"; do
         small=(--size 160x90 --set rsm_size=128)
         case $spec in
         ssvp) small+=(--set map_triangles=3000 --set map_size=64 --set clusters=2 --set second_clusters=2 --set first_vpls=64 --set second_vpls=64) ;;
@@ -70,7 +74,7 @@ for driver in "${strangers[@]}"; do
         for scene in "${scenes[@]}"; do
             # This driver takes an hour for 256 maps of the atrium.
             [ "$spec-$scene" != instant_radiosity-atrium ] || small+=(--set first_vpls=8)
-            check "$driver: $spec, $scene: every pass that computes is exact" agrees '^on equal inputs' \
+            check "$driver: $spec, $scene (seed $seed): every pass that computes is exact" agrees '^on equal inputs' \
                 --spec "templates/$spec.yaml" --scene "scenes/$scene.yaml" --backend "$home,$driver" "${small[@]}"
         done
     done
