@@ -169,6 +169,12 @@ static bool read_list(const struct evidence_case *evidence, const char *list, co
     for (uint32_t i = first[0]; i < first[1]; i++) {
         const struct row *row = &rows->list[i];
         const cJSON *entry = dump_reader_find(&reader, list, NULL, row);
+        if (!entry) {
+            report_error(log_of(evidence),
+                         "%s/manifest.json: lists no %s under \"%s\", and the pass %s it",
+                         evidence->folder, row->name, list, list[0] == 'i' ? "finds" : "writes");
+            return false;
+        }
         if (!dump_reader_load(&reader, entry, key, row, rows == &evidence->rows.inputs,
                               &(*bytes)[i - first[0]]))
             return false;
