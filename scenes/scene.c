@@ -76,13 +76,12 @@ struct settings {
     const char *scenes_dir;
     char *mesh_path; /* where the mesh was found, owned */
     struct wish camera, light;
-    bool may_lack_mesh; /* a missing mesh is no error */
     float scale;
     uint32_t texture_size;
 };
 
 static char *find_mesh(struct reader *reader, struct fy_node *node, const char *scene_path,
-                       const char *scenes_dir, bool may_lack)
+                       const char *scenes_dir)
 {
     const char *text = fy_node_get_scalar0(node), *slash = strrchr(scene_path, '/');
     const char *name = text ? text : "";
@@ -101,7 +100,7 @@ static char *find_mesh(struct reader *reader, struct fy_node *node, const char *
         }
     if (beside < 0 || below < 0)
         reader_report(reader, node, "out of memory");
-    else if (!found && !may_lack)
+    else if (!found)
         reader_report(reader, node,
                       "mesh `%s` not found: looked for %s%s%s; name the folder that holds it as "
                       "folder of scenes, or in the environment variable DIPTYCH_SCENES%s (the "
@@ -150,8 +149,7 @@ static void read_scene(struct reader *reader, struct fy_node *root, void *user)
     if (size >= 1 && size <= MAX_TEXTURE_SIZE && exp2(floor(log2(size))) != size)
         reader_report(reader, keys[TEXTURE_SIZE].node, "`texture_size` must be a power of two");
     if (keys[MESH].node && fy_node_is_scalar(keys[MESH].node))
-        settings->mesh_path = find_mesh(reader, keys[MESH].node, scene->path, settings->scenes_dir,
-                                        settings->may_lack_mesh);
+        settings->mesh_path = find_mesh(reader, keys[MESH].node, scene->path, settings->scenes_dir);
     settings->scale = (float)keys[SCALE].number[0];
     settings->texture_size = (uint32_t)size;
 }
@@ -413,20 +411,6 @@ bool scene_load_motion(struct scene *scene, const char *path, const struct dt_lo
     motion_free(scene->motion);
     scene->motion = motion_load(path, scene, log);
     return scene->motion;
-}
-
-bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
-                     const struct dt_log *log)
-{
-    struct scene scene = {0};
-    struct settings settings = {.scene = &scene, .scenes_dir = scenes_dir, .may_lack_mesh = true};
-    bool ok = copy_path(&scene, path, log) && reader_file(path, &scene_file, &settings, log);
-    scene_free(&scene);
-    *mesh = ok ? settings.mesh_path : NULL;
-    if (ok)
-        settings.mesh_path = NULL;
-    free_settings(&settings);
-    return ok;
 }
 
 void scene_free(struct scene *scene)

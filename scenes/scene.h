@@ -44,10 +44,6 @@ bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, b
 /* For pipelines that do not use the scene: one triangle without area, a box from -1 to 1 around the
  * origin, which a camera 4 in front of it looks at, and light straight down of 1 W/m2. */
 bool scene_none(struct scene *scene, const struct dt_log *log);
-/* Reads only the scene file and finds its mesh. *mesh: path, to free(); NULL if the mesh is in
- * neither folder. False after an error, logged. */
-bool scene_find_mesh(const char *path, const char *scenes_dir, char **mesh,
-                     const struct dt_log *log);
 /* Reads a motion file (keys: see the head of motion.c) into the scene, which owns the motion.
  * Errors as above; on false the scene has no motion. */
 bool scene_load_motion(struct scene *scene, const char *path, const struct dt_log *log);
