@@ -38,12 +38,26 @@ struct heard {
     char text[8192]; /* the latest warning or error */
 };
 
+/* Of the present test. */
+static struct scene scene;
+static struct heard heard;
+
 static void hear(void *user, enum dt_level level, const char *message)
 {
-    struct heard *heard = user;
-    heard->count[level]++;
+    (void)user;
+    heard.count[level]++;
     if (level >= DT_WARNING)
-        snprintf(heard->text, sizeof heard->text, "%s", message);
+        snprintf(heard.text, sizeof heard.text, "%s", message);
+}
+
+static const struct dt_log hearing = {hear, NULL};
+
+static int forget(void **state)
+{
+    (void)state;
+    scene_free(&scene);
+    memset(&heard, 0, sizeof heard);
+    return 0;
 }
 
 static char folder[] = "/tmp/scene_test.XXXXXX";
@@ -80,11 +94,20 @@ static void put(const char *name, const char *text)
     assert_int_equal(fclose(file), 0);
 }
 
-static void load(struct scene *scene, const char *path, struct heard *heard)
+static void load(const char *path)
 {
-    const struct dt_log log = {hear, heard};
-    if (!scene_load(scene, path, NULL, false, &log))
-        fail_msg("%s", heard->text);
+    scene_free(&scene);
+    if (!scene_load(&scene, path, NULL, false, &hearing))
+        fail_msg("%s", heard.text);
+}
+
+/* Loads a scene with this mesh, and other keys. */
+static void load_mesh(const char *mesh, const char *keys)
+{
+    char text[512];
+    snprintf(text, sizeof text, "mesh: %s\n%s" CAMERA SUN, mesh, keys);
+    put("mesh.yaml", text);
+    load(at("mesh.yaml"));
 }
 
 /* ---- Geometry -------------------------------------------------------------------------------- */
@@ -93,9 +116,9 @@ struct vec {
     double x, y, z;
 };
 
-static struct vec position(const struct scene *scene, uint32_t corner)
+static struct vec position(uint32_t corner)
 {
-    const float *p = scene->data.vertices[scene->data.indices[corner]].position;
+    const float *p = scene.data.vertices[scene.data.indices[corner]].position;
     return (struct vec){p[0], p[1], p[2]};
 }
 
@@ -115,33 +138,32 @@ static double dot(struct vec a, struct vec b)
 }
 
 /* Twice the area, along the face's normal. */
-static struct vec area_vector(const struct scene *scene, uint32_t triangle)
+static struct vec area_vector(uint32_t triangle)
 {
-    struct vec a = position(scene, 3 * triangle);
-    return cross(sub(position(scene, 3 * triangle + 1), a),
-                 sub(position(scene, 3 * triangle + 2), a));
+    struct vec a = position(3 * triangle);
+    return cross(sub(position(3 * triangle + 1), a), sub(position(3 * triangle + 2), a));
 }
 
-static struct vec vertex_normal(const struct scene *scene, uint32_t corner)
+static struct vec vertex_normal(uint32_t corner)
 {
-    const float *n = scene->data.vertices[scene->data.indices[corner]].normal;
+    const float *n = scene.data.vertices[scene.data.indices[corner]].normal;
     return (struct vec){n[0], n[1], n[2]};
 }
 
-static void assert_normals(const struct scene *scene)
+static void assert_normals(void)
 {
-    for (uint32_t i = 0; i < scene->data.index_count; i++) {
-        struct vec n = vertex_normal(scene, i);
+    for (uint32_t i = 0; i < scene.data.index_count; i++) {
+        struct vec n = vertex_normal(i);
         assert_true(fabs(dot(n, n) - 1) < 1e-5);
     }
 }
 
 /* Each triangle's first vertex has the number of the triangle, so no two triangles share that
  * vertex. */
-static void assert_numbered(const struct scene *scene)
+static void assert_numbered(void)
 {
-    for (uint32_t t = 0; t < scene->data.index_count / 3; t++)
-        assert_int_equal(scene->data.vertices[scene->data.indices[3 * t]].triangle, t);
+    for (uint32_t t = 0; t < scene.data.index_count / 3; t++)
+        assert_int_equal(scene.data.vertices[scene.data.indices[3 * t]].triangle, t);
 }
 
 struct edge {
@@ -155,17 +177,17 @@ static int compare_edges(const void *a, const void *b)
 
 /* In a closed surface without T-junctions every edge from p to q has exactly one partner from q
  * to p. */
-static bool is_watertight(const struct scene *scene)
+static bool is_watertight(void)
 {
-    uint32_t count = scene->data.index_count;
+    uint32_t count = scene.data.index_count;
     struct edge *edges = calloc(count, sizeof *edges);
     assert_non_null(edges);
     for (uint32_t i = 0; i < count; i++) {
-        const uint32_t *indices = scene->data.indices;
+        const uint32_t *indices = scene.data.indices;
         for (int k = 0; k < 3; k++) { /* + 0 turns -0 into 0 */
-            edges[i].from[k] = scene->data.vertices[indices[i]].position[k] + 0.0f;
+            edges[i].from[k] = scene.data.vertices[indices[i]].position[k] + 0.0f;
             edges[i].to[k] =
-                scene->data.vertices[indices[i % 3 == 2 ? i - 2 : i + 1]].position[k] + 0.0f;
+                scene.data.vertices[indices[i % 3 == 2 ? i - 2 : i + 1]].position[k] + 0.0f;
         }
     }
     qsort(edges, count, sizeof *edges, compare_edges);
@@ -191,27 +213,23 @@ static void box_is_closed_and_faces_outwards(void **state)
 {
     (void)state;
     put("box.obj", box_obj);
-    put("box.yaml", "mesh: box.obj\n" CAMERA SUN);
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, at("box.yaml"), &heard);
+    load_mesh("box.obj", "");
     assert_int_equal(scene.source_triangles, 12);
     assert_int_equal(scene.degenerate_triangles, 0);
     double radius = sqrt(16 + 1 + 9) / 2, area = 0;
     assert_true(fabs(scene.radius - radius) < 1e-5);
     assert_int_equal(scene.data.index_count, 3 * 12);
-    assert_true(is_watertight(&scene));
-    assert_normals(&scene);
-    assert_numbered(&scene);
+    assert_true(is_watertight());
+    assert_normals();
+    assert_numbered();
     const struct vec middle = {2, 0.5, 1.5};
     for (uint32_t t = 0; t < scene.data.index_count / 3; t++) {
-        struct vec n = area_vector(&scene, t);
+        struct vec n = area_vector(t);
         area += 0.5 * sqrt(dot(n, n));
-        assert_true(dot(n, sub(position(&scene, 3 * t), middle)) > 0);
-        assert_true(dot(n, vertex_normal(&scene, 3 * t)) > 0.9999 * sqrt(dot(n, n)));
+        assert_true(dot(n, sub(position(3 * t), middle)) > 0);
+        assert_true(dot(n, vertex_normal(3 * t)) > 0.9999 * sqrt(dot(n, n)));
     }
     assert_true(fabs(area - 2 * (4 * 1 + 4 * 3 + 1 * 3)) < 1e-4);
-    scene_free(&scene);
 }
 
 /* The closed box of 8 vertices and 12 triangles needs 4 more vertices; winding and corners stay. */
@@ -244,34 +262,28 @@ static void odd_obj_is_read_and_degenerate_triangles_dropped(void **state)
     (void)state;
     put("odd.obj", "# odd\r\nv\t0 0 0\r\nv\t1  0 0   \r\nv\t1 1 0\r\nv\t0 1 0\r\nf -4 -3 -2 -1\r\n"
                    "v 0.5 0 0\r\nf 1 2 2\r\nf 1 5 2\r\nf 1 2 4\r\n");
-    put("odd.yaml", "mesh: odd.obj\nscale: 2\n" CAMERA SUN);
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, at("odd.yaml"), &heard);
+    load_mesh("odd.obj", "scale: 2\n");
     assert_int_equal(scene.source_triangles, 5);
     assert_int_equal(scene.degenerate_triangles, 2);
     assert_int_equal(scene.data.index_count, 9);
     assert_int_equal(heard.count[DT_INFO], 1);
     assert_true(scene.bounds_max[0] == 2 && scene.bounds_max[1] == 2 && scene.bounds_min[0] == 0);
-    assert_normals(&scene);
-    scene_free(&scene);
+    assert_normals();
 }
 
-static const struct dt_material *material_of(const struct scene *scene, uint32_t triangle)
+static const struct dt_material *material_of(uint32_t triangle)
 {
-    return &scene->data.materials[scene->data.vertices[scene->data.indices[3 * triangle]].material];
+    return &scene.data.materials[scene.data.vertices[scene.data.indices[3 * triangle]].material];
 }
 
 /* The file must not load; the one error has the text. */
 static void assert_no_mesh(const char *name, const char *text)
 {
     char yaml[512];
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     snprintf(yaml, sizeof yaml, "mesh: %s\n" CAMERA SUN, name);
     put("wrong.yaml", yaml);
-    assert_false(scene_load(&scene, at("wrong.yaml"), NULL, false, &log));
+    memset(&heard, 0, sizeof heard);
+    assert_false(scene_load(&scene, at("wrong.yaml"), NULL, false, &hearing));
     if (!strstr(heard.text, text))
         fail_msg("no '%s' in\n%s", text, heard.text);
     assert_int_equal(heard.count[DT_ERROR], 1);
@@ -308,15 +320,12 @@ static void material_libraries_are_found(void **state)
 {
     (void)state;
     static const uint8_t wide[] = {0xff, 0xfe, 'n', 0, 'e', 0, 'w', 0};
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     put("l.obj", "mtllib k.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n");
     assert_no_mesh("l.obj", "k.mtl: not found; ");
     put("l.mtl", "newmtl a\nKd 1 0 0\n"); /* assimp tries the name of the mesh */
-    put("l.yaml", "mesh: l.obj\n" CAMERA SUN);
-    load(&scene, at("l.yaml"), &heard);
+    load_mesh("l.obj", "");
     assert_non_null(strstr(heard.text, "k.mtl: not found; "));
-    assert_true(material_of(&scene, 0)->albedo[1] == 0);
+    assert_true(material_of(0)->albedo[1] == 0);
     scene_free(&scene);
     assert_int_equal(mkdir(at("k.mtl"), 0777), 0);
     assert_no_mesh("l.obj", "k.mtl: Is a directory");
@@ -329,15 +338,11 @@ static void material_libraries_are_found(void **state)
 static void vertex_colours_are_told_once(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     put("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\n"
                  "g a\nf 1 2 3\ng b\nf 1 2 4\n");
-    put("v.yaml", "mesh: v.obj\n" CAMERA SUN);
-    load(&scene, at("v.yaml"), &heard);
+    load_mesh("v.obj", "");
     assert_non_null(strstr(heard.text, "v.obj: vertex colours are not supported"));
     assert_int_equal(heard.count[DT_WARNING], 1);
-    scene_free(&scene);
 }
 
 static void refused_models_are_named(void **state)
@@ -389,14 +394,11 @@ static void gltf_nodes_are_flattened(void **state)
         "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
         "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
         "\"min\":[0,0,0],\"max\":[1,1,0]}]}");
-    put("t.yaml", "mesh: t.gltf\n" CAMERA SUN);
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, at("t.yaml"), &heard);
+    load_mesh("t.gltf", "");
     assert_int_equal(scene.data.index_count, 3);
     assert_true(scene.bounds_min[0] == 8 && scene.bounds_max[0] == 10 && scene.bounds_max[1] == 3);
     /* A mirror turns the winding; the front must stay +z. */
-    assert_true(area_vector(&scene, 0).z > 0 && vertex_normal(&scene, 0).z > 0.999);
+    assert_true(area_vector(0).z > 0 && vertex_normal(0).z > 0.999);
     assert_int_equal(scene.data.object_count, 1);
     const struct dt_object *object = &scene.data.objects[0];
     assert_vector(object->transform[0], -2, 0, 0);
@@ -407,7 +409,6 @@ static void gltf_nodes_are_flattened(void **state)
     assert_true(object->first_index == 0 && object->index_count == 3 && object->mesh == 0);
     const float *albedo = scene.data.materials[object->material].albedo;
     assert_true(albedo[0] == 0.25f && albedo[1] == 0.5f && albedo[2] == 0.75f);
-    scene_free(&scene);
 }
 
 /* A camera below a moved node; a bulb, a lamp and a sun below one that turns z to x. */
@@ -442,11 +443,9 @@ static void put_viewed_gltf(void)
 static void gltf_brings_camera_and_light(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     put_viewed_gltf();
     put("v.yaml", "mesh: v.gltf\nscale: 2\n");
-    load(&scene, at("v.yaml"), &heard);
+    load(at("v.yaml"));
     assert_int_equal(heard.count[DT_INFO], 2); /* tells which */
     assert_vector(scene.camera.eye, 22, 4, 6);
     assert_vector(scene.camera.target, 22, 4, 5);
@@ -459,7 +458,7 @@ static void gltf_brings_camera_and_light(void **state)
     assert_true(fabs((double)scene.light.cone[1] - 0.6) < 1e-5);
     scene_free(&scene);
     put("v.yaml", "mesh: v.gltf\nlight: sun\n" CAMERA);
-    load(&scene, at("v.yaml"), &heard);
+    load(at("v.yaml"));
     assert_vector(scene.camera.eye, 0, 0, 5);
     assert_int_equal(scene.light.kind, DT_LIGHT_DIRECTIONAL);
     assert_vector(scene.light.direction, -1, 0, 0);
@@ -467,7 +466,6 @@ static void gltf_brings_camera_and_light(void **state)
     struct dt_frame frame;
     scene_frame(&scene, 64, 64, &frame); /* its view covers the scene */
     assert_true(frame.light.area > 0 && frame.light.area < 1);
-    scene_free(&scene);
 }
 
 /* ---- Textures -------------------------------------------------------------------------------- */
@@ -484,9 +482,7 @@ static void write_checker(const char *name, uint8_t alpha_of_black)
         memset(texels + 4 * i, white ? 255 : 0, 3);
         texels[4 * i + 3] = white ? 255 : alpha_of_black;
     }
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    if (!image_write_png(at(name), 4, 4, 4, texels, &log))
+    if (!image_write_png(at(name), 4, 4, 4, texels, &hearing))
         fail_msg("%s", heard.text);
 }
 
@@ -499,16 +495,12 @@ static void textures_fill_the_array(void **state)
     put("t.mtl",
         "newmtl a\nKd 0 0 0\nmap_Kd opaque.png\nnewmtl b\nKd 0.5 0.5 0.5\nmap_Kd holes.png\n"
         "newmtl c\nKd 0.1 0.2 0.3\nmap_Kd none.png\n");
-    put("t.yaml", "mesh: t.obj\n" CAMERA SUN);
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, at("t.yaml"), &heard);
+    load_mesh("t.obj", "");
     const struct dt_scene *data = &scene.data;
     assert_int_equal(data->texture_layers, 2);
     assert_int_equal(data->texture_width, 4);
     assert_int_equal(data->texture_mips, 3);
-    const struct dt_material *a = material_of(&scene, 0), *b = material_of(&scene, 1),
-                             *c = material_of(&scene, 2);
+    const struct dt_material *a = material_of(0), *b = material_of(1), *c = material_of(2);
     assert_true(a->albedo[0] == 1 && a->texture >= 0 &&
                 a->alpha_cutoff == 0); /* Kd 0 beside a map: white */
     assert_true(b->albedo[0] == 0.5f && b->texture >= 0 && b->alpha_cutoff == 0.5f);
@@ -524,7 +516,6 @@ static void textures_fill_the_array(void **state)
     assert_int_equal(mip2[4 * b->texture + 3], 128);
     /* The obj file counts v from below; row 0 of the texels is the top. */
     assert_true(data->vertices[data->indices[0]].uv[1] == 1);
-    scene_free(&scene);
 }
 
 /* Grey codes of linear light, as the file says. */
@@ -549,24 +540,19 @@ static void write_linear(const char *name)
 static void textures_keep_their_numbers(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     uint8_t *codes;
     uint32_t width = 0, height = 0;
     write_linear("linear.png");
-    assert_true(image_read_rgba8(at("linear.png"), &width, &height, &codes, &log));
+    assert_true(image_read_rgba8(at("linear.png"), &width, &height, &codes, &hearing));
     assert_true(codes[0] == 10 && codes[4] == 200);
     free(codes);
     put("g.obj", textured_obj);
     put("t.mtl", "newmtl a\nmap_Kd linear.png\nnewmtl b\nnewmtl c\n");
-    put("g.yaml", "mesh: g.obj\ntexture_size: 2\n" CAMERA SUN);
-    load(&scene, at("g.yaml"), &heard);
+    load_mesh("g.obj", "texture_size: 2\n");
     assert_int_equal(heard.count[DT_WARNING], 1);
     assert_non_null(strstr(heard.text, "linear.png: its colour space is linear; its numbers are "
                                        "taken as sRGB codes"));
     assert_true(scene.data.texels[0] == 10 && scene.data.texels[4] == 200);
-    scene_free(&scene);
 }
 
 static void opacity_map_becomes_alpha(void **state)
@@ -576,15 +562,11 @@ static void opacity_map_becomes_alpha(void **state)
     put("d.obj", "mtllib d.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nusemtl a\nf 1/1 "
                  "2/2 3/3\n");
     put("d.mtl", "newmtl a\nKd 1 1 1\nmap_Kd opaque.png\nmap_d opaque.png\n");
-    put("d.yaml", "mesh: d.obj\ntexture_size: 4\n" CAMERA SUN);
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, at("d.yaml"), &heard);
+    load_mesh("d.obj", "texture_size: 4\n");
     assert_int_equal(scene.data.texture_layers, 1);
     assert_true(scene.data.materials[scene.data.vertices[0].material].alpha_cutoff == 0.5f);
     for (int i = 0; i < 16; i++)
         assert_int_equal(scene.data.texels[4 * i + 3], scene.data.texels[4 * i]);
-    scene_free(&scene);
 }
 
 /* One file by three names, of which one is a link, is one layer; what takes too much memory is refused
@@ -598,24 +580,20 @@ static void textures_have_a_budget(void **state)
     assert_int_equal(symlink("opaque.png", at("link.png")), 0);
     put("t.obj", textured_obj);
     put("t.mtl", mtl);
-    put("t.yaml", "mesh: t.obj\ntexture_size: 8\n" CAMERA SUN);
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    load(&scene, at("t.yaml"), &heard);
+    load_mesh("t.obj", "texture_size: 8\n");
     assert_int_equal(scene.data.texture_layers, 1);
-    assert_int_equal(material_of(&scene, 0)->texture, material_of(&scene, 2)->texture);
+    assert_int_equal(material_of(0)->texture, material_of(2)->texture);
     scene_free(&scene);
     for (int i = 0; i < 25; i++)
         sprintf(mtl + strlen(mtl), "newmtl m%d\nmap_Kd none%d.png\n", i, i);
     put("t.mtl", mtl);
     put("t.yaml", "mesh: t.obj\ntexture_size: 4096\n" CAMERA SUN);
-    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &hearing));
     assert_non_null(
         strstr(heard.text, "26 textures of 4096x4096 take 2218 MiB; 2048 is the limit"));
     *strstr(mtl, "newmtl m9") = 0; /* little memory, but much time for small files */
     put("t.mtl", mtl);
-    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &hearing));
     assert_non_null(strstr(heard.text, "for 10 layers of 4096x4096, in files of "));
     strcpy(mtl, "newmtl a\nmap_Kd a.pgm\nnewmtl b\nmap_Kd b.pgm\nnewmtl c\nmap_Kd c.pgm\n");
     put("a.pgm", "P5 8000 8000 255\n");
@@ -623,7 +601,7 @@ static void textures_have_a_budget(void **state)
     put("c.pgm", "P5 8000 8000 255\n");
     put("t.mtl", mtl);
     put("t.yaml", "mesh: t.obj\n" CAMERA SUN);
-    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &log));
+    assert_false(scene_load(&scene, at("t.yaml"), NULL, false, &hearing));
     assert_non_null(strstr(heard.text, "the scene's textures have 192000000 pixels"));
     assert_int_equal(heard.count[DT_WARNING], 0);
 }
@@ -631,25 +609,22 @@ static void textures_have_a_budget(void **state)
 static void untextured_scene_has_one_white_texel(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, "scenes/cornell.yaml", &heard);
+    load("scenes/cornell.yaml");
     assert_int_equal(scene.data.texture_layers, 1);
     assert_int_equal(scene.data.texture_width, 1);
     assert_memory_equal(scene.data.texels, "\377\377\377\377", 4);
-    scene_free(&scene);
 }
 
 /* ---- Shipped scenes -------------------------------------------------------------------------- */
 
 /* Area of the triangles of one albedo (red part) whose normals agree with (x, y, z). */
-static double area_of(const struct scene *scene, float red, struct vec normal)
+static double area_of(float red, struct vec normal)
 {
     double area = 0;
-    for (uint32_t t = 0; t < scene->data.index_count / 3; t++) {
-        struct vec n = area_vector(scene, t);
+    for (uint32_t t = 0; t < scene.data.index_count / 3; t++) {
+        struct vec n = area_vector(t);
         double twice = sqrt(dot(n, n));
-        if (fabsf(material_of(scene, t)->albedo[0] - red) < 1e-4f && dot(n, normal) > 0.999 * twice)
+        if (fabsf(material_of(t)->albedo[0] - red) < 1e-4f && dot(n, normal) > 0.999 * twice)
             area += twice / 2;
     }
     return area;
@@ -664,9 +639,7 @@ static void assert_area(double area, double published_mm2)
 static void cornell_box_has_the_published_measures(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, "scenes/cornell.yaml", &heard);
+    load("scenes/cornell.yaml");
     assert_int_equal(scene.source_triangles, 30);
     assert_true(fabsf(scene.bounds_max[0] - 0.556f) < 1e-6f &&
                 fabsf(scene.bounds_max[1] - 0.5488f) < 1e-6f);
@@ -674,11 +647,10 @@ static void cornell_box_has_the_published_measures(void **state)
     /* The tops of the blocks from the shoelace formula. */
     double tops = 0.5 * fabs((130 - 240.) * (225 - 114.) - (82 - 290.) * (65 - 272.)) +
                   0.5 * fabs((423 - 314.) * (296 - 406.) - (265 - 472.) * (247 - 456.));
-    assert_area(area_of(&scene, 0.725f, up), 0.5 * (552.8 + 549.6) * 559.2 + tops);
-    assert_area(area_of(&scene, 0.725f, down), 556 * 559.2);
-    assert_area(area_of(&scene, 0.725f, front), 0.5 * (549.6 + 556) * 548.8);
-    assert_area(area_of(&scene, 0.14f, right), 559.2 * 548.8);
-    scene_free(&scene);
+    assert_area(area_of(0.725f, up), 0.5 * (552.8 + 549.6) * 559.2 + tops);
+    assert_area(area_of(0.725f, down), 556 * 559.2);
+    assert_area(area_of(0.725f, front), 0.5 * (549.6 + 556) * 548.8);
+    assert_area(area_of(0.14f, right), 559.2 * 548.8);
 }
 
 static void atrium_is_heavy_and_faces_outward(void **state)
@@ -686,22 +658,19 @@ static void atrium_is_heavy_and_faces_outward(void **state)
     (void)state;
     if (access("build/scenes/atrium.obj", R_OK) != 0)
         skip();
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    load(&scene, "scenes/atrium.yaml", &heard);
+    load("scenes/atrium.yaml");
     assert_true(scene.source_triangles > 100000);
     assert_int_equal(scene.degenerate_triangles, 0);
-    assert_normals(&scene);
+    assert_normals();
     uint32_t against = 0;
     for (uint32_t i = 0; i < scene.data.index_count; i++)
-        against += dot(area_vector(&scene, i / 3), vertex_normal(&scene, i)) <= 0;
+        against += dot(area_vector(i / 3), vertex_normal(i)) <= 0;
     assert_int_equal(against, 0);
     /* Six times the enclosed volume; closed solids that face outward have a positive one. */
     double volume = 0;
     for (uint32_t t = 0; t < scene.data.index_count / 3; t++)
-        volume += dot(position(&scene, 3 * t), area_vector(&scene, t));
+        volume += dot(position(3 * t), area_vector(t));
     assert_true(volume > 0);
-    scene_free(&scene);
 }
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
@@ -737,10 +706,8 @@ static void assert_inverse(const struct dt_view *view)
 static void camera_projects_known_points(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     struct dt_frame frame;
-    load(&scene, "scenes/cornell.yaml", &heard);
+    load("scenes/cornell.yaml");
     scene_frame(&scene, 200, 100, &frame);
     const struct dt_view *camera = &frame.camera;
     double p[3], reach = 0.8 * tan(39.3 / 2 * PI / 180);
@@ -755,24 +722,21 @@ static void camera_projects_known_points(void **state)
     project(camera->view_projection, (struct vec){0.278, 0.273, camera->far_plane - 0.8}, p);
     assert_close(p[2], 1, 1e-4);
     for (uint32_t i = 0; i < scene.data.index_count; i++) {
-        project(camera->view_projection, position(&scene, i), p);
+        project(camera->view_projection, position(i), p);
         assert_true(p[2] >= 0 && p[2] <= 1);
-        if (material_of(&scene, i / 3)->albedo[0] < 0.7f) /* red on the left, green on the right */
-            assert_true((p[0] < 0) == (material_of(&scene, i / 3)->albedo[0] > 0.5f));
+        if (material_of(i / 3)->albedo[0] < 0.7f) /* red on the left, green on the right */
+            assert_true((p[0] < 0) == (material_of(i / 3)->albedo[0] > 0.5f));
     }
     assert_inverse(camera);
     assert_inverse(&frame.light_view);
     assert_int_equal(frame.width | frame.height | frame.index, 0);
-    scene_free(&scene);
 }
 
 static void spot_view_is_the_cone(void **state)
 {
     (void)state;
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     struct dt_frame frame;
-    load(&scene, "scenes/cornell.yaml", &heard);
+    load("scenes/cornell.yaml");
     scene_frame(&scene, 64, 64, &frame);
     assert_close(frame.light.area, pow(2 * tan(35 * PI / 180), 2), 1e-5);
     assert_close(frame.light.cos_inner, cos(25 * PI / 180), 1e-6);
@@ -786,7 +750,6 @@ static void spot_view_is_the_cone(void **state)
                       o[2] + 0.2 * (axis.z + width * side.z)};
     project(frame.light_view.view_projection, rim, p);
     assert_close(hypot(p[0], p[1]), 1, 1e-5);
-    scene_free(&scene);
 }
 
 static void sun_view_holds_the_scene(void **state)
@@ -795,21 +758,18 @@ static void sun_view_holds_the_scene(void **state)
     put("box.obj", box_obj);
     put("sun.yaml", "mesh: box.obj\n" CAMERA
                     "light: {kind: directional, direction: [0, -2, 0], irradiance: [1, 2, 3]}\n");
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     struct dt_frame frame;
-    load(&scene, at("sun.yaml"), &heard);
+    load(at("sun.yaml"));
     scene_frame(&scene, 64, 64, &frame);
     /* From straight above the box shows 4 x 3; a thin margin is allowed. */
     assert_true(frame.light.area >= 12 && frame.light.area < 12 * 1.04);
     assert_close(frame.light.direction[1], -1, 1e-6);
     for (uint32_t i = 0; i < scene.data.index_count; i++) {
         double p[3];
-        project(frame.light_view.view_projection, position(&scene, i), p);
+        project(frame.light_view.view_projection, position(i), p);
         assert_true(fabs(p[0]) < 1 && fabs(p[1]) < 1 && p[2] > 0 && p[2] < 1);
     }
     assert_inverse(&frame.light_view);
-    scene_free(&scene);
 }
 
 /* Light that falls aslant sees a hole of 1 x 0.5 foreshortened: 0.5 times the cosine. */
@@ -820,14 +780,11 @@ static void opening_bounds_the_sun_view(void **state)
     put("hole.yaml", "mesh: box.obj\n" CAMERA
                      "light: {kind: directional, direction: [1, -1, 0], irradiance: [1, 2, 3],\n"
                      "  opening_min: [1, 0.5, 1], opening_max: [2, 0.5, 1.5]}\n");
-    struct scene scene;
-    struct heard heard = {{0}, ""};
     struct dt_frame frame;
-    load(&scene, at("hole.yaml"), &heard);
+    load(at("hole.yaml"));
     scene_frame(&scene, 64, 64, &frame);
     double margin = 2 * 0.005 * scene.radius;
     assert_close(frame.light.area, (sqrt(0.5) + margin) * (0.5 + margin), 1e-4);
-    scene_free(&scene);
 }
 
 /* ---- Image files ----------------------------------------------------------------------------- */
@@ -835,14 +792,12 @@ static void opening_bounds_the_sun_view(void **state)
 static void images_survive_the_round_trip(void **state)
 {
     (void)state;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     uint8_t codes[5 * 3 * 4], *read_codes;
     for (int i = 0; i < 60; i++)
         codes[i] = (uint8_t)(i * 37);
     uint32_t width = 0, height = 0;
-    assert_true(image_write_png(at("a.png"), 5, 3, 4, codes, &log));
-    assert_true(image_read_rgba8(at("a.png"), &width, &height, &read_codes, &log));
+    assert_true(image_write_png(at("a.png"), 5, 3, 4, codes, &hearing));
+    assert_true(image_read_rgba8(at("a.png"), &width, &height, &read_codes, &hearing));
     assert_int_equal(width, 5);
     assert_int_equal(height, 3);
     assert_memory_equal(read_codes, codes, sizeof codes);
@@ -854,8 +809,6 @@ static void images_survive_the_round_trip(void **state)
 static void kinds_of_png_are_read(void **state)
 {
     (void)state;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     const uint8_t grey[2 * 2] = {10, 200, 30, 40};
     const uint8_t spread[2 * 4] = {10, 10, 10, 200, 30, 30, 30, 40};
     const png_uint_16 deep[2 * 3] = {1, 2, 3, 40000, 50000, 65535};
@@ -863,11 +816,11 @@ static void kinds_of_png_are_read(void **state)
     uint32_t width = 0, height = 0;
     uint8_t *codes;
     float *texels;
-    assert_true(image_write_png(at("grey.png"), 2, 1, 2, grey, &log));
-    assert_true(image_read_rgba8(at("grey.png"), &width, &height, &codes, &log));
+    assert_true(image_write_png(at("grey.png"), 2, 1, 2, grey, &hearing));
+    assert_true(image_read_rgba8(at("grey.png"), &width, &height, &codes, &hearing));
     assert_memory_equal(codes, spread, sizeof spread);
     free(codes);
-    assert_true(image_read_float(at("grey.png"), &width, &height, &texels, &log));
+    assert_true(image_read_float(at("grey.png"), &width, &height, &texels, &hearing));
     for (int i = 0; i < 8; i++)
         assert_float_equal(texels[i], spread[i] / 255.0f, 0);
     free(texels);
@@ -876,18 +829,18 @@ static void kinds_of_png_are_read(void **state)
     int status;
     pid_t child = fork();
     if (child == 0)
-        _exit(!image_read_rgba8(at("grey.png"), &width, &height, &codes, &log) || width != 4 ||
+        _exit(!image_read_rgba8(at("grey.png"), &width, &height, &codes, &hearing) || width != 4 ||
               codes[0] != 10 || codes[4 * 15] != 30);
     assert_int_equal(waitpid(child, &status, 0), child);
     assert_int_equal(status, 0);
     png.format = PNG_FORMAT_LINEAR_RGB;
     assert_true(png_image_write_to_file(&png, at("deep.png"), 0, deep, 0, NULL));
-    assert_true(image_read_float(at("deep.png"), &width, &height, &texels, &log));
+    assert_true(image_read_float(at("deep.png"), &width, &height, &texels, &hearing));
     assert_int_equal(width, 2);
     for (int i = 0; i < 6; i++)
         assert_float_equal(texels[i + i / 3], deep[i] / 65535.0f, 1e-7);
     free(texels);
-    assert_true(image_size(at("deep.png"), &width, &height, &log));
+    assert_true(image_size(at("deep.png"), &width, &height, &hearing));
     assert_int_equal(width, 2);
     assert_int_equal(height, 1);
     assert_int_equal(heard.count[DT_ERROR], 0);
@@ -896,15 +849,13 @@ static void kinds_of_png_are_read(void **state)
 static void image_errors_name_the_file(void **state)
 {
     (void)state;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     const uint8_t texel[4] = {1, 2, 3, 4};
     uint32_t width = 0, height = 0;
     uint8_t *texels;
-    assert_false(image_write_png(at("no/such/folder.png"), 1, 1, 4, texel, &log));
+    assert_false(image_write_png(at("no/such/folder.png"), 1, 1, 4, texel, &hearing));
     assert_non_null(strstr(heard.text, "no/such/folder.png"));
     put("text.png", "this is no picture");
-    assert_false(image_read_rgba8(at("text.png"), &width, &height, &texels, &log));
+    assert_false(image_read_rgba8(at("text.png"), &width, &height, &texels, &hearing));
     assert_non_null(strstr(heard.text, "text.png"));
     assert_int_equal(heard.count[DT_ERROR], 2);
 }
@@ -915,10 +866,8 @@ static void image_errors_name_the_file(void **state)
 static void assert_refused(const char *text, const char *const *lines, size_t count)
 {
     put("bad.yaml", text);
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    struct scene scene;
-    assert_false(scene_load(&scene, at("bad.yaml"), NULL, false, &log));
+    memset(&heard, 0, sizeof heard);
+    assert_false(scene_load(&scene, at("bad.yaml"), NULL, false, &hearing));
     assert_int_equal(heard.count[DT_ERROR], 1);
     assert_null(scene.data.vertices);
     for (size_t i = 0; i < count; i++) {
@@ -994,10 +943,7 @@ static void missing_mesh_says_where_it_looked(void **state)
 {
     (void)state;
     put("lost.yaml", "mesh: sponza/sponza.obj\n" CAMERA SUN);
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    struct scene scene;
-    assert_false(scene_load(&scene, at("lost.yaml"), "/no/where", false, &log));
+    assert_false(scene_load(&scene, at("lost.yaml"), "/no/where", false, &hearing));
     const char *words[] = {
         "lost.yaml:1:7: error:", at("sponza/sponza.obj"), "/no/where/sponza/sponza.obj",
         "folder of scenes",      "DIPTYCH_SCENES",        "casual-effects.com/data"};
@@ -1012,12 +958,8 @@ static void mesh_is_found_below_the_scenes_folder(void **state)
     assert_int_equal(mkdir(at("meshes"), 0777), 0);
     put("meshes/other.obj", box_obj);
     put("below.yaml", "mesh: other.obj\n" CAMERA SUN);
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    struct scene scene;
-    assert_true(scene_load(&scene, at("below.yaml"), at("meshes"), false, &log));
+    assert_true(scene_load(&scene, at("below.yaml"), at("meshes"), false, &hearing));
     assert_int_equal(scene.source_triangles, 12);
-    scene_free(&scene);
 }
 
 /* ---- Motions --------------------------------------------------------------------------------- */
@@ -1027,33 +969,31 @@ static void mesh_is_found_below_the_scenes_folder(void **state)
     "intensity: [1, 1, 1]}\n"
 
 /* A box with this light, and a motion for it. */
-static void load_moving(struct scene *scene, const char *light, const char *motion)
+static void load_moving(const char *light, const char *motion)
 {
     char text[1024];
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     put("box.obj", box_obj);
     snprintf(text, sizeof text, "mesh: box.obj\n" CAMERA "%s", light);
     put("moving.yaml", text);
     put("motion.yaml", motion);
-    load(scene, at("moving.yaml"), &heard);
-    if (!scene_load_motion(scene, at("motion.yaml"), &log))
+    load(at("moving.yaml"));
+    if (!scene_load_motion(&scene, at("motion.yaml"), &hearing))
         fail_msg("%s", heard.text);
 }
 
-static struct scene_camera camera_at(const struct scene *scene, uint32_t frame)
+static struct scene_camera camera_at(uint32_t frame)
 {
-    struct scene_camera camera = scene->camera;
-    struct scene_light light = scene->light;
-    motion_at(scene->motion, frame, &camera, &light);
+    struct scene_camera camera = scene.camera;
+    struct scene_light light = scene.light;
+    motion_at(scene.motion, frame, &camera, &light);
     return camera;
 }
 
-static struct scene_light light_at(const struct scene *scene, uint32_t frame)
+static struct scene_light light_at(uint32_t frame)
 {
-    struct scene_camera camera = scene->camera;
-    struct scene_light light = scene->light;
-    motion_at(scene->motion, frame, &camera, &light);
+    struct scene_camera camera = scene.camera;
+    struct scene_light light = scene.light;
+    motion_at(scene.motion, frame, &camera, &light);
     return light;
 }
 
@@ -1063,47 +1003,41 @@ static struct scene_light light_at(const struct scene *scene, uint32_t frame)
 static void splines_are_those_of_the_paper(void **state)
 {
     (void)state;
-    struct scene scene;
-    load_moving(&scene, SUN,
-                "keys:\n"
-                "  - {at: 0, camera: {eye: [1, 0, 5], fov_y: 40}}\n"
-                "  - {at: 4, camera: {eye: [2, 0, 5], fov_y: 44}}\n"
-                "  - {at: 8, camera: {eye: [7, 0, 5]}}\n"
-                "  - {at: 12, camera: {eye: [-3, 0, 5], fov_y: 52}}\n");
+    load_moving(SUN, "keys:\n"
+                     "  - {at: 0, camera: {eye: [1, 0, 5], fov_y: 40}}\n"
+                     "  - {at: 4, camera: {eye: [2, 0, 5], fov_y: 44}}\n"
+                     "  - {at: 8, camera: {eye: [7, 0, 5]}}\n"
+                     "  - {at: 12, camera: {eye: [-3, 0, 5], fov_y: 52}}\n");
     assert_int_equal(motion_frames(scene.motion), 13);
     const double p[] = {1, 2, 7, -3};
     for (uint32_t frame = 4; frame <= 8; frame++) {
         double t = (frame - 4) / 4.0, t2 = t * t, t3 = t * t * t;
         double x = 0.5 * ((-t + 2 * t2 - t3) * p[0] + (2 - 5 * t2 + 3 * t3) * p[1] +
                           (t + 4 * t2 - 3 * t3) * p[2] + (-t2 + t3) * p[3]);
-        struct scene_camera camera = camera_at(&scene, frame);
+        struct scene_camera camera = camera_at(frame);
         assert_true(fabs((double)camera.eye[0] - x) < 1e-6);
         assert_true(camera.eye[2] == 5 && camera.target[2] == 0);
     }
     for (uint32_t frame = 0; frame <= 12; frame++)
-        assert_true(fabs((double)camera_at(&scene, frame).fov_y - (40 + frame) * PI / 180) < 1e-6);
-    assert_true(camera_at(&scene, 12).eye[0] == -3 && camera_at(&scene, 99).eye[0] == -3);
-    scene_free(&scene);
+        assert_true(fabs((double)camera_at(frame).fov_y - (40 + frame) * PI / 180) < 1e-6);
+    assert_true(camera_at(12).eye[0] == -3 && camera_at(99).eye[0] == -3);
 }
 
 static void lines_and_seconds(void **state)
 {
     (void)state;
-    struct scene scene;
-    load_moving(&scene, SUN,
-                "interpolation: linear\nframes_per_second: 10\nkeys:\n"
-                "  - {at: 0.1, light: {direction: [0, -2, 0], irradiance: [1, 2, 3]}}\n"
-                "  - {at: 0.3, light: {direction: [2, -2, 0]}}\n"
-                "  - {at: 0.5, light: {irradiance: [5, 2, 7]}}\n");
+    load_moving(SUN, "interpolation: linear\nframes_per_second: 10\nkeys:\n"
+                     "  - {at: 0.1, light: {direction: [0, -2, 0], irradiance: [1, 2, 3]}}\n"
+                     "  - {at: 0.3, light: {direction: [2, -2, 0]}}\n"
+                     "  - {at: 0.5, light: {irradiance: [5, 2, 7]}}\n");
     assert_int_equal(motion_frames(scene.motion), 6);
-    assert_true(light_at(&scene, 0).direction[1] == -1);
-    struct scene_light light = light_at(&scene, 2);
+    assert_true(light_at(0).direction[1] == -1);
+    struct scene_light light = light_at(2);
     assert_true(fabs((double)light.direction[0] - 1 / sqrt(5)) < 1e-6);
     assert_true(fabs((double)light.direction[1] + 2 / sqrt(5)) < 1e-6);
     assert_true(fabs((double)light.color[0] - 2) < 1e-6 && light.color[1] == 2);
-    assert_true(fabs((double)light_at(&scene, 4).direction[0] - sqrt(0.5)) < 1e-6);
-    assert_true(camera_at(&scene, 4).eye[2] == 5); /* the scene's, to the bit */
-    scene_free(&scene);
+    assert_true(fabs((double)light_at(4).direction[0] - sqrt(0.5)) < 1e-6);
+    assert_true(camera_at(4).eye[2] == 5); /* the scene's, to the bit */
 }
 
 /* A spot with a target in the scene keeps looking at the target while the spot moves. The light
@@ -1111,11 +1045,9 @@ static void lines_and_seconds(void **state)
 static void moving_spot_keeps_its_target(void **state)
 {
     (void)state;
-    struct scene scene;
     struct dt_frame frame;
-    load_moving(&scene, SPOT,
-                "keys: [{at: 0, light: {position: [0, 2, 0]}},\n"
-                "       {at: 2, light: {position: [2, 2, 0]}}]\n");
+    load_moving(SPOT, "keys: [{at: 0, light: {position: [0, 2, 0]}},\n"
+                      "       {at: 2, light: {position: [2, 2, 0]}}]\n");
     scene_frame_at(&scene, 2, 64, 64, &frame);
     assert_true(fabs((double)frame.light.direction[0] + sqrt(0.5)) < 1e-6);
     assert_true(fabs((double)frame.light_view.direction[1] + sqrt(0.5)) < 1e-6);
@@ -1125,17 +1057,14 @@ static void moving_spot_keeps_its_target(void **state)
     struct dt_frame still;
     scene_frame(&scene, 64, 64, &still);
     assert_memory_equal(&frame, &still, sizeof still);
-    scene_free(&scene);
 }
 
 static void assert_motion_refused(const char *text, const char *const *lines, size_t count)
 {
-    struct scene scene;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
-    load_moving(&scene, SPOT, "keys: [{at: 0, light: {cone: [1, 2]}}]\n");
+    load_moving(SPOT, "keys: [{at: 0, light: {cone: [1, 2]}}]\n");
     put("bad_motion.yaml", text);
-    assert_false(scene_load_motion(&scene, at("bad_motion.yaml"), &log));
+    memset(&heard, 0, sizeof heard);
+    assert_false(scene_load_motion(&scene, at("bad_motion.yaml"), &hearing));
     assert_int_equal(heard.count[DT_ERROR], 1);
     assert_null(scene.motion);
     for (size_t i = 0; i < count; i++) {
@@ -1144,7 +1073,6 @@ static void assert_motion_refused(const char *text, const char *const *lines, si
         if (!strstr(heard.text, line))
             fail_msg("no line '%s' in\n%s", line, heard.text);
     }
-    scene_free(&scene);
 }
 
 static void wrong_motion_files_are_told_in_one_run(void **state)
@@ -1222,18 +1150,16 @@ static bool answer(FILE *result, void *user, const struct dt_log *log)
 static void a_child_answers_refuses_or_crashes_alone(void **state)
 {
     (void)state;
-    struct heard heard = {{0}, ""};
-    const struct dt_log log = {hear, &heard};
     char text[8] = "";
-    FILE *result = child_run(answer, "all", &log);
+    FILE *result = child_run(answer, "all", &hearing);
     assert_non_null(result);
     assert_non_null(fgets(text, sizeof text, result));
     assert_string_equal(text, "all");
     fclose(result);
     assert_int_equal(heard.count[DT_ERROR], 0);
-    assert_null(child_run(refuse, "mesh", &log));
+    assert_null(child_run(refuse, "mesh", &hearing));
     assert_string_equal(heard.text, "no mesh");
-    assert_null(child_run(crash, "odd.mtl", &log));
+    assert_null(child_run(crash, "odd.mtl", &hearing));
     assert_int_equal(heard.count[DT_WARNING], 1);
     assert_int_equal(heard.count[DT_ERROR], 2);
     assert_non_null(strstr(heard.text, "odd.mtl: the library that reads this file crashed"));
@@ -1242,39 +1168,39 @@ static void a_child_answers_refuses_or_crashes_alone(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(box_is_closed_and_faces_outwards),
-        cmocka_unit_test(triangles_are_numbered_by_their_first_vertex),
-        cmocka_unit_test(odd_obj_is_read_and_degenerate_triangles_dropped),
-        cmocka_unit_test(wrong_indices_have_a_line),
-        cmocka_unit_test(material_libraries_are_found),
-        cmocka_unit_test(vertex_colours_are_told_once),
-        cmocka_unit_test(refused_models_are_named),
-        cmocka_unit_test(gltf_nodes_are_flattened),
-        cmocka_unit_test(gltf_brings_camera_and_light),
-        cmocka_unit_test(textures_fill_the_array),
-        cmocka_unit_test(textures_keep_their_numbers),
-        cmocka_unit_test(opacity_map_becomes_alpha),
-        cmocka_unit_test(textures_have_a_budget),
-        cmocka_unit_test(untextured_scene_has_one_white_texel),
-        cmocka_unit_test(cornell_box_has_the_published_measures),
-        cmocka_unit_test(atrium_is_heavy_and_faces_outward),
-        cmocka_unit_test(camera_projects_known_points),
-        cmocka_unit_test(spot_view_is_the_cone),
-        cmocka_unit_test(sun_view_holds_the_scene),
-        cmocka_unit_test(opening_bounds_the_sun_view),
-        cmocka_unit_test(images_survive_the_round_trip),
-        cmocka_unit_test(kinds_of_png_are_read),
-        cmocka_unit_test(image_errors_name_the_file),
-        cmocka_unit_test(wrong_scene_files_are_told_in_one_run),
-        cmocka_unit_test(wrong_choices_of_cameras_and_lights_are_told),
-        cmocka_unit_test(missing_mesh_says_where_it_looked),
-        cmocka_unit_test(mesh_is_found_below_the_scenes_folder),
-        cmocka_unit_test(splines_are_those_of_the_paper),
-        cmocka_unit_test(lines_and_seconds),
-        cmocka_unit_test(moving_spot_keeps_its_target),
-        cmocka_unit_test(wrong_motion_files_are_told_in_one_run),
-        cmocka_unit_test(frames_between_keys_are_tried),
-        cmocka_unit_test(a_child_answers_refuses_or_crashes_alone),
+        cmocka_unit_test_teardown(box_is_closed_and_faces_outwards, forget),
+        cmocka_unit_test_teardown(triangles_are_numbered_by_their_first_vertex, forget),
+        cmocka_unit_test_teardown(odd_obj_is_read_and_degenerate_triangles_dropped, forget),
+        cmocka_unit_test_teardown(wrong_indices_have_a_line, forget),
+        cmocka_unit_test_teardown(material_libraries_are_found, forget),
+        cmocka_unit_test_teardown(vertex_colours_are_told_once, forget),
+        cmocka_unit_test_teardown(refused_models_are_named, forget),
+        cmocka_unit_test_teardown(gltf_nodes_are_flattened, forget),
+        cmocka_unit_test_teardown(gltf_brings_camera_and_light, forget),
+        cmocka_unit_test_teardown(textures_fill_the_array, forget),
+        cmocka_unit_test_teardown(textures_keep_their_numbers, forget),
+        cmocka_unit_test_teardown(opacity_map_becomes_alpha, forget),
+        cmocka_unit_test_teardown(textures_have_a_budget, forget),
+        cmocka_unit_test_teardown(untextured_scene_has_one_white_texel, forget),
+        cmocka_unit_test_teardown(cornell_box_has_the_published_measures, forget),
+        cmocka_unit_test_teardown(atrium_is_heavy_and_faces_outward, forget),
+        cmocka_unit_test_teardown(camera_projects_known_points, forget),
+        cmocka_unit_test_teardown(spot_view_is_the_cone, forget),
+        cmocka_unit_test_teardown(sun_view_holds_the_scene, forget),
+        cmocka_unit_test_teardown(opening_bounds_the_sun_view, forget),
+        cmocka_unit_test_teardown(images_survive_the_round_trip, forget),
+        cmocka_unit_test_teardown(kinds_of_png_are_read, forget),
+        cmocka_unit_test_teardown(image_errors_name_the_file, forget),
+        cmocka_unit_test_teardown(wrong_scene_files_are_told_in_one_run, forget),
+        cmocka_unit_test_teardown(wrong_choices_of_cameras_and_lights_are_told, forget),
+        cmocka_unit_test_teardown(missing_mesh_says_where_it_looked, forget),
+        cmocka_unit_test_teardown(mesh_is_found_below_the_scenes_folder, forget),
+        cmocka_unit_test_teardown(splines_are_those_of_the_paper, forget),
+        cmocka_unit_test_teardown(lines_and_seconds, forget),
+        cmocka_unit_test_teardown(moving_spot_keeps_its_target, forget),
+        cmocka_unit_test_teardown(wrong_motion_files_are_told_in_one_run, forget),
+        cmocka_unit_test_teardown(frames_between_keys_are_tried, forget),
+        cmocka_unit_test_teardown(a_child_answers_refuses_or_crashes_alone, forget),
     };
     return cmocka_run_group_tests_name("scenes", tests, make_folder, remove_folder);
 }
