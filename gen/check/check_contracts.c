@@ -82,27 +82,24 @@ static int margin_field(struct checker *c, const struct resource *margin,
 {
     const char *dot = strchr(contract->margin + strlen(margin->name), '.');
     const struct structure *structure = margin->structure;
+    struct loc loc = contract->margin_loc;
     if (!has_element(margin))
         return -1;
-    if (structure && !dot) {
-        diag_error(c->diag, contract->margin_loc,
-                   "`%s` is of `%s`: name one of its fields, `%s.FIELD`", margin->name,
-                   structure->name, margin->name);
+    if (!structure && dot)
+        diag_error(c->diag, loc, "`%s` is of %s and has no fields", margin->name, margin->of);
+    if (structure && !dot)
+        diag_error(c->diag, loc, "`%s` is of `%s`: name one of its fields, `%s.FIELD`",
+                   margin->name, structure->name, margin->name);
+    if (!structure != !dot)
         return -1;
-    }
-    if (!structure && dot) {
-        diag_error(c->diag, contract->margin_loc, "`%s` is of %s and has no fields", margin->name,
-                   margin->of);
-        return -1;
-    }
-    int field = structure ? find_contract_field(c, margin, dot + 1, contract->margin_loc) : 0;
+    int field = structure ? find_contract_field(c, margin, dot + 1, loc) : 0;
     if (field < 0)
         return -1;
     enum dt_type type = structure ? structure->fields[field].type : margin->type;
     bool array = structure && structure->fields[field].array_count;
     if (type == DT_TYPE_FLOAT && !array)
         return field;
-    diag_error(c->diag, contract->margin_loc, "a margin is a float; `%s` is %s%s", contract->margin,
+    diag_error(c->diag, loc, "a margin is a float; `%s` is %s%s", contract->margin,
                array ? "an array of " : "", type_info(type)->name);
     return -1;
 }

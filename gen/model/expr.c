@@ -397,27 +397,21 @@ static bool resolve_param(struct expr *expr, const struct param *param, struct d
 {
     static const char letters[] = "xyzw";
     bool is_float = param->type <= DT_TYPE_VEC4 || param->type == DT_TYPE_MAT4;
-    if (is_float) {
+    if (is_float)
         diag_error(diag, expr->loc, "`%s` is a float parameter, but expressions are over integers",
                    param->name);
-        return false;
-    }
-    if (param->components > 1 && expr->component < 0) {
+    else if (param->components > 1 && expr->component < 0)
         diag_error(diag, expr->loc, "`%s` is a vector; write `%s.x` for one of its components",
                    param->name, param->name);
-        return false;
-    }
-    if (param->components == 1 && expr->component >= 0) {
+    else if (param->components == 1 && expr->component >= 0)
         diag_error(diag, expr->loc, "`%s` is no vector and has no component `.%c`", param->name,
                    letters[expr->component]);
-        return false;
-    }
-    if (expr->component >= (int)param->components) {
+    else if (expr->component >= (int)param->components)
         diag_error(diag, expr->loc, "`%s` has %u components and no `.%c`", param->name,
                    param->components, letters[expr->component]);
-        return false;
-    }
-    return true;
+    else
+        return true;
+    return false;
 }
 
 /* NAME.width, NAME.height, NAME.count of a resource with a file, whose header was read. */
@@ -808,16 +802,13 @@ static void emit_param(const struct expr *expr, enum language language, struct t
 {
     const struct param *param = expr->param;
     bool vector = param->components > 1;
+    bool is_int = param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4);
     int component = expr->component > 0 ? expr->component : 0;
     if (language == LANGUAGE_GLSL) {
-        text_add(out,
-                 param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4) ? "%s"
-                                                                                        : "int(%s",
-                 param->name);
+        text_add(out, is_int ? "%s" : "int(%s", param->name);
         if (vector)
             text_add(out, ".%c", "xyzw"[component]);
-        if (!(param->type == DT_TYPE_INT || (vector && param->type <= DT_TYPE_IVEC4)))
-            text_add(out, ")");
+        text_add(out, is_int ? "" : ")");
     } else if (vector) {
         text_add(out, "(int64_t)live->%s[%d]", param->name, component);
     } else {
