@@ -49,7 +49,7 @@ static bool load_code(struct dt_gl_runtime *rt, const char *name, GLuint shader,
 static bool attach_stage(struct dt_gl_runtime *rt, GLuint program, const char *name, GLenum kind,
                          const char *what, const struct dt_code *code)
 {
-    if (!code->size && !code->glsl) /* absent; the runtime's own shaders have only GLSL */
+    if (!code->size && !code->glsl) /* absent */
         return true;
     GLuint shader = rt->gl.CreateShader(kind);
     GLint status = GL_FALSE;

@@ -20,9 +20,14 @@ struct overlay *overlay_open(void *window)
     ImGui::SetCurrentContext(overlay->context);
     ImGui::GetIO().IniFilename = nullptr; /* no imgui.ini */
     ImGui_ImplGlfw_InitForOpenGL(static_cast<GLFWwindow *>(window), true);
-    ImGui_ImplOpenGL3_Init("#version 410 core");
-    ImGui_ImplOpenGL3_CreateDeviceObjects();
-    return overlay;
+    if (ImGui_ImplOpenGL3_Init("#version 410 core")) {
+        ImGui_ImplOpenGL3_CreateDeviceObjects();
+        return overlay;
+    }
+    ImGui_ImplGlfw_Shutdown();
+    ImGui::DestroyContext(overlay->context);
+    delete overlay;
+    return nullptr;
 }
 
 void overlay_close(struct overlay *overlay)

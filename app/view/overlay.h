@@ -129,7 +129,7 @@ struct overlay_model {
 struct overlay;
 
 /* For a GLFWwindow, whose OpenGL context is current in the calls of this file; set its own callbacks
- * before. NULL when out of memory. */
+ * before. NULL when out of memory, or without libGL. */
 struct overlay *overlay_open(void *window);
 void overlay_close(struct overlay *overlay); /* before the window goes */
 

@@ -78,7 +78,7 @@ static bool open_overlay(struct view *view)
 {
     view->overlay = overlay_open(view->window);
     if (!view->overlay) {
-        report_error(&view->console->log, "out of memory for the overlay");
+        report_error(&view->console->log, "the overlay does not open: out of memory, or no libGL");
         return false;
     }
     set_fonts(view);
@@ -122,9 +122,11 @@ bool view_open_window(struct view *view, int width, int height)
 
 void view_close_window(struct view *view)
 {
-    if (view->overlay && gl_window_begin(view->screen))
+    if (view->overlay) {
+        gl_window_begin(view->screen); /* a lost context logs an error; go on */
         overlay_close(view->overlay);
-    view->overlay = NULL;
+        view->overlay = NULL;
+    }
     view->noisy |= view->screen && gl_window_messages(view->screen);
     gl_window_close(view->screen);
     view->screen = NULL;
