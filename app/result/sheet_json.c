@@ -222,7 +222,7 @@ static void add_shown(cJSON *item, const struct sheet *sheet, uint32_t index)
     free(worst);
 }
 
-/* Reasons of all resources of the guilty pass. */
+/* Reasons of all resources of the guilty pass, with their names; of a spec, of the guilty one alone. */
 static void add_reasons(cJSON *page, const struct sheet *sheet)
 {
     cJSON *list = cJSON_CreateArray();
@@ -230,7 +230,8 @@ static void add_reasons(cJSON *page, const struct sheet *sheet)
         const cJSON *reason;
         cJSON_ArrayForEach(reason, cJSON_GetObjectItem(sheet->rows[i].why, "why"))
         {
-            char *text = format_string("%s: %s", sheet->rows[i].name,
+            const char *name = sheet->pipeline ? "" : sheet->rows[i].name;
+            char *text = format_string("%s%s%s", name, *name ? ": " : "",
                                        cJSON_GetStringValue(cJSON_GetObjectItem(reason, "text")));
             cJSON *item = cJSON_CreateObject();
             add_string(item, "text", text);
