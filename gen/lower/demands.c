@@ -14,57 +14,36 @@ static const uint64_t promised[DT_LIMITS] = {
 #undef LEAST
 };
 
-/* Of an array: its number of elements. */
-static uint64_t array_length(const struct spirv *module, const uint32_t *array)
+/* Of a type's parts together. */
+static uint64_t sum_of(const struct spirv *module, const uint32_t *type,
+                       uint64_t (*of)(const struct spirv *module, uint32_t id))
 {
-    const uint32_t *length = spirv_definition(module, array[3]);
-    return spirv_is(length, SpvOpConstant) ? length[3] : 1;
+    uint32_t parts = spirv_parts(module, type);
+    uint64_t sum = 0;
+    if (!spirv_is(type, SpvOpTypeStruct))
+        return parts * of(module, type[2]);
+    for (uint32_t i = 0; i < parts; i++)
+        sum += of(module, spirv_part(type, i));
+    return sum;
 }
 
 /* Bytes of a type without padding: drivers may add some, none needs less. */
 static uint64_t type_bytes(const struct spirv *module, uint32_t id)
 {
     const uint32_t *type = spirv_definition(module, id);
-    uint64_t bytes = 0;
-    switch (*type & 0xffff) {
-    case SpvOpTypeBool:
-        return 4;
-    case SpvOpTypeInt:
-    case SpvOpTypeFloat:
-        return type[2] / 8;
-    case SpvOpTypeVector:
-    case SpvOpTypeMatrix:
-        return type[3] * type_bytes(module, type[2]);
-    case SpvOpTypeArray:
-        return array_length(module, type) * type_bytes(module, type[2]);
-    case SpvOpTypeStruct:
-        for (uint32_t i = 2; i < *type >> 16; i++)
-            bytes += type_bytes(module, type[i]);
-        return bytes;
-    default:
-        return 0;
-    }
+    bool number = spirv_is(type, SpvOpTypeInt) || spirv_is(type, SpvOpTypeFloat);
+    if (spirv_parts(module, type))
+        return sum_of(module, type, type_bytes);
+    return spirv_is(type, SpvOpTypeBool) ? 4 : number ? type[2] / 8 : 0;
 }
 
 /* Locations that a type takes: one for up to four components. */
 static uint64_t locations_of(const struct spirv *module, uint32_t id)
 {
     const uint32_t *type = spirv_definition(module, id);
-    uint64_t count = 0;
-    switch (*type & 0xffff) {
-    case SpvOpTypeMatrix:
-        return type[3] * locations_of(module, type[2]);
-    case SpvOpTypeArray:
-        return array_length(module, type) * locations_of(module, type[2]);
-    case SpvOpTypeStruct:
-        for (uint32_t i = 2; i < *type >> 16; i++)
-            count += locations_of(module, type[i]);
-        return count;
-    case SpvOpTypeVector:
+    if (spirv_is(type, SpvOpTypeVector))
         return type_bytes(module, id) > 16 ? 2 : 1;
-    default:
-        return 1;
-    }
+    return spirv_parts(module, type) ? sum_of(module, type, locations_of) : 1;
 }
 
 /* Whether a variable is a storage buffer or a storage image. */

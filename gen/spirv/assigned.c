@@ -91,54 +91,23 @@ void assigned_reset(struct sanitizer *s, const struct spirv_function *function)
     {
         const uint32_t *i = s->from->words + at;
         if (spirv_is(i, SpvOpVariable) && bits_of(s, i[2]))
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->ids[i[2]].bits,
-                      sanitizer_number(s, 0));
+            PUT(s, SpvOpStore, s->ids[i[2]].bits, sanitizer_number(s, 0));
     }
 }
 
 /* ---- Bits ------------------------------------------------------------------------------------ */
 
-static uint32_t part_count(const struct sanitizer *s, const uint32_t *type)
-{
-    uint32_t count = 1;
-    if (spirv_is(type, SpvOpTypeVector) || spirv_is(type, SpvOpTypeMatrix))
-        count = type[3];
-    else if (spirv_is(type, SpvOpTypeStruct))
-        count = spirv_length(type) - 2;
-    else if (spirv_is(type, SpvOpTypeArray) &&
-             spirv_is(spirv_definition(s->from, type[3]), SpvOpConstant))
-        count = spirv_definition(s->from, type[3])[3];
-    return count;
-}
-
 static const uint32_t *part_type(const struct sanitizer *s, const uint32_t *type, uint32_t part)
 {
-    return spirv_definition(s->from, spirv_is(type, SpvOpTypeStruct) ? type[2 + part] : type[2]);
-}
-
-static bool has_parts(const uint32_t *type)
-{
-    return spirv_is(type, SpvOpTypeVector) || spirv_is(type, SpvOpTypeMatrix) ||
-           spirv_is(type, SpvOpTypeArray) || spirv_is(type, SpvOpTypeStruct);
-}
-
-/* Scalars of a type, up to 33. */
-static uint32_t scalar_count(const struct sanitizer *s, const uint32_t *type)
-{
-    uint32_t count = 0, parts = part_count(s, type);
-    if (!has_parts(type))
-        return 1;
-    for (uint32_t k = 0; k < parts && count <= 32; k++)
-        count += scalar_count(s, part_type(s, type, k));
-    return count > 32 ? 33 : count;
+    return spirv_definition(s->from, spirv_part(type, part));
 }
 
 /* Bits of a type in the word of a variable, and those before a part. whole: the variable's type. */
 static uint32_t bit_count(const struct sanitizer *s, const uint32_t *whole, const uint32_t *type)
 {
-    if (scalar_count(s, whole) <= 32)
-        return scalar_count(s, type);
-    return type == whole && part_count(s, type) <= 32 ? part_count(s, type) : 1;
+    if (spirv_scalars(s->from, whole[1]) <= 32)
+        return spirv_scalars(s->from, type[1]);
+    return type == whole && spirv_parts(s->from, type) <= 32 ? spirv_parts(s->from, type) : 1;
 }
 
 static uint32_t bits_before(const struct sanitizer *s, const uint32_t *whole, const uint32_t *type,
@@ -147,7 +116,7 @@ static uint32_t bits_before(const struct sanitizer *s, const uint32_t *whole, co
     uint32_t bits = 0;
     if (bit_count(s, whole, type) == 1)
         return 0;
-    for (uint32_t k = 0; k < part && k < part_count(s, type) && bits < 32; k++)
+    for (uint32_t k = 0; k < part && k < spirv_parts(s->from, type) && bits < 32; k++)
         bits += bit_count(s, whole, part_type(s, type, k));
     return bits;
 }
@@ -168,19 +137,17 @@ struct bit_range {
 
 static uint32_t put_two(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b)
 {
-    uint32_t result = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, opcode, sanitizer_uint(s), result, a, b);
-    return result;
+    return PUT_VALUE(s, opcode, sanitizer_uint(s), a, b);
 }
 
 static void follow_index(struct sanitizer *s, struct bit_range *range, const uint32_t *whole,
                          uint32_t index)
 {
     const uint32_t *i = spirv_definition(s->from, index);
-    bool deep = has_parts(range->type) && bit_count(s, whole, range->type) > 1;
-    if (!has_parts(range->type))
+    bool deep = spirv_parts(s->from, range->type) && bit_count(s, whole, range->type) > 1;
+    if (!spirv_parts(s->from, range->type))
         return;
-    bool fixed = spirv_is(i, SpvOpConstant) && i[3] < part_count(s, range->type);
+    bool fixed = spirv_is(i, SpvOpConstant) && i[3] < spirv_parts(s->from, range->type);
     const uint32_t *part = part_type(s, range->type, fixed ? i[3] : 0);
     if (deep && fixed) {
         range->first += bits_before(s, whole, range->type, i[3]);
@@ -220,8 +187,8 @@ static uint32_t put_mask(struct sanitizer *s, const struct bit_range *range, uin
 {
     const uint32_t *whole = pointee(s, range->variable);
     uint32_t mask = 0, all = mask_of(0, bit_count(s, whole, whole));
-    bool some = parts != UINT32_MAX && has_parts(range->type) && range->count > 1;
-    for (uint32_t k = 0; some && k < part_count(s, range->type) && k < 32; k++)
+    bool some = parts != UINT32_MAX && spirv_parts(s->from, range->type) && range->count > 1;
+    for (uint32_t k = 0; some && k < spirv_parts(s->from, range->type) && k < 32; k++)
         if (parts >> k & 1)
             mask |= mask_of(bits_before(s, whole, range->type, k),
                             bit_count(s, whole, part_type(s, range->type, k)));
@@ -235,9 +202,7 @@ static uint32_t put_mask(struct sanitizer *s, const struct bit_range *range, uin
 
 static uint32_t put_assigned_load(struct sanitizer *s, uint32_t bits)
 {
-    uint32_t result = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), result, bits);
-    return result;
+    return PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), bits);
 }
 
 /* Sets the bits of all that the pointer points to. */
@@ -248,14 +213,13 @@ static void put_set(struct sanitizer *s, uint32_t pointer)
     if (!bits)
         return;
     uint32_t mask = put_mask(s, &range, UINT32_MAX);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits,
-              put_two(s, SpvOpBitwiseOr, put_assigned_load(s, bits), mask));
+    PUT(s, SpvOpStore, bits, put_two(s, SpvOpBitwiseOr, put_assigned_load(s, bits), mask));
 }
 
 static void put_copy(struct sanitizer *s, uint32_t to, uint32_t from)
 {
     uint32_t bits = put_assigned_load(s, from);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, to, bits);
+    PUT(s, SpvOpStore, to, bits);
 }
 
 /* Whether a loaded value is only copied into a variable. */
@@ -326,17 +290,14 @@ static const uint32_t *guard_of(const struct sanitizer *s, uint32_t value, uint3
 /* Whether a value counts, by the guards around it. */
 static uint32_t put_counts(struct sanitizer *s, const uint32_t *guard, uint32_t word)
 {
-    uint32_t boolean = spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0), counts = guard[3];
-    if (spirv_is(guard, SpvOpLogicalOr) || (spirv_is(guard, SpvOpSelect) && word == 5)) {
-        counts = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLogicalNot, boolean, counts, guard[3]);
-    }
+    uint32_t boolean = sanitizer_bool(s), counts = guard[3];
+    if (spirv_is(guard, SpvOpLogicalOr) || (spirv_is(guard, SpvOpSelect) && word == 5))
+        counts = PUT_VALUE(s, SpvOpLogicalNot, boolean, guard[3]);
     const uint32_t *outer = guard_of(s, guard[2], &word);
     if (!outer)
         return counts;
-    uint32_t around = put_counts(s, outer, word), both = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLogicalAnd, boolean, both, around, counts);
-    return both;
+    uint32_t around = put_counts(s, outer, word);
+    return PUT_VALUE(s, SpvOpLogicalAnd, boolean, around, counts);
 }
 
 static void put_guarded(struct sanitizer *s, const uint32_t *load, uint32_t counts)
@@ -344,10 +305,8 @@ static void put_guarded(struct sanitizer *s, const uint32_t *load, uint32_t coun
     struct bit_range range = range_of(s, load[3]);
     if (!range.type || !bits_of(s, range.variable))
         return;
-    uint32_t mask = put_wanted(s, load, &range, false), wanted = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), wanted, counts, mask,
-              sanitizer_number(s, 0));
-    put_check(s, range.variable, wanted);
+    uint32_t mask = put_wanted(s, load, &range, false), none = sanitizer_number(s, 0);
+    put_check(s, range.variable, PUT_VALUE(s, SpvOpSelect, sanitizer_uint(s), counts, mask, none));
 }
 
 /* At a guard: the loads that it guards. */
@@ -407,18 +366,8 @@ static void put_stored(struct sanitizer *s, const uint32_t *store)
     if (!is_temporary(s, from) && !is_temporary(s, variable)) { /* it was told */
         uint32_t before = put_assigned_load(s, bits);
         uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{before}, 1});
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, bits,
-                  put_two(s, SpvOpBitwiseOr, before, none));
+        PUT(s, SpvOpStore, bits, put_two(s, SpvOpBitwiseOr, before, none));
     }
-}
-
-static const uint32_t *parameter_of(const struct sanitizer *s, uint32_t function, uint32_t index)
-{
-    const uint32_t *i = spirv_definition(s->from, function);
-    do
-        i += spirv_length(i);
-    while (spirv_is(i, SpvOpLine) || (spirv_is(i, SpvOpFunctionParameter) && index--));
-    return i;
 }
 
 /* Bits go with pointers into a function, and come back. */
@@ -427,7 +376,7 @@ static void put_pointers(struct sanitizer *s, const uint32_t *call, bool back)
     for (uint32_t word = 4; word < spirv_length(call); word++) {
         if (!pointee(s, call[word]))
             continue;
-        uint32_t parameter = parameter_of(s, call[3], word - 4)[2];
+        uint32_t parameter = spirv_parameter(s->from, call[3], word - 4)[2];
         uint32_t own = bits_of(s, call[word]), theirs = bits_of(s, parameter);
         if (own && theirs)
             put_copy(s, back ? own : theirs, back ? theirs : own);

@@ -41,25 +41,9 @@ static const char *own_name(const char *name)
     return name && !strncmp(name, "body_", 5) ? name + 5 : name;
 }
 
-static const char *member_name(const struct spirv *module, uint32_t type, uint32_t member)
-{
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpMemberName) && module->words[at + 1] == type &&
-        module->words[at + 2] == member)
-        return own_name((const char *)(module->words + at + 3));
-    return "?";
-}
-
 static bool is_decorated(const struct spirv *module, uint32_t id, uint32_t decoration)
 {
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
-        if (i[1] == id && ((spirv_is(i, SpvOpDecorate) && i[2] == decoration) ||
-                           (spirv_is(i, SpvOpMemberDecorate) && i[3] == decoration)))
-            return true;
-    }
-    return false;
+    return spirv_decoration(module, id, decoration) != UINT32_MAX;
 }
 
 static uint32_t pointee(const struct spirv *module, const uint32_t *variable)
@@ -99,7 +83,7 @@ static bool has_values(const struct binder *binder, const uint32_t *variable)
     case SpvStorageClassInput:
         return binder->request->inputs &&
                !is_decorated(module, variable[2], SpvDecorationBuiltIn) &&
-               !is_decorated(module, type, SpvDecorationBuiltIn);
+               spirv_member_decoration(module, type, 0, SpvDecorationBuiltIn) == UINT32_MAX;
     default:
         return false;
     }
@@ -274,7 +258,7 @@ static bool move_variable(struct binder *binder, const uint32_t *variable)
         good = put_value(binder, name_of(module, variable), moved, type);
     for (uint32_t m = 0; m < count; m++)
         if (members[m])
-            good &= put_value(binder, member_name(module, type, m),
+            good &= put_value(binder, own_name(spirv_member_name(module, type, m)),
                               put_place(binder, moved, m, declared[2 + m]), declared[2 + m]);
     free(members);
     return good;
@@ -400,13 +384,10 @@ static void fix_entry(struct binder *binder)
     struct spirv_words *front = &binder->edit.front;
     bool listed = (binder->module->words[1] >> 8 & 0xff) >= 4;
     for (size_t at = SPIRV_HEADER; at < front->count; at += spirv_length(front->data + at)) {
-        uint32_t *i = front->data + at, kept = 3;
+        uint32_t *i = front->data + at, length = spirv_length(i);
         if (!spirv_is(i, SpvOpEntryPoint))
             continue;
-        while (i[kept] >> 24)
-            kept++;
-        kept++;
-        uint32_t length = spirv_length(i);
+        uint32_t kept = spirv_entry_variables(i);
         for (uint32_t word = kept; word < length; word++) {
             uint32_t moved = binder->moved[i[word]];
             if (!moved || listed)

@@ -157,20 +157,11 @@ static bool may_be(const struct sanitizer *s, uint32_t id)
     return s->content->ids[id].may;
 }
 
-static const uint32_t *parameter_of(const struct spirv *from, uint32_t function, uint32_t index)
-{
-    const uint32_t *i = spirv_definition(from, function);
-    do
-        i += spirv_length(i);
-    while (spirv_is(i, SpvOpLine) || (spirv_is(i, SpvOpFunctionParameter) && index--));
-    return i;
-}
-
 static bool find_call(struct sanitizer *s, const uint32_t *call)
 {
     bool changed = set(s, call[2], may_be(s, call[3]));
     for (uint32_t word = 4; word < spirv_length(call); word++) {
-        uint32_t parameter = parameter_of(s->from, call[3], word - 4)[2];
+        uint32_t parameter = spirv_parameter(s->from, call[3], word - 4)[2];
         uint32_t argument = memory_base(s->from, call[word]);
         if (!is_local(s->from, parameter))
             argument = call[word];
@@ -269,42 +260,20 @@ static uint32_t sure_mark(struct sanitizer *s, uint32_t id)
 
 static uint32_t put_max(struct sanitizer *s, uint32_t shape, uint32_t a, uint32_t b)
 {
-    uint32_t result = s->edit.bound++;
-    if (!a || !b)
-        return a ? a : b;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpExtInst, shape, result, s->glsl, GLSLstd450UMax, a, b);
-    return result;
-}
-
-static uint32_t count_parts(const struct spirv *from, const uint32_t *type)
-{
-    uint32_t count = 0;
-    if (spirv_is(type, SpvOpTypeVector) || spirv_is(type, SpvOpTypeMatrix))
-        count = type[3];
-    else if (spirv_is(type, SpvOpTypeArray))
-        count = spirv_definition(from, type[3])[3];
-    else if (spirv_is(type, SpvOpTypeStruct))
-        count = spirv_length(type) - 2;
-    return count;
-}
-
-static uint32_t part_type(const uint32_t *type, uint32_t part)
-{
-    return spirv_is(type, SpvOpTypeStruct) ? type[2 + part] : type[2];
+    return a && b ? PUT_VALUE(s, SpvOpExtInst, shape, s->glsl, GLSLstd450UMax, a, b) : a ? a : b;
 }
 
 /* The greatest mark of a value's scalars. */
 static uint32_t put_reduced(struct sanitizer *s, uint32_t type, uint32_t mark)
 {
     const uint32_t *i = spirv_definition(s->from, type);
-    uint32_t count = count_parts(s->from, i), all = 0;
+    uint32_t count = spirv_parts(s->from, i), all = 0;
     if (!count || !mark)
         return mark;
     for (uint32_t k = 0; k < count; k++) {
-        uint32_t part = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, content_shape(s, part_type(i, k)),
-                  part, mark, k);
-        all = put_max(s, sanitizer_uint(s), all, put_reduced(s, part_type(i, k), part));
+        uint32_t part =
+            PUT_VALUE(s, SpvOpCompositeExtract, content_shape(s, spirv_part(i, k)), mark, k);
+        all = put_max(s, sanitizer_uint(s), all, put_reduced(s, spirv_part(i, k), part));
     }
     return all;
 }
@@ -313,11 +282,11 @@ static uint32_t put_reduced(struct sanitizer *s, uint32_t type, uint32_t mark)
 static uint32_t put_splat(struct sanitizer *s, uint32_t type, uint32_t mark)
 {
     const uint32_t *i = spirv_definition(s->from, type);
-    uint32_t count = count_parts(s->from, i), parts[66] = {content_shape(s, type)};
+    uint32_t count = spirv_parts(s->from, i), parts[66] = {content_shape(s, type)};
     if (!count || !mark || !parts[0] || count > 64)
         return count || !parts[0] ? 0 : mark;
     for (uint32_t k = 0; k < count; k++)
-        parts[2 + k] = put_splat(s, part_type(i, k), mark);
+        parts[2 + k] = put_splat(s, spirv_part(i, k), mark);
     parts[1] = s->edit.bound++;
     spirv_put(&s->edit, &s->edit.code, SpvOpCompositeConstruct, parts, count + 2);
     return parts[1];
@@ -400,9 +369,7 @@ static uint32_t put_pointer(struct sanitizer *s, uint32_t pointer)
 
 static uint32_t put_load(struct sanitizer *s, uint32_t holder, uint32_t type)
 {
-    uint32_t result = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, content_shape(s, type), result, holder);
-    return result;
+    return PUT_VALUE(s, SpvOpLoad, content_shape(s, type), holder);
 }
 
 static uint32_t load_mark(struct sanitizer *s, const uint32_t *load)
@@ -428,7 +395,7 @@ static void put_store(struct sanitizer *s, uint32_t to, uint32_t value)
     if (is_local(s->from, base)) {
         uint32_t pointer = put_pointer(s, to);
         if (pointer)
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, pointer, sure_mark(s, value));
+            PUT(s, SpvOpStore, pointer, sure_mark(s, value));
         return;
     }
     struct memory memory = memory_of(s, to);
@@ -494,24 +461,22 @@ void content_enter(struct sanitizer *s, const struct spirv_function *function)
         if (holder && parameter && !is_local(s->from, i[2]))
             s->content->ids[i[2]].mark = put_load(s, holder, i[1]);
         else if (holder && !parameter)
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, holder,
-                      put_null(s, pointed_type(s->from, i[1])));
+            PUT(s, SpvOpStore, holder, put_null(s, pointed_type(s->from, i[1])));
     }
 }
 
 static void put_arguments(struct sanitizer *s, const uint32_t *call, bool back)
 {
     for (uint32_t word = 4; word < spirv_length(call); word++) {
-        uint32_t parameter = parameter_of(s->from, call[3], word - 4)[2];
+        uint32_t parameter = spirv_parameter(s->from, call[3], word - 4)[2];
         uint32_t theirs = holder_of(s, parameter);
         if (theirs && is_local(s->from, parameter)) {
             uint32_t own = put_pointer(s, call[word]);
             uint32_t type = pointed_type(s->from, spirv_definition(s->from, parameter)[1]);
             if (own)
-                SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, back ? own : theirs,
-                          put_load(s, back ? theirs : own, type));
+                PUT(s, SpvOpStore, back ? own : theirs, put_load(s, back ? theirs : own, type));
         } else if (theirs && !back) {
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, theirs, sure_mark(s, call[word]));
+            PUT(s, SpvOpStore, theirs, sure_mark(s, call[word]));
         }
     }
 }
@@ -555,7 +520,7 @@ static uint32_t put_renumbered(struct sanitizer *s, const uint32_t *call, uint32
     const char *name = spirv_name(s->from, call[3]);
     const uint32_t *type = spirv_definition(s->from, call[1]);
     const struct access *access = name ? find_access(s, name) : NULL;
-    uint32_t parts[6] = {content_shape(s, call[1])}, count = count_parts(s->from, type);
+    uint32_t parts[6] = {content_shape(s, call[1])}, count = spirv_parts(s->from, type);
     if (!s->file || !access || !is_generated(s->from, call[3]) || count > 4)
         return mark;
     char word[64];
@@ -565,8 +530,7 @@ static uint32_t put_renumbered(struct sanitizer *s, const uint32_t *call, uint32
     for (uint32_t k = 0; k < (count ? count : 1); k++) {
         uint32_t part = count ? s->edit.bound++ : mark;
         if (count)
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, sanitizer_uint(s), part, mark,
-                      k);
+            PUT(s, SpvOpCompositeExtract, sanitizer_uint(s), part, mark, k);
         parts[2 + k] =
             sanitizer_call(s, "diptych_renumber(u1;u1;", &(struct values){{part, number}, 2});
     }
@@ -636,7 +600,7 @@ static uint32_t put_combined(struct sanitizer *s, const uint32_t *i)
     if (!all)
         return wide;
     bool composite = !spirv_is(spirv_definition(s->from, i[1]), SpvOpTypeVector) &&
-                     count_parts(s->from, spirv_definition(s->from, i[1]));
+                     spirv_parts(s->from, spirv_definition(s->from, i[1]));
     if (composite && wide)
         all = put_max(s, sanitizer_uint(s), all, put_reduced(s, i[1], wide));
     uint32_t splat = put_splat(s, i[1], all);
@@ -647,12 +611,11 @@ static uint32_t put_combined(struct sanitizer *s, const uint32_t *i)
 static uint32_t put_logical(struct sanitizer *s, const uint32_t *i)
 {
     uint32_t left = mark_of(s, i[3]), right = mark_of(s, i[4]), none = sanitizer_number(s, 0);
-    uint32_t counts = s->edit.bound++;
     bool both = spirv_is(i, SpvOpLogicalAnd), single = content_shape(s, i[1]) == sanitizer_uint(s);
     if (!right || !single)
         return put_combined(s, i);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), counts, i[3],
-              both ? right : none, both ? none : right);
+    uint32_t counts = PUT_VALUE(s, SpvOpSelect, sanitizer_uint(s), i[3], both ? right : none,
+                                both ? none : right);
     return put_max(s, sanitizer_uint(s), left, counts);
 }
 
@@ -731,8 +694,7 @@ void content_before(struct sanitizer *s, const uint32_t *i)
         put_use(s, i[3]);
         put_texel(s, &use, false, true);
     } else if (spirv_is(i, SpvOpReturnValue) && s->function && holder_of(s, s->function)) {
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, holder_of(s, s->function),
-                  sure_mark(s, i[1]));
+        PUT(s, SpvOpStore, holder_of(s, s->function), sure_mark(s, i[1]));
     }
 }
 
@@ -764,29 +726,21 @@ void content_after(struct sanitizer *s, const uint32_t *i)
 void content_end(struct sanitizer *s)
 {
     struct spirv_edit *edit = &s->edit;
-    uint32_t type = sanitizer_uint(s), boolean, function = 0;
-    for (uint32_t f = 0; f < s->from->function_count; f++) {
-        const char *name = spirv_name(s->from, s->from->functions[f].id);
-        if (name && !strcmp(name, "diptych_number(u1;"))
-            function = s->from->functions[f].id;
-    }
+    const struct spirv_function *function = spirv_find_function(s->from, "diptych_number(u1;");
     if (!function)
         return;
-    const uint32_t *head = spirv_definition(s->from, function);
-    const uint32_t *parameter = parameter_of(s->from, function, 0);
+    const uint32_t *parameter = spirv_parameter(s->from, function->id, 0);
     uint32_t label = edit->bound++, site = sanitizer_number(s, 0);
-    boolean = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
-    spirv_copy(edit, &edit->code, head);
+    uint32_t boolean = sanitizer_bool(s);
+    spirv_copy(edit, &edit->code, spirv_definition(s->from, function->id));
     spirv_copy(edit, &edit->code, parameter);
-    SPIRV_PUT(edit, &edit->code, SpvOpLabel, label);
+    PUT(s, SpvOpLabel, label);
     for (uint32_t i = 0; i < s->content->sites.count; i++) {
-        uint32_t equal = edit->bound++, next = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpIEqual, boolean, equal, parameter[2],
-                  sanitizer_number(s, FIRST_NUMBER + i));
-        SPIRV_PUT(edit, &edit->code, SpvOpSelect, type, next, equal,
-                  sanitizer_number(s, s->content->sites.data[i]), site);
-        site = next;
+        uint32_t equal =
+            PUT_VALUE(s, SpvOpIEqual, boolean, parameter[2], sanitizer_number(s, FIRST_NUMBER + i));
+        site = PUT_VALUE(s, SpvOpSelect, sanitizer_uint(s), equal,
+                         sanitizer_number(s, s->content->sites.data[i]), site);
     }
-    SPIRV_PUT(edit, &edit->code, SpvOpReturnValue, site);
+    PUT(s, SpvOpReturnValue, site);
     spirv_put(edit, &edit->code, SpvOpFunctionEnd, NULL, 0);
 }

@@ -10,85 +10,31 @@
  * component. Double precision is left alone: prove.c names it. */
 #include "exact.h"
 
-#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "link.h"
+#include "prove.h"
 #include "panel.h" /* DT_ARRAY_COUNT */
 
-struct replacement {
-    uint32_t number; /* SpvOp or GLSLstd450 */
+/* What the library calls the operations of SPIR-V, behind "exact_". Functions have the names of GLSL. */
+static const struct {
+    SpvOp operation;
     const char *name;
-};
-
-static const struct replacement operations[] = {
-    {SpvOpConvertFToU, "exact_to_uint"},
-    {SpvOpConvertFToS, "exact_to_int"},
-    {SpvOpConvertUToF, "exact_from_uint"},
-    {SpvOpFDiv, "exact_divide"},
-    {SpvOpFMod, "exact_mod"},
-    {SpvOpVectorTimesMatrix, "exact_product"},
-    {SpvOpMatrixTimesVector, "exact_product"},
-    {SpvOpMatrixTimesMatrix, "exact_product"},
-    {SpvOpDot, "exact_dot"},
-    {SpvOpIsNan, "exact_isnan"},
-    {SpvOpIsInf, "exact_isinf"},
-};
-
-static const struct replacement functions[] = {
-    {GLSLstd450Round, "exact_round"},
-    {GLSLstd450Fract, "exact_fract"},
-    {GLSLstd450Radians, "exact_radians"},
-    {GLSLstd450Degrees, "exact_degrees"},
-    {GLSLstd450Sin, "exact_sin"},
-    {GLSLstd450Cos, "exact_cos"},
-    {GLSLstd450Tan, "exact_tan"},
-    {GLSLstd450Asin, "exact_asin"},
-    {GLSLstd450Acos, "exact_acos"},
-    {GLSLstd450Atan, "exact_atan"},
-    {GLSLstd450Sinh, "exact_sinh"},
-    {GLSLstd450Cosh, "exact_cosh"},
-    {GLSLstd450Tanh, "exact_tanh"},
-    {GLSLstd450Asinh, "exact_asinh"},
-    {GLSLstd450Acosh, "exact_acosh"},
-    {GLSLstd450Atanh, "exact_atanh"},
-    {GLSLstd450Atan2, "exact_atan"},
-    {GLSLstd450Pow, "exact_pow"},
-    {GLSLstd450Exp, "exact_exp"},
-    {GLSLstd450Log, "exact_log"},
-    {GLSLstd450Exp2, "exact_exp2"},
-    {GLSLstd450Log2, "exact_log2"},
-    {GLSLstd450Sqrt, "exact_sqrt"},
-    {GLSLstd450InverseSqrt, "exact_inversesqrt"},
-    {GLSLstd450Determinant, "exact_determinant"},
-    {GLSLstd450MatrixInverse, "exact_inverse"},
-    {GLSLstd450FMin, "exact_min"},
-    {GLSLstd450FMax, "exact_max"},
-    {GLSLstd450FClamp, "exact_clamp"},
-    {GLSLstd450FMix, "exact_mix"},
-    {GLSLstd450SmoothStep, "exact_smoothstep"},
-    {GLSLstd450Fma, "exact_fma"},
-    {GLSLstd450Ldexp, "exact_ldexp"},
-    {GLSLstd450PackSnorm4x8, "exact_packSnorm4x8"},
-    {GLSLstd450PackUnorm4x8, "exact_packUnorm4x8"},
-    {GLSLstd450PackSnorm2x16, "exact_packSnorm2x16"},
-    {GLSLstd450PackUnorm2x16, "exact_packUnorm2x16"},
-    {GLSLstd450PackHalf2x16, "exact_packHalf2x16"},
-    {GLSLstd450UnpackSnorm2x16, "exact_unpackSnorm2x16"},
-    {GLSLstd450UnpackUnorm2x16, "exact_unpackUnorm2x16"},
-    {GLSLstd450UnpackHalf2x16, "exact_unpackHalf2x16"},
-    {GLSLstd450UnpackSnorm4x8, "exact_unpackSnorm4x8"},
-    {GLSLstd450UnpackUnorm4x8, "exact_unpackUnorm4x8"},
-    {GLSLstd450Length, "exact_length"},
-    {GLSLstd450Distance, "exact_distance"},
-    {GLSLstd450Cross, "exact_cross"},
-    {GLSLstd450Normalize, "exact_normalize"},
-    {GLSLstd450FaceForward, "exact_faceforward"},
-    {GLSLstd450Reflect, "exact_reflect"},
-    {GLSLstd450Refract, "exact_refract"},
+} operations[] = {
+    {SpvOpConvertFToU, "to_uint"},
+    {SpvOpConvertFToS, "to_int"},
+    {SpvOpConvertUToF, "from_uint"},
+    {SpvOpFDiv, "divide"},
+    {SpvOpFMod, "mod"},
+    {SpvOpVectorTimesMatrix, "product"},
+    {SpvOpMatrixTimesVector, "product"},
+    {SpvOpMatrixTimesMatrix, "product"},
+    {SpvOpDot, "dot"},
+    {SpvOpIsNan, "isnan"},
+    {SpvOpIsInf, "isinf"},
 };
 
 struct exact {
@@ -105,13 +51,12 @@ static const char *replacement_of(const struct exact *exact, const uint32_t *ins
                                   uint32_t *first)
 {
     bool extended = spirv_is(instruction, SpvOpExtInst) && instruction[3] == exact->glsl;
-    const struct replacement *list = extended ? functions : operations;
-    size_t count = extended ? DT_ARRAY_COUNT(functions) : DT_ARRAY_COUNT(operations);
-    uint32_t number = extended ? instruction[4] : spirv_opcode(instruction);
     *first = extended ? 5 : 3;
-    for (size_t i = 0; i < count; i++)
-        if (list[i].number == number)
-            return list[i].name;
+    if (extended)
+        return prove_word(instruction, exact->glsl);
+    for (size_t i = 0; i < DT_ARRAY_COUNT(operations); i++)
+        if (spirv_is(instruction, operations[i].operation))
+            return operations[i].name;
     return NULL;
 }
 
@@ -139,7 +84,7 @@ static uint32_t find_replacement(struct exact *exact, const uint32_t *instructio
                                  uint32_t first, bool scalar)
 {
     char mangled[96];
-    snprintf(mangled, sizeof mangled, "%s(", name);
+    snprintf(mangled, sizeof mangled, "exact_%s(", name);
     for (uint32_t word = first; word < spirv_length(instruction); word++)
         if (!mangle(exact, spirv_type(exact->from, instruction[word]), scalar, mangled,
                     sizeof mangled))
@@ -176,17 +121,6 @@ static uint32_t declare_constant(struct exact *exact, uint32_t type, uint32_t bi
                          (uint32_t[]){part, part, part, part}, declared[3]);
 }
 
-/* Whether the author wrote the operation. */
-static bool is_marked(const struct exact *exact, uint32_t id)
-{
-    const struct spirv *from = exact->from;
-    SPIRV_EACH(from, at, from->annotations, from->declarations)
-    if (spirv_is(from->words + at, SpvOpDecorate) && from->words[at + 1] == id &&
-        from->words[at + 2] == SpvDecorationRelaxedPrecision)
-        return true;
-    return false;
-}
-
 /* ---- Instructions ---------------------------------------------------------------------------- */
 
 static void mark(struct exact *exact, uint32_t id)
@@ -205,9 +139,8 @@ static uint32_t put_call(struct exact *exact, const uint32_t *instruction, uint3
         const uint32_t *declared = spirv_type(exact->from, instruction[word]);
         uint32_t operand = instruction[word];
         if (component >= 0 && spirv_is(declared, SpvOpTypeVector)) {
-            operand = edit->bound++;
-            SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, declared[2], operand,
-                      instruction[word], (uint32_t)component);
+            operand = SPIRV_VALUE(edit, &edit->code, SpvOpCompositeExtract, declared[2],
+                                  instruction[word], (uint32_t)component);
         }
         operands[count++] = operand;
     }
@@ -285,7 +218,8 @@ static bool is_quotient(const struct exact *exact, const uint32_t *product, uint
         return false;
     const uint32_t *inverse = spirv_definition(exact->from, product[4]);
     if (!spirv_is(inverse, SpvOpFDiv) || !constant_bits(exact, inverse[3], &one) ||
-        one != 0x3f800000 || is_marked(exact, inverse[2]))
+        one != 0x3f800000 ||
+        spirv_decoration(exact->from, inverse[2], SpvDecorationRelaxedPrecision) != UINT32_MAX)
         return false;
     memcpy(quotient, product, 4 * sizeof *quotient);
     quotient[4] = inverse[4];
@@ -299,7 +233,7 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
     const char *name = replacement_of(exact, instruction, &first);
     if (is_quotient(exact, instruction, quotient)) {
         instruction = quotient;
-        name = "exact_quotient";
+        name = "quotient";
     }
     if (!name)
         return put_shift(exact, instruction);

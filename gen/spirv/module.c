@@ -249,12 +249,108 @@ uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what
     return UINT32_MAX;
 }
 
-uint32_t spirv_entry(const struct spirv *module)
+uint32_t spirv_member_decoration(const struct spirv *module, uint32_t id, uint32_t member,
+                                 uint32_t what)
+{
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpMemberDecorate) && i[1] == id && i[2] == member && i[3] == what)
+            return spirv_length(i) > 4 ? i[4] : 0;
+    }
+    return UINT32_MAX;
+}
+
+const char *spirv_member_name(const struct spirv *module, uint32_t type, uint32_t member)
+{
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpMemberName) && i[1] == type && i[2] == member)
+            return (const char *)(i + 3);
+    }
+    return NULL;
+}
+
+const uint32_t *spirv_entry_point(const struct spirv *module)
 {
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
     if (spirv_is(module->words + at, SpvOpEntryPoint))
-        return module->words[at + 2];
-    return 0;
+        return module->words + at;
+    return NULL;
+}
+
+uint32_t spirv_entry_variables(const uint32_t *entry)
+{
+    uint32_t word = 3;
+    while (word < spirv_length(entry) && entry[word] >> 24)
+        word++; /* the last word of a text ends with zero */
+    return word + 1;
+}
+
+uint32_t spirv_entry(const struct spirv *module)
+{
+    const uint32_t *entry = spirv_entry_point(module);
+    return entry ? entry[2] : 0;
+}
+
+const uint32_t *spirv_parameter(const struct spirv *module, uint32_t function, uint32_t index)
+{
+    const uint32_t *i = spirv_definition(module, function);
+    do
+        i += spirv_length(i);
+    while (spirv_is(i, SpvOpLine) || (spirv_is(i, SpvOpFunctionParameter) && index--));
+    return i;
+}
+
+uint32_t spirv_parameter_index(const struct spirv *module, uint32_t parameter, uint32_t *function)
+{
+    const struct spirv_function *own = module->functions;
+    size_t place = module->definitions[parameter];
+    uint32_t index = 0;
+    while (place > own->end)
+        own++;
+    SPIRV_EACH(module, at, own->begin, place)
+    index += spirv_is(module->words + at, SpvOpFunctionParameter);
+    *function = own->id;
+    return index;
+}
+
+/* ---- Types ----------------------------------------------------------------------------------- */
+
+uint32_t spirv_parts(const struct spirv *module, const uint32_t *type)
+{
+    switch (spirv_opcode(type)) {
+    case SpvOpTypeVector:
+    case SpvOpTypeMatrix:
+        return type[3];
+    case SpvOpTypeStruct:
+        return spirv_length(type) - 2;
+    case SpvOpTypeArray: {
+        const uint32_t *length = spirv_definition(module, type[3]);
+        return spirv_is(length, SpvOpConstant) ? length[3] : 1;
+    }
+    default:
+        return 0;
+    }
+}
+
+uint32_t spirv_part(const uint32_t *type, uint32_t part)
+{
+    return spirv_is(type, SpvOpTypeStruct) ? type[2 + part] : type[2];
+}
+
+uint32_t spirv_scalars(const struct spirv *module, uint32_t id)
+{
+    const uint32_t *type = spirv_definition(module, id);
+    uint32_t parts = spirv_parts(module, type), count = 0;
+    if (!parts)
+        return 1;
+    if (!spirv_is(type, SpvOpTypeStruct))
+        return parts * spirv_scalars(module, type[2]);
+    for (uint32_t k = 0; k < parts; k++)
+        count += spirv_scalars(module, spirv_part(type, k));
+    return count;
 }
 
 /* ---- Edits ----------------------------------------------------------------------------------- */
@@ -291,6 +387,19 @@ void spirv_put(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,
     room[0] = (uint32_t)(count + 1) << 16 | opcode;
     if (count)
         memcpy(room + 1, operands, count * sizeof *operands);
+}
+
+uint32_t spirv_put_value(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,
+                         uint32_t type, const uint32_t *operands, size_t count)
+{
+    uint32_t *room = make_room(edit, to, count + 3), result = edit->bound++;
+    if (!room)
+        return result;
+    room[0] = (uint32_t)(count + 3) << 16 | opcode;
+    room[1] = type;
+    room[2] = result;
+    memcpy(room + 3, operands, count * sizeof *operands);
+    return result;
 }
 
 void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction)

@@ -81,8 +81,24 @@ char spirv_letter(const uint32_t *type);
 uint32_t spirv_glsl(const struct spirv *module);
 /* The number behind a decoration of an id, 0: one without a number; UINT32_MAX: it has none. */
 uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what);
-/* The function of the entry point. */
+/* The same of a member of a struct. */
+uint32_t spirv_member_decoration(const struct spirv *module, uint32_t id, uint32_t member,
+                                 uint32_t what);
+const char *spirv_member_name(const struct spirv *module, uint32_t type, uint32_t member);
+/* The instruction of the entry point, NULL: there is none; the word of its first input or output; its
+ * function. */
+const uint32_t *spirv_entry_point(const struct spirv *module);
+uint32_t spirv_entry_variables(const uint32_t *entry);
 uint32_t spirv_entry(const struct spirv *module);
+/* The instruction of a function's parameter, from 0; and of a parameter its number and its function. */
+const uint32_t *spirv_parameter(const struct spirv *module, uint32_t function, uint32_t index);
+uint32_t spirv_parameter_index(const struct spirv *module, uint32_t parameter, uint32_t *function);
+
+/* Parts of a composite type, 0: it is none; an array whose length is no constant counts as one. The id of
+ * the type of a part. The scalars of a type. */
+uint32_t spirv_parts(const struct spirv *module, const uint32_t *type);
+uint32_t spirv_part(const uint32_t *type, uint32_t part);
+uint32_t spirv_scalars(const struct spirv *module, uint32_t type);
 
 /* ---- Edits ----------------------------------------------------------------------------------- */
 
@@ -113,6 +129,12 @@ void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t 
 #define SPIRV_PUT(edit, to, opcode, ...)                                                           \
     spirv_put(edit, to, opcode, (const uint32_t[]){__VA_ARGS__},                                   \
               sizeof((const uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t))
+/* The same of one with a type and a result, which is new and returned. */
+uint32_t spirv_put_value(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,
+                         uint32_t type, const uint32_t *operands, size_t count);
+#define SPIRV_VALUE(edit, to, opcode, type, ...)                                                   \
+    spirv_put_value(edit, to, opcode, type, (const uint32_t[]){__VA_ARGS__},                       \
+                    sizeof((const uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t))
 /* Appends words. */
 void spirv_append(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *words,
                   size_t count);

@@ -22,32 +22,10 @@ uint32_t memory_base(const struct spirv *from, uint32_t id)
     }
 }
 
-/* The number behind a decoration of an id, or of a member; UINT32_MAX: it has none. */
-static uint32_t decoration(const struct spirv *from, uint32_t id, uint32_t member, uint32_t what)
-{
-    SPIRV_EACH(from, at, from->annotations, from->declarations)
-    {
-        const uint32_t *i = from->words + at;
-        if (member == UINT32_MAX && spirv_is(i, SpvOpDecorate) && i[1] == id && i[2] == what)
-            return i[3];
-        if (member != UINT32_MAX && spirv_is(i, SpvOpMemberDecorate) && i[1] == id &&
-            i[2] == member && i[3] == what)
-            return i[4];
-    }
-    return UINT32_MAX;
-}
-
 /* The argument that all calls pass for a parameter; 0: they differ. */
 static uint32_t argument_of(const struct spirv *from, uint32_t parameter)
 {
-    size_t place = from->definitions[parameter];
-    uint32_t argument = 0, index = 0, function = 0;
-    for (uint32_t f = 0; f < from->function_count; f++)
-        if (from->functions[f].begin < place && place < from->functions[f].end) {
-            function = from->functions[f].id;
-            SPIRV_EACH(from, at, from->functions[f].begin, place)
-            index += spirv_is(from->words + at, SpvOpFunctionParameter);
-        }
+    uint32_t argument = 0, function, index = spirv_parameter_index(from, parameter, &function);
     SPIRV_EACH(from, at, from->code, from->count)
     {
         const uint32_t *i = from->words + at;
@@ -79,7 +57,7 @@ struct memory memory_of(const struct sanitizer *s, uint32_t id)
         return (struct memory){0};
     if (i[3] == SpvStorageClassWorkgroup)
         return memory;
-    uint32_t binding = decoration(from, memory.variable, UINT32_MAX, SpvDecorationBinding);
+    uint32_t binding = spirv_decoration(from, memory.variable, SpvDecorationBinding);
     for (uint32_t k = 0; k < pass->access_count && binding != UINT32_MAX; k++) {
         const struct access *access = &pass->accesses[k];
         if (access->binding == (int)binding && access->resource && !access->resource->internal)
@@ -96,26 +74,6 @@ static uint32_t constant(const struct spirv *from, uint32_t id)
     return spirv_is(i, SpvOpConstant) ? i[3] : 1;
 }
 
-/* Scalars of a type. */
-static uint32_t count_words(const struct spirv *from, uint32_t type)
-{
-    const uint32_t *i = spirv_definition(from, type);
-    uint32_t count = 0;
-    switch (spirv_opcode(i)) {
-    case SpvOpTypeVector:
-    case SpvOpTypeMatrix:
-        return i[3] * count_words(from, i[2]);
-    case SpvOpTypeArray:
-        return constant(from, i[3]) * count_words(from, i[2]);
-    case SpvOpTypeStruct:
-        for (uint32_t k = 2; k < spirv_length(i); k++)
-            count += count_words(from, i[k]);
-        return count;
-    default:
-        return 1;
-    }
-}
-
 static bool is_shared(const uint32_t *variable)
 {
     return spirv_is(variable, SpvOpVariable) && variable[3] == SpvStorageClassWorkgroup;
@@ -130,7 +88,7 @@ static uint32_t shared_before(const struct spirv *from, uint32_t variable)
         const uint32_t *i = from->words + at;
         if (is_shared(i) && i[2] == variable)
             break;
-        count += is_shared(i) ? count_words(from, spirv_definition(from, i[1])[3]) : 0;
+        count += is_shared(i) ? spirv_scalars(from, spirv_definition(from, i[1])[3]) : 0;
     }
     return count;
 }
@@ -148,9 +106,9 @@ static uint32_t stride_of(const struct spirv *from, const uint32_t *type, bool s
     if (shared || spirv_is(type, SpvOpTypeVector)) {
         const uint32_t *scalar = spirv_definition(from, type[2]);
         bool wide = !shared && spirv_length(scalar) > 2 && scalar[2] == 64;
-        return wide ? 2 : count_words(from, type[2]);
+        return wide ? 2 : spirv_scalars(from, type[2]);
     }
-    return (array ? decoration(from, type[1], UINT32_MAX, SpvDecorationArrayStride) : matrix) / 4;
+    return (array ? spirv_decoration(from, type[1], SpvDecorationArrayStride) : matrix) / 4;
 }
 
 static uint32_t member_offset(const struct spirv *from, const uint32_t *type, uint32_t member,
@@ -158,17 +116,15 @@ static uint32_t member_offset(const struct spirv *from, const uint32_t *type, ui
 {
     uint32_t offset = 0;
     if (!shared)
-        return decoration(from, type[1], member, SpvDecorationOffset) / 4;
+        return spirv_member_decoration(from, type[1], member, SpvDecorationOffset) / 4;
     for (uint32_t k = 0; k < member; k++)
-        offset += count_words(from, type[2 + k]);
+        offset += spirv_scalars(from, type[2 + k]);
     return offset;
 }
 
 static uint32_t put_sum(struct sanitizer *s, uint32_t a, uint32_t b)
 {
-    uint32_t sum = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), sum, a, b);
-    return sum;
+    return PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), a, b);
 }
 
 static uint32_t put_offset(struct sanitizer *s, uint32_t word, uint32_t offset)
@@ -190,7 +146,7 @@ static void follow(struct sanitizer *s, struct step_place *at, uint32_t index, b
     bool fixed = spirv_is(i, SpvOpConstant);
     if (spirv_is(type, SpvOpTypeStruct)) {
         at->offset += member_offset(from, type, i[3], shared);
-        at->matrix = decoration(from, type[1], i[3], SpvDecorationMatrixStride);
+        at->matrix = spirv_member_decoration(from, type[1], i[3], SpvDecorationMatrixStride);
         at->type = type[2 + i[3]];
         return;
     }
@@ -200,9 +156,8 @@ static void follow(struct sanitizer *s, struct step_place *at, uint32_t index, b
         at->offset += i[3] * stride;
         return;
     }
-    uint32_t product = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIMul, sanitizer_uint(s), product, index,
-              sanitizer_number(s, stride));
+    uint32_t product =
+        PUT_VALUE(s, SpvOpIMul, sanitizer_uint(s), index, sanitizer_number(s, stride));
     at->word = at->word ? put_sum(s, at->word, product) : product;
 }
 
@@ -223,10 +178,8 @@ static void follow_chain(struct sanitizer *s, struct step_place *at, uint32_t po
 
 static uint32_t put_part(struct sanitizer *s, uint32_t type, uint32_t value, uint32_t part)
 {
-    uint32_t shape = value ? content_shape(s, type) : 0, result = shape ? s->edit.bound++ : 0;
-    if (shape)
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, shape, result, value, part);
-    return result;
+    uint32_t shape = value ? content_shape(s, type) : 0;
+    return shape ? PUT_VALUE(s, SpvOpCompositeExtract, shape, value, part) : 0;
 }
 
 enum { MOST_PARTS = 64 }; /* of a composite that has marks */
@@ -244,7 +197,7 @@ static uint32_t visit_part(struct words *words, const struct step_place *at, uin
     if (spirv_is(type, SpvOpTypeStruct)) {
         part.type = type[2 + k];
         part.offset += member_offset(from, type, k, shared);
-        part.matrix = decoration(from, type[1], k, SpvDecorationMatrixStride);
+        part.matrix = spirv_member_decoration(from, type[1], k, SpvDecorationMatrixStride);
     } else {
         part.type = type[2];
         part.offset += k * stride_of(from, type, shared, at->matrix);
@@ -322,7 +275,7 @@ static uint32_t extent_of(const struct spirv *from, uint32_t id, bool shared, ui
     const uint32_t *type = spirv_definition(from, id);
     uint32_t most = 0;
     if (shared)
-        return count_words(from, id);
+        return spirv_scalars(from, id);
     switch (spirv_opcode(type)) {
     case SpvOpTypeVector:
     case SpvOpTypeMatrix:
@@ -333,7 +286,7 @@ static uint32_t extent_of(const struct spirv *from, uint32_t id, bool shared, ui
                extent_of(from, type[2], false, matrix);
     case SpvOpTypeStruct:
         for (uint32_t k = 2; k < spirv_length(type); k++) {
-            uint32_t stride = decoration(from, id, k - 2, SpvDecorationMatrixStride);
+            uint32_t stride = spirv_member_decoration(from, id, k - 2, SpvDecorationMatrixStride);
             uint32_t end =
                 member_offset(from, type, k - 2, false) + extent_of(from, type[k], false, stride);
             most = end > most ? end : most;
@@ -383,15 +336,12 @@ uint32_t memory_texel(struct sanitizer *s, const struct memory *memory, uint32_t
     uint32_t three = sanitizer_vector(s, whole, 3), zero, p = place;
     zero = spirv_declare(edit, SpvOpConstant, whole, (uint32_t[]){0}, 1);
     char mangled[64];
-    if (!vector) {
-        p = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpCompositeConstruct, three, p, place, zero, zero);
-    } else if (type[3] == 2) {
-        p = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpCompositeConstruct, three, p, place, zero);
-    } else if (type[3] != 3) {
+    if (!vector)
+        p = PUT_VALUE(s, SpvOpCompositeConstruct, three, place, zero, zero);
+    else if (type[3] == 2)
+        p = PUT_VALUE(s, SpvOpCompositeConstruct, three, place, zero);
+    else if (type[3] != 3)
         return 0;
-    }
     snprintf(mangled, sizeof mangled, "diptych_at_%d(vi3;i1;", memory->access->binding);
     return sanitizer_call(s, mangled, &(struct values){{p, lod ? lod : zero}, 2});
 }
@@ -414,7 +364,7 @@ void memory_name(const struct sanitizer *s, const struct memory *memory, struct 
         return;
     }
     const uint32_t *type = spirv_definition(s->from, spirv_type(s->from, memory->variable)[3]);
-    site->words = spirv_is(type, SpvOpTypeArray) ? count_words(s->from, type[2]) : 0;
+    site->words = spirv_is(type, SpvOpTypeArray) ? spirv_scalars(s->from, type[2]) : 0;
     site->first = shared_before(s->from, memory->variable);
 }
 

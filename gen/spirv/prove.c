@@ -206,6 +206,7 @@ static const struct rule operations[] = {
     {SpvOpImageSampleDrefImplicitLod, DRIVER, "texture", LEVEL},
     {SpvOpImageSampleDrefExplicitLod, DRIVER, "texture", FILTER},
     {SpvOpImageSampleProjImplicitLod, DRIVER, "textureProj", LEVEL},
+    {SpvOpImageSampleProjDrefImplicitLod, DRIVER, "textureProj", LEVEL},
     {SpvOpImageSampleProjExplicitLod, DRIVER, "textureProjLod", FILTER},
     {SpvOpImageGather, DRIVER, "textureGather", FILTER},
     {SpvOpImageDrefGather, DRIVER, "textureGather", FILTER},
@@ -470,12 +471,18 @@ static void check_input(struct proof *proof, const uint32_t *instruction)
 }
 
 /* The rule for an instruction; NULL: it is exact. */
-static const struct rule *rule_of(const struct proof *proof, const uint32_t *instruction)
+static const struct rule *rule_of(const uint32_t *instruction, uint32_t glsl)
 {
-    uint32_t opcode = *instruction & 0xffff;
-    if (opcode == SpvOpExtInst && instruction[3] == proof->glsl)
+    uint32_t opcode = spirv_opcode(instruction);
+    if (opcode == SpvOpExtInst && instruction[3] == glsl)
         return RULE(exact_functions, functions, instruction[4]);
     return RULE(exact_operations, operations, opcode);
+}
+
+const char *prove_word(const uint32_t *instruction, uint32_t glsl)
+{
+    const struct rule *rule = rule_of(instruction, glsl);
+    return rule && *rule->word ? rule->word : NULL;
 }
 
 /* Whether the use is the end of a function that returns a value. */
@@ -499,7 +506,8 @@ static bool check_end(struct proof *proof, const uint32_t *instruction)
 
 static void check_instruction(struct proof *proof, const uint32_t *instruction)
 {
-    const struct rule *rule = check_end(proof, instruction) ? NULL : rule_of(proof, instruction);
+    const struct rule *rule =
+        check_end(proof, instruction) ? NULL : rule_of(instruction, proof->glsl);
     uint32_t result = spirv_result(instruction);
     if (result && proof->ids[result].relaxed && !spirv_is(instruction, SpvOpVariable))
         tell_finding(proof, "mediump", "its precision is open", DRIVER);

@@ -18,4 +18,8 @@ struct open_operation {
 bool prove_module(const struct spirv *module,
                   void (*found)(void *user, const struct open_operation *operation), void *user);
 
+/* The word that a body has for an operation that is not exact: `pow`, `+`; NULL: it is exact. glsl: id of
+ * GLSL.std.450. */
+const char *prove_word(const uint32_t *instruction, uint32_t glsl);
+
 #endif

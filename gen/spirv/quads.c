@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "prove.h"
 #include "sanitizer.h"
 
 struct quad {                /* an operation */
@@ -26,46 +27,22 @@ struct quads {
     uint32_t count, room;
 };
 
-static const struct {
-    uint32_t opcode;
-    const char *word;
-} derivatives[] = {
-    {SpvOpImageSampleImplicitLod, "texture"},
-    {SpvOpImageSampleDrefImplicitLod, "texture"},
-    {SpvOpImageSampleProjImplicitLod, "textureProj"},
-    {SpvOpImageSampleProjDrefImplicitLod, "textureProj"},
-    {SpvOpImageQueryLod, "textureQueryLod"},
-    {SpvOpDPdx, "dFdx"},
-    {SpvOpDPdy, "dFdy"},
-    {SpvOpFwidth, "fwidth"},
-    {SpvOpDPdxFine, "dFdxFine"},
-    {SpvOpDPdyFine, "dFdyFine"},
-    {SpvOpFwidthFine, "fwidthFine"},
-    {SpvOpDPdxCoarse, "dFdxCoarse"},
-    {SpvOpDPdyCoarse, "dFdyCoarse"},
-    {SpvOpFwidthCoarse, "fwidthCoarse"},
-};
-
 /* The word of an operation that takes a derivative; NULL: it takes none. */
 static const char *word_of(const uint32_t *instruction)
 {
-    for (size_t i = 0; i < sizeof derivatives / sizeof *derivatives; i++)
-        if (spirv_is(instruction, derivatives[i].opcode))
-            return derivatives[i].word;
-    return NULL;
+    uint32_t opcode = spirv_opcode(instruction);
+    bool implicit = opcode == SpvOpImageSampleImplicitLod ||
+                    opcode == SpvOpImageSampleDrefImplicitLod ||
+                    opcode == SpvOpImageSampleProjImplicitLod ||
+                    opcode == SpvOpImageSampleProjDrefImplicitLod || opcode == SpvOpImageQueryLod;
+    return implicit || (opcode >= SpvOpDPdx && opcode <= SpvOpFwidthCoarse)
+               ? prove_word(instruction, 0)
+               : NULL;
 }
 
 static bool is_kill(const uint32_t *instruction)
 {
     return spirv_is(instruction, SpvOpKill) || spirv_is(instruction, SpvOpTerminateInvocation);
-}
-
-static bool is_fragment(const struct spirv *from)
-{
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
-    if (spirv_is(from->words + at, SpvOpEntryPoint))
-        return from->words[at + 1] == SpvExecutionModelFragment;
-    return false;
 }
 
 /* Whether invocations must come here together. */
@@ -97,7 +74,7 @@ bool quads_begin(struct sanitizer *s)
     if (!meets)
         return false;
     s->quads->meets = meets;
-    s->quads->fragment = is_fragment(from);
+    s->quads->fragment = spirv_entry_point(from)[1] == SpvExecutionModelFragment;
     bool changed = s->request->kinds & SANITIZE_FLOW;
     while (changed) {
         changed = false;
@@ -128,19 +105,14 @@ bool quads_count_turns(const struct sanitizer *s)
 
 static uint32_t put_load(struct sanitizer *s, uint32_t variable)
 {
-    uint32_t value = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), value, variable);
-    return value;
+    return PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), variable);
 }
 
 /* a * 257 + b. */
 static uint32_t put_joined(struct sanitizer *s, uint32_t a, uint32_t b)
 {
-    uint32_t product = s->edit.bound++, sum = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIMul, sanitizer_uint(s), product, a,
-              sanitizer_number(s, 257));
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), sum, product, b);
-    return sum;
+    uint32_t product = PUT_VALUE(s, SpvOpIMul, sanitizer_uint(s), a, sanitizer_number(s, 257));
+    return PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), product, b);
 }
 
 /* The calls that led here, and the turns of the loops around, which stand before it and end behind it. */
@@ -181,17 +153,14 @@ static struct quad *add_quad(struct sanitizer *s)
 /* The number after one more coming; the same in an invocation that is discarded. */
 static uint32_t put_next(struct sanitizer *s, uint32_t variable, size_t place)
 {
-    uint32_t path = quads_path(s, place), once = s->edit.bound++, before = put_load(s, variable);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), once, path,
-              sanitizer_number(s, 1));
-    uint32_t next = put_joined(s, before, once), alive = s->edit.bound++, kept = s->edit.bound++;
+    uint32_t path = quads_path(s, place), before = put_load(s, variable);
+    uint32_t once = PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), path, sanitizer_number(s, 1));
+    uint32_t next = put_joined(s, before, once);
     if (!s->quads->discard)
         return next;
-    uint32_t boolean = spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIEqual, boolean, alive, put_load(s, s->quads->discard),
-              sanitizer_number(s, 0));
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpSelect, sanitizer_uint(s), kept, alive, next, before);
-    return kept;
+    uint32_t alive = PUT_VALUE(s, SpvOpIEqual, sanitizer_bool(s), put_load(s, s->quads->discard),
+                               sanitizer_number(s, 0));
+    return PUT_VALUE(s, SpvOpSelect, sanitizer_uint(s), alive, next, before);
 }
 
 static void put_operation(struct sanitizer *s, const char *word, size_t place)
@@ -207,9 +176,9 @@ static void put_operation(struct sanitizer *s, const char *word, size_t place)
                                      "some invocations of the quad do not reach this "
                                      "derivative")};
     if (caller)
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, quad->caller, put_load(s, caller));
+        PUT(s, SpvOpStore, quad->caller, put_load(s, caller));
     uint32_t next = put_next(s, quad->number, place);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, quad->number, next);
+    PUT(s, SpvOpStore, quad->number, next);
 }
 
 void quads_before(struct sanitizer *s, size_t place)
@@ -223,7 +192,7 @@ void quads_before(struct sanitizer *s, size_t place)
         uint32_t path = quads_path(s, place);
         s->quads->before = put_load(s, s->quads->path);
         path = put_joined(s, path, sanitizer_number(s, ++s->quads->calls));
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->quads->path, path);
+        PUT(s, SpvOpStore, s->quads->path, path);
     }
 }
 
@@ -231,7 +200,7 @@ bool quads_discard(struct sanitizer *s, const uint32_t *i)
 {
     if (!is_kill(i) || !s->quads->discard)
         return false;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->quads->discard, sanitizer_number(s, 1));
+    PUT(s, SpvOpStore, s->quads->discard, sanitizer_number(s, 1));
     if (s->function != spirv_entry(s->from))
         return false;
     spirv_put(&s->edit, &s->edit.code, SpvOpReturn, NULL, 0);
@@ -241,7 +210,7 @@ bool quads_discard(struct sanitizer *s, const uint32_t *i)
 void quads_after(struct sanitizer *s, const uint32_t *i)
 {
     if (quads_count_turns(s) && spirv_is(i, SpvOpFunctionCall) && s->quads->meets[i[3]])
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, s->quads->path, s->quads->before);
+        PUT(s, SpvOpStore, s->quads->path, s->quads->before);
 }
 
 /* ---- Behind the body ------------------------------------------------------------------------- */
@@ -260,15 +229,13 @@ static void put_quad(struct sanitizer *s, const struct quad *quad)
 static void put_discard(struct sanitizer *s)
 {
     struct spirv_edit *edit = &s->edit;
-    uint32_t boolean = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
-    uint32_t discard = edit->bound++, then = edit->bound++, end = edit->bound++;
-    SPIRV_PUT(edit, &edit->code, SpvOpINotEqual, boolean, discard, put_load(s, s->quads->discard),
-              sanitizer_number(s, 0));
-    SPIRV_PUT(edit, &edit->code, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
-    SPIRV_PUT(edit, &edit->code, SpvOpBranchConditional, discard, then, end);
-    SPIRV_PUT(edit, &edit->code, SpvOpLabel, then);
+    uint32_t discard = put_load(s, s->quads->discard), then = edit->bound++, end = edit->bound++;
+    discard = PUT_VALUE(s, SpvOpINotEqual, sanitizer_bool(s), discard, sanitizer_number(s, 0));
+    PUT(s, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
+    PUT(s, SpvOpBranchConditional, discard, then, end);
+    PUT(s, SpvOpLabel, then);
     spirv_put(edit, &edit->code, SpvOpKill, NULL, 0);
-    SPIRV_PUT(edit, &edit->code, SpvOpLabel, end);
+    PUT(s, SpvOpLabel, end);
 }
 
 void quads_end(struct sanitizer *s)
@@ -278,7 +245,7 @@ void quads_end(struct sanitizer *s)
         return;
     spirv_copy(&s->edit, &s->edit.code, s->from->words + function->begin);
     uint32_t label = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLabel, label);
+    PUT(s, SpvOpLabel, label);
     for (uint32_t i = 0; i < s->quads->count; i++)
         put_quad(s, &s->quads->list[i]);
     if (s->quads->discard)

@@ -30,28 +30,14 @@ static void mark_operands(struct reach *reach, const uint32_t *instruction)
 
 static bool is_built_in_input(const struct spirv *module, uint32_t variable)
 {
-    if (spirv_definition(module, variable)[3] != SpvStorageClassInput)
-        return false;
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    if (spirv_is(module->words + at, SpvOpDecorate) && module->words[at + 1] == variable &&
-        module->words[at + 2] == SpvDecorationBuiltIn)
-        return true;
-    return false;
-}
-
-/* The word of the first input or output of an entry point, behind its name. */
-static uint32_t first_variable(const uint32_t *entry)
-{
-    uint32_t word = 3;
-    while (word < spirv_length(entry) && entry[word] >> 24)
-        word++; /* the last word of a text ends with zero */
-    return word + 1;
+    return spirv_definition(module, variable)[3] == SpvStorageClassInput &&
+           spirv_decoration(module, variable, SpvDecorationBuiltIn) != UINT32_MAX;
 }
 
 static void mark_entry(struct reach *reach, const uint32_t *entry)
 {
     mark(reach, entry[2]);
-    for (uint32_t word = first_variable(entry); word < spirv_length(entry); word++)
+    for (uint32_t word = spirv_entry_variables(entry); word < spirv_length(entry); word++)
         if (!is_built_in_input(reach->module, entry[word]))
             mark(reach, entry[word]);
 }
@@ -100,7 +86,7 @@ static bool is_target_live(const struct reach *reach, const uint32_t *instructio
 static void copy_entry(const struct reach *reach, struct spirv_edit *edit, const uint32_t *entry)
 {
     size_t start = edit->front.count;
-    uint32_t kept = first_variable(entry);
+    uint32_t kept = spirv_entry_variables(entry);
     spirv_copy(edit, &edit->front, entry);
     if (edit->failed)
         return;

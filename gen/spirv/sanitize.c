@@ -3,6 +3,7 @@
  * places are the author's, and values those of the operations that he wrote.
  *
  * Text of the generator has no place of its own: what it does is told where the author calls it. */
+#include "prove.h"
 #include "sanitizer.h"
 
 #include <spirv/unified1/GLSL.std.450.h>
@@ -25,7 +26,7 @@ static uint32_t int_type(struct sanitizer *s)
     return spirv_declare(&s->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
 }
 
-static uint32_t bool_type(struct sanitizer *s)
+uint32_t sanitizer_bool(struct sanitizer *s)
 {
     return spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
 }
@@ -177,12 +178,9 @@ void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site)
 {
     uint32_t place = sanitizer_number(s, site), caller, allowed = allowed_number(s, s->kind);
     if (!s->file && (caller = sanitizer_caller(s))) {
-        uint32_t first = s->edit.bound++;
-        place = allowed ? s->edit.bound++ : first;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), first, caller);
+        place = PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), caller);
         if (allowed)
-            SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), place, first,
-                      sanitizer_number(s, allowed));
+            place = PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), place, sanitizer_number(s, allowed));
     }
     values->ids[values->count++] = place;
     values->ids[values->count++] = sanitizer_what(s, site);
@@ -198,14 +196,14 @@ static void put_caller(struct sanitizer *s, const uint32_t *call)
     struct sanitize_site site = {.more = s->request->pass->allow_count};
     snprintf(site.name, sizeof site.name, "%.*s", (int)strcspn(name, "("), name);
     uint32_t first = sanitizer_number(s, sanitizer_add(s, &site));
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, caller, first);
+    PUT(s, SpvOpStore, caller, first);
 }
 
 /* ---- Arithmetic ------------------------------------------------------------------------------ */
 
 struct check {
     uint32_t number;      /* SpvOp or GLSLstd450 */
-    const char *function; /* of sanitize.glsl; NULL: only whether the result is finite */
+    const char *function; /* of sanitize.glsl */
     const char *word;     /* in the body */
     const char *text;     /* @0x: letter of the first operand's type */
     uint8_t first, count; /* operands that it takes */
@@ -225,18 +223,6 @@ static const struct check operations[] = {
     {SpvOpBitFieldUExtract, "bits", "bitfieldExtract", "@1i bits from bit @0i of 32", 1, 2, false},
     {SpvOpConvertFToS, "to_int", "int", "@0f as an int", 0, 1, false},
     {SpvOpConvertFToU, "to_uint", "uint", "@0f as a uint", 0, 1, false},
-    {SpvOpFAdd, NULL, "+", "", 0, 0, false},
-    {SpvOpFSub, NULL, "-", "", 0, 0, false},
-    {SpvOpFMul, NULL, "*", "", 0, 0, false},
-    {SpvOpFDiv, NULL, "/", "", 0, 0, false},
-    {SpvOpFMod, NULL, "mod", "", 0, 0, false},
-    {SpvOpVectorTimesScalar, NULL, "*", "", 0, 0, false},
-    {SpvOpMatrixTimesScalar, NULL, "*", "", 0, 0, false},
-    {SpvOpVectorTimesMatrix, NULL, "*", "", 0, 0, false},
-    {SpvOpMatrixTimesVector, NULL, "*", "", 0, 0, false},
-    {SpvOpMatrixTimesMatrix, NULL, "*", "", 0, 0, false},
-    {SpvOpOuterProduct, NULL, "outerProduct", "", 0, 0, false},
-    {SpvOpDot, NULL, "dot", "", 0, 0, false},
 };
 
 static const struct check functions[] = {
@@ -256,32 +242,33 @@ static const struct check functions[] = {
     {GLSLstd450UClamp, "clamp", "clamp", "clamp from @0u to @1u", 1, 2, false},
     {GLSLstd450FMix, "mix", "mix", "mix of a NaN", 0, 3, false},
     {GLSLstd450Normalize, "normalize", "normalize", "normalize of zero", 0, 1, true},
-    {GLSLstd450Exp, NULL, "exp", "", 0, 0, false},
-    {GLSLstd450Exp2, NULL, "exp2", "", 0, 0, false},
-    {GLSLstd450Degrees, NULL, "degrees", "", 0, 0, false},
-    {GLSLstd450Sinh, NULL, "sinh", "", 0, 0, false},
-    {GLSLstd450Cosh, NULL, "cosh", "", 0, 0, false},
-    {GLSLstd450Length, NULL, "length", "", 0, 0, false},
-    {GLSLstd450Distance, NULL, "distance", "", 0, 0, false},
-    {GLSLstd450Cross, NULL, "cross", "", 0, 0, false},
-    {GLSLstd450Reflect, NULL, "reflect", "", 0, 0, false},
-    {GLSLstd450Refract, NULL, "refract", "", 0, 0, false},
-    {GLSLstd450Fma, NULL, "fma", "", 0, 0, false},
-    {GLSLstd450Ldexp, NULL, "ldexp", "", 0, 0, false},
-    {GLSLstd450Determinant, NULL, "determinant", "", 0, 0, false},
-    {GLSLstd450MatrixInverse, NULL, "inverse", "", 0, 0, false},
 };
 
-static const struct check *check_of(const struct sanitizer *s, const uint32_t *instruction)
+/* Functions without a check of operands whose results must be finite, as those of all arithmetic. */
+static const uint8_t finite_functions[] = {
+    GLSLstd450Exp,         GLSLstd450Exp2,          GLSLstd450Degrees,  GLSLstd450Sinh,
+    GLSLstd450Cosh,        GLSLstd450Length,        GLSLstd450Distance, GLSLstd450Cross,
+    GLSLstd450Reflect,     GLSLstd450Refract,       GLSLstd450Fma,      GLSLstd450Ldexp,
+    GLSLstd450Determinant, GLSLstd450MatrixInverse,
+};
+
+/* The check of an operation; without a function where it has none of its operands. False: it has none. */
+static bool find_check(const struct sanitizer *s, const uint32_t *instruction, struct check *check)
 {
     bool extended = spirv_is(instruction, SpvOpExtInst) && instruction[3] == s->glsl;
     const struct check *list = extended ? functions : operations;
     size_t count = extended ? DT_ARRAY_COUNT(functions) : DT_ARRAY_COUNT(operations);
     uint32_t number = extended ? instruction[4] : spirv_opcode(instruction);
+    *check = (struct check){.word = prove_word(instruction, s->glsl)};
     for (size_t i = 0; i < count; i++)
-        if (list[i].number == number)
-            return list + i;
-    return NULL;
+        if (list[i].number == number) {
+            *check = list[i];
+            return true;
+        }
+    for (size_t i = 0; extended && i < DT_ARRAY_COUNT(finite_functions); i++)
+        if (finite_functions[i] == number)
+            return true;
+    return spirv_is_arithmetic(instruction) && check->word;
 }
 
 static uint32_t first_operand(const uint32_t *instruction)
@@ -291,18 +278,12 @@ static uint32_t first_operand(const uint32_t *instruction)
 
 static uint32_t put_part(struct sanitizer *s, uint32_t id, const uint32_t *type, uint32_t part)
 {
-    uint32_t result = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpCompositeExtract, type[2], result, id, part);
-    return result;
+    return PUT_VALUE(s, SpvOpCompositeExtract, type[2], id, part);
 }
 
 static uint32_t put_bool(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b)
 {
-    uint32_t result = s->edit.bound++;
-    if (!a)
-        return b;
-    SPIRV_PUT(&s->edit, &s->edit.code, opcode, bool_type(s), result, a, b);
-    return result;
+    return a ? PUT_VALUE(s, opcode, sanitizer_bool(s), a, b) : b;
 }
 
 /* The check of one component, or of whole vectors: whether it found the operation undefined. */
@@ -441,17 +422,15 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
     char text[96];
     if (!has_floats(s->from, type))
         return;
-    if (bad) {
-        all = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLogicalNot, bool_type(s), all, bad);
-    }
+    if (bad)
+        all = PUT_VALUE(s, SpvOpLogicalNot, sanitizer_bool(s), bad);
     for (uint32_t word = first_operand(instruction); word < spirv_length(instruction); word++) {
         uint32_t finite =
             id_is_constant(s->from, instruction[word]) ? 0 : put_finite(s, instruction[word]);
         all = finite ? put_bool(s, SpvOpLogicalAnd, all, finite) : all;
     }
     if (!all) /* all operands are constants, or integers */
-        all = spirv_declare(&s->edit, SpvOpConstantTrue, bool_type(s), NULL, 0);
+        all = spirv_declare(&s->edit, SpvOpConstantTrue, sanitizer_bool(s), NULL, 0);
     s->kind = SANITIZE_ARITHMETIC;
     snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
     put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));
@@ -469,17 +448,6 @@ static const char *base_name(const struct spirv *from, uint32_t id)
             return spirv_name(from, id);
         id = i[3];
     }
-}
-
-static const char *member_name(const struct spirv *from, uint32_t structure, uint32_t member)
-{
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
-    {
-        const uint32_t *i = from->words + at;
-        if (spirv_is(i, SpvOpMemberName) && i[1] == structure && i[2] == member)
-            return (const char *)(i + 3);
-    }
-    return NULL;
 }
 
 /* glslang's variable of a constant array that is indexed has no name of the author's. */
@@ -518,10 +486,7 @@ static uint32_t put_count(struct sanitizer *s, const uint32_t *chain, uint32_t w
     if (!spirv_is(type, SpvOpTypeRuntimeArray) || word != 5 ||
         !constant_of(from, chain[4], &member))
         return 0;
-    count = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpArrayLength, sanitizer_uint(s), count, chain[3],
-              member);
-    return count;
+    return PUT_VALUE(s, SpvOpArrayLength, sanitizer_uint(s), chain[3], member);
 }
 
 /* All indices of an access chain. */
@@ -534,7 +499,7 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
         uint32_t index, member;
         if (spirv_is(type, SpvOpTypeStruct)) {
             constant_of(from, chain[word], &member);
-            const char *own = member_name(from, type[1], member);
+            const char *own = spirv_member_name(from, type[1], member);
             name = own ? own : name;
             type = spirv_definition(from, type[2 + member]);
             continue;
@@ -563,46 +528,35 @@ static void put_component(struct sanitizer *s, const uint32_t *instruction, uint
 static uint32_t put_size(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t lod,
                          uint32_t width)
 {
-    uint32_t size = s->edit.bound++, result_type = sanitizer_vector(s, int_type(s), width);
-    if (type[7] == 1 && !type[6] && type[3] != SpvDimBuffer && type[3] != SpvDimRect) {
-        uint32_t zero = spirv_declare(&s->edit, SpvOpConstant, int_type(s), (uint32_t[]){0}, 1);
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQuerySizeLod, result_type, size, image,
-                  lod ? lod : zero);
-    } else {
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQuerySize, result_type, size, image);
-    }
-    return size;
+    uint32_t whole = sanitizer_vector(s, int_type(s), width);
+    if (type[7] != 1 || type[6] || type[3] == SpvDimBuffer || type[3] == SpvDimRect)
+        return PUT_VALUE(s, SpvOpImageQuerySize, whole, image);
+    uint32_t zero = spirv_declare(&s->edit, SpvOpConstant, int_type(s), (uint32_t[]){0}, 1);
+    return PUT_VALUE(s, SpvOpImageQuerySizeLod, whole, image, lod ? lod : zero);
 }
 
 /* Of cubes: width, height and faces. */
 static uint32_t put_faces(struct sanitizer *s, const uint32_t *type, uint32_t size)
 {
-    struct spirv_edit *edit = &s->edit;
-    uint32_t whole = int_type(s), three = sanitizer_vector(s, whole, 3), faces, result, cubes;
-    faces = spirv_declare(edit, SpvOpConstant, whole, (uint32_t[]){6}, 1);
+    uint32_t whole = int_type(s), three = sanitizer_vector(s, whole, 3);
+    uint32_t faces = spirv_declare(&s->edit, SpvOpConstant, whole, (uint32_t[]){6}, 1);
     if (type[5]) {
-        cubes = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, whole, cubes, size, 2);
-        result = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpIMul, whole, result, cubes, faces);
-        faces = result;
+        uint32_t cubes = PUT_VALUE(s, SpvOpCompositeExtract, whole, size, 2);
+        faces = PUT_VALUE(s, SpvOpIMul, whole, cubes, faces);
     }
-    uint32_t width = edit->bound++, height = edit->bound++;
-    SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, whole, width, size, 0);
-    SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, whole, height, size, 1);
-    result = edit->bound++;
-    SPIRV_PUT(edit, &edit->code, SpvOpCompositeConstruct, three, result, width, height, faces);
-    return result;
+    uint32_t width = PUT_VALUE(s, SpvOpCompositeExtract, whole, size, 0);
+    uint32_t height = PUT_VALUE(s, SpvOpCompositeExtract, whole, size, 1);
+    return PUT_VALUE(s, SpvOpCompositeConstruct, three, width, height, faces);
 }
 
 /* A level of detail that is fetched from. Returns one that the image has. */
 static uint32_t put_mip(struct sanitizer *s, uint32_t image, uint32_t lod, const char *name)
 {
-    uint32_t mips = s->edit.bound++, index;
+    uint32_t index;
     char text[160];
     if (!lod || (constant_of(s->from, lod, &index) && !index))
         return lod;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpImageQueryLevels, sanitizer_uint(s), mips, image);
+    uint32_t mips = PUT_VALUE(s, SpvOpImageQueryLevels, sanitizer_uint(s), image);
     struct values values = {{lod, mips}, 2};
     snprintf(text, sizeof text, "mip @0i of `%.60s`, which has @1u mips", name);
     sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
@@ -655,8 +609,8 @@ static void put_image(struct sanitizer *s, const uint32_t *instruction)
 /* imageAtomic*(). */
 static void put_pointer(struct sanitizer *s, const uint32_t *instruction)
 {
-    uint32_t type = spirv_type(s->from, instruction[3])[3], image = s->edit.bound++;
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, type, image, instruction[3]);
+    uint32_t type = spirv_type(s->from, instruction[3])[3];
+    uint32_t image = PUT_VALUE(s, SpvOpLoad, type, instruction[3]);
     put_texel(s, spirv_definition(s->from, type), image, instruction[3], instruction[4], 0);
 }
 
@@ -665,18 +619,16 @@ static void put_pointer(struct sanitizer *s, const uint32_t *instruction)
 /* Variables that count turns, at the head of a function. */
 static void put_counters(struct sanitizer *s, const struct spirv_function *function)
 {
-    uint32_t label = 0, type = 0;
+    uint32_t label = 0;
     SPIRV_EACH(s->from, at, function->begin, function->end)
     {
         const uint32_t *i = s->from->words + at;
         label = spirv_is(i, SpvOpLabel) ? i[1] : label;
         if (!spirv_is(i, SpvOpLoopMerge))
             continue;
-        type = spirv_declare(&s->edit, SpvOpTypePointer, 0,
-                             (uint32_t[]){SpvStorageClassFunction, sanitizer_uint(s)}, 2);
-        s->counters[label] = s->edit.bound++;
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpVariable, type, s->counters[label],
-                  SpvStorageClassFunction);
+        uint32_t type = spirv_declare(&s->edit, SpvOpTypePointer, 0,
+                                      (uint32_t[]){SpvStorageClassFunction, sanitizer_uint(s)}, 2);
+        s->counters[label] = PUT_VALUE(s, SpvOpVariable, type, SpvStorageClassFunction);
     }
 }
 
@@ -685,17 +637,16 @@ static void put_start(struct sanitizer *s, const uint32_t *branch, size_t at)
 {
     uint32_t counter = s->counters[branch[1]];
     if (counter && s->from->definitions[branch[1]] > at)
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, sanitizer_number(s, 0));
+        PUT(s, SpvOpStore, counter, sanitizer_number(s, 0));
 }
 
 /* In the header of a loop, before OpLoopMerge: counts a turn. Returns the condition of its end; 0: it is not looked for. */
 static uint32_t put_turn(struct sanitizer *s)
 {
-    uint32_t before = s->edit.bound++, turns = s->edit.bound++, counter = s->counters[s->label];
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpLoad, sanitizer_uint(s), before, counter);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpIAdd, sanitizer_uint(s), turns, before,
-              sanitizer_number(s, 1));
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpStore, counter, turns);
+    uint32_t counter = s->counters[s->label];
+    uint32_t before = PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), counter);
+    uint32_t turns = PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), before, sanitizer_number(s, 1));
+    PUT(s, SpvOpStore, counter, turns);
     if (!(s->request->kinds & SANITIZE_LOOP))
         return 0;
     struct values values = {{turns}, 1};
@@ -716,7 +667,7 @@ static void put_return(struct sanitizer *s, const struct spirv_function *functio
         return;
     }
     uint32_t zero = spirv_declare(&s->edit, SpvOpConstantNull, type, NULL, 0);
-    SPIRV_PUT(&s->edit, &s->edit.code, SpvOpReturnValue, zero);
+    PUT(s, SpvOpReturnValue, zero);
 }
 
 /* The header of a loop: its branch may leave the loop. Returns the words up to that branch, which is written, too. */
@@ -726,7 +677,7 @@ static uint32_t put_header(struct sanitizer *s, const uint32_t *merge)
     uint32_t over = spirv_is(branch, SpvOpBranch) ? put_turn(s) : 0;
     spirv_copy(&s->edit, &s->edit.code, merge);
     if (over)
-        SPIRV_PUT(&s->edit, &s->edit.code, SpvOpBranchConditional, over, merge[1], branch[1]);
+        PUT(s, SpvOpBranchConditional, over, merge[1], branch[1]);
     return over ? spirv_length(merge) : 0;
 }
 
@@ -764,8 +715,9 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     uint32_t more = 0;
     const uint32_t *i = s->from->words + at;
     bool loops = s->request->kinds & SANITIZE_LOOP, turns = loops || quads_count_turns(s);
-    const struct check *check = s->request->kinds & SANITIZE_ARITHMETIC ? check_of(s, i) : NULL;
-    uint32_t bad = check ? put_operands(s, check, i) : 0;
+    struct check check;
+    bool checked = s->request->kinds & SANITIZE_ARITHMETIC && find_check(s, i, &check);
+    uint32_t bad = checked ? put_operands(s, &check, i) : 0;
     put_before(s, i);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_before(s, i);
@@ -784,8 +736,8 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         put_return(s, function);
     else if (!quads_discard(s, i))
         spirv_copy(&s->edit, &s->edit.code, i);
-    if (check)
-        put_result(s, check, i, bad);
+    if (checked)
+        put_result(s, &check, i, bad);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_after(s, i);
     content_after(s, i);

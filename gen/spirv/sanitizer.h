@@ -27,7 +27,12 @@ struct values { /* operands of a check */
     uint32_t ids[8], count;
 };
 
-uint32_t sanitizer_uint(struct sanitizer *s); /* the type */
+/* Append an instruction to the code; one with a type and a new result, which is returned. */
+#define PUT(s, ...)       SPIRV_PUT(&(s)->edit, &(s)->edit.code, __VA_ARGS__)
+#define PUT_VALUE(s, ...) SPIRV_VALUE(&(s)->edit, &(s)->edit.code, __VA_ARGS__)
+
+uint32_t sanitizer_uint(struct sanitizer *s); /* the types */
+uint32_t sanitizer_bool(struct sanitizer *s);
 uint32_t sanitizer_number(struct sanitizer *s, uint32_t value);
 /* The result of a call; 0: there is no such function. */
 uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct values *values);

@@ -63,8 +63,8 @@ static void put_copy(struct texels *texels, uint32_t type, uint32_t result, uint
     const uint32_t *declared = spirv_definition(texels->module, type);
     uint32_t operands[34] = {type, result}, count = 2;
     for (uint32_t i = 2; i < spirv_length(declared) && count < 34; i++) {
-        uint32_t member = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, declared[i], member, value, i - 2);
+        uint32_t member =
+            SPIRV_VALUE(edit, &edit->code, SpvOpCompositeExtract, declared[i], value, i - 2);
         operands[count++] = member;
     }
     spirv_put(edit, &edit->code, SpvOpCompositeConstruct, operands, count);
@@ -80,8 +80,7 @@ static void put_read(struct texels *texels, const uint32_t *load, const uint32_t
     const uint32_t *type = spirv_type(module, index);
     if (type[3]) { /* signed */
         uint32_t uint_type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
-        uint32_t bits = edit->bound++;
-        SPIRV_PUT(edit, &edit->code, SpvOpBitcast, uint_type, bits, index);
+        uint32_t bits = SPIRV_VALUE(edit, &edit->code, SpvOpBitcast, uint_type, index);
         index = bits;
     }
     bool whole = spirv_length(chain) == 6;
@@ -101,9 +100,8 @@ static void put_read(struct texels *texels, const uint32_t *load, const uint32_t
 static void put_length(struct texels *texels, const uint32_t *instruction)
 {
     struct spirv_edit *edit = &texels->edit;
-    uint32_t call = edit->bound++;
-    SPIRV_PUT(edit, &edit->code, SpvOpFunctionCall, result_type(texels, texels->length), call,
-              texels->length);
+    uint32_t call = SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall,
+                                result_type(texels, texels->length), texels->length);
     SPIRV_PUT(edit, &edit->code, SpvOpBitcast, instruction[1], instruction[2], call);
 }
 

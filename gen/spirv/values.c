@@ -87,18 +87,12 @@ static int format_of_image(const struct values *values, uint32_t image);
 static int format_of_parameter(const struct values *values, uint32_t parameter)
 {
     const struct spirv *from = values->from;
-    const struct spirv_function *function = from->functions;
-    size_t at = from->definitions[parameter];
-    while (at > function->end)
-        function++;
-    uint32_t index = 0;
-    SPIRV_EACH(from, p, function->begin, at)
-    index += spirv_is(from->words + p, SpvOpFunctionParameter);
+    uint32_t function, index = spirv_parameter_index(from, parameter, &function);
     int format = NO_FORMAT;
     SPIRV_EACH(from, p, from->code, from->count)
     {
         const uint32_t *i = from->words + p;
-        if (!spirv_is(i, SpvOpFunctionCall) || i[3] != function->id)
+        if (!spirv_is(i, SpvOpFunctionCall) || i[3] != function)
             continue;
         int given = format_of_image(values, i[4 + index]);
         if (format != NO_FORMAT && given != format)
@@ -188,8 +182,7 @@ static bool put_rounded(struct values *values, const uint32_t *write)
         component ? find_function(values, format_of_image(values, write[1]), false, component) : 0;
     if (!function)
         return false;
-    uint32_t value = edit->bound++;
-    SPIRV_PUT(edit, &edit->code, SpvOpFunctionCall, type, value, function, write[3]);
+    uint32_t value = SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall, type, function, write[3]);
     size_t start = edit->code.count;
     spirv_copy(edit, &edit->code, write);
     if (!edit->failed)
@@ -251,20 +244,13 @@ static void put_targets(struct values *values)
     }
 }
 
-static bool is_fragment(const struct spirv *module)
-{
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpEntryPoint))
-        return module->words[at + 1] == SpvExecutionModelFragment;
-    return false;
-}
-
 bool spirv_values(struct spirv *module, const struct pass *pass, char **why)
 {
     char *refused = NULL;
     struct values values = {.from = module, .pass = pass, .why = &refused};
     struct spirv_edit *edit = &values.edit;
-    uint32_t entry = is_fragment(module) ? spirv_entry(module) : 0, function = 0;
+    const uint32_t *point = spirv_entry_point(module);
+    uint32_t entry = point[1] == SpvExecutionModelFragment ? point[2] : 0, function = 0;
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&values.link, edit);
     SPIRV_EACH(module, at, module->annotations, module->declarations)
