@@ -246,35 +246,34 @@ static bool add_depfile(struct generation *g)
     return good;
 }
 
-static void add_drawing(struct generation *g, const char *path,
-                        void (*emit)(const struct model *model, struct text *out))
+static bool add_drawing(struct generation *g, const char *drawing, const char *path)
 {
     struct text text = {0};
-    emit(&g->spec.model, &text);
-    output_add(g->output, "", path, &text);
+    if (path && !emit_drawing(&g->spec.model, drawing, &text)) {
+        text_free(&text);
+        return false;
+    }
+    if (path)
+        output_add(g->output, "", path, &text);
+    return true;
 }
 
 static void add_sources(struct generation *g)
 {
     const struct model *model = &g->spec.model;
     const struct lowered *tables = g->spec.tables;
-    struct text header = {0}, panel = {0}, gl_shaders = {0}, vk_shaders = {0}, graph = {0},
-                lifetimes = {0};
+    struct text header = {0}, panel = {0}, gl_shaders = {0}, vk_shaders = {0};
     emit_header(model, &header);
     emit_c_panel(tables, &panel);
     g->gpu_bytes =
         emit_c_shaders(tables, BACKEND_GL, g->options->names, g->options->glsl, &gl_shaders) +
         emit_c_shaders(tables, BACKEND_VK, g->options->names, g->options->glsl, &vk_shaders);
-    emit_graph(model, &graph);
-    emit_lifetimes(model, &lifetimes);
     text_wrap(&header, GENERATED_COLUMNS);
     text_wrap(&panel, GENERATED_COLUMNS);
     add_named(g, ".h", &header);
     add_named(g, ".c", &panel);
     add_named(g, "_gl_shaders.c", &gl_shaders);
     add_named(g, "_vk_shaders.c", &vk_shaders);
-    add_named(g, ".dot", &graph);
-    add_named(g, "_lifetimes.dot", &lifetimes);
     add_shaders(g);
 }
 
@@ -287,11 +286,9 @@ static enum status write_files(struct generation *g)
     }
     if (g->options->out)
         add_sources(g);
-    if (g->options->graph)
-        add_drawing(g, g->options->graph, emit_graph);
-    if (g->options->lifetimes)
-        add_drawing(g, g->options->lifetimes, emit_lifetimes);
-    if (g->options->depfile && !add_depfile(g))
+    if (!add_drawing(g, "graph", g->options->graph) ||
+        !add_drawing(g, "lifetimes", g->options->lifetimes) ||
+        (g->options->depfile && !add_depfile(g)))
         return STATUS_FAILED;
     return output_commit(g->output) ? STATUS_DONE : STATUS_FAILED;
 }

@@ -29,7 +29,7 @@ static void forget_pass(struct pipeline *pipeline, const char *name)
     }
 }
 
-/* Keeps a copy of the pass, because emit_graph.c draws dropped passes. */
+/* Keeps a copy of the pass, because drawings show dropped passes. */
 static void drop_pass(struct checker *c, const struct pass *pass)
 {
     struct pass *copy = arena_alloc(c->model->arena, sizeof *copy);

@@ -12,8 +12,8 @@ size_t emit_c_shaders(const struct lowered *tables, enum backend backend, bool n
                       struct text *out);
 /* Whether both print the same C: then the second is not needed. */
 bool emit_is_same(const struct lowered *tables, const struct lowered *gpu);
-void emit_graph(const struct model *model, struct text *out);     /* NAME.dot */
-void emit_lifetimes(const struct model *model, struct text *out); /* NAME_lifetimes.dot */
+/* emit_plan.c: a drawing for Graphviz, `graph` or `lifetimes`. False: reported. */
+bool emit_drawing(const struct model *model, const char *drawing, struct text *out);
 /* needs.c: --needs, Markdown. */
 void emit_device_needs(const struct lowered *tables, struct text *out);
 void emit_schema(struct text *out);         /* schema.c */

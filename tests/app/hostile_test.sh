@@ -76,7 +76,7 @@ samples=1 render=2
 [ -z "${DIPTYCH_LONG:-}" ] || samples=20 render=0
 failing=(/usr/bin/python3 tests/lib/failing.py "$build/tests/failing.so")
 out=$work/out
-generate=("$gen" tests/specs/features.yaml -o "$out" --depfile "$out/depfile" --graph "$out/graph.dot")
+generate=("$gen" tests/specs/features.yaml -o "$out" --depfile "$out/depfile")
 if [ -n "${DIPTYCH_LONG:-}" ]; then # every call, for a small pipeline; a large one would take days
     small=("$gen" "$work/fill.yaml" --templates templates -o "$out")
     check "a small generation when any call fails" env "OLD=--set exactness=fast" FOREIGN=1 "${failing[@]}" 0 "$out" -- "${small[@]}"

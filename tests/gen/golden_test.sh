@@ -82,6 +82,7 @@ for name in small kinds ssvp rsm; do
     check "... the same bytes" diff -r "$work/$name" "$work/elsewhere/$name"
     check "$name names no path, host or date" names_nothing_of_here $name
 done
+check "small is drawn" "$gen" tests/gen/golden/small.yaml --graph "$work/small/small.dot" --lifetimes "$work/small/small_lifetimes.dot"
 for file in small.h small.c small_{gl,vk}_shaders.c small.dot small_lifetimes.dot; do
     check "$file is as expected" as_expected "$file"
 done

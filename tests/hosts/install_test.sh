@@ -415,7 +415,7 @@ package_finds_it() {
 int main(void) { return dt_vk_open(&(struct dt_vk_host){0}) != 0; }' >"$work/one.c" && hide cc "$work/one.c" "${flags[@]}" -o "$work/one"
 }
 finds_by_name() {
-    hide "$apart/bin/diptych-gen" rsm --check &&
+    hide "$apart/bin/diptych-gen" rsm --check && hide "$apart/bin/diptych-gen" rsm --graph "$work/rsm.dot" &&
         hide "$apart/bin/diptych" render --spec rsm --scene cornell --size 24x16 --backend vk -o "$work/a.png" --set rsm_size=16 --set samples=4
 }
 check "libraries may be in a folder of their own" installs_apart

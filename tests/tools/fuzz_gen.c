@@ -26,8 +26,6 @@ static void load_spec(const char *name)
         emit_c_panel(spec.tables, &text);
         emit_c_shaders(spec.tables, BACKEND_GL, false, true, &text);
         emit_c_shaders(spec.tables, BACKEND_VK, true, false, &text);
-        emit_graph(&spec.model, &text);
-        emit_lifetimes(&spec.model, &text);
     }
     diag_json(diag, &text);
     diag_print(diag, "diptych-gen", stderr);
