@@ -115,10 +115,14 @@ bool glsl_check_accesses(struct glsl *glsl);
 /* glsl_library.c: puts the definitions of templates/glsl/NAME.glsl that the stage uses before
  * PART_LIBRARY. Replaces @layout@ in them by `layout`. */
 bool glsl_library(struct glsl *glsl, const char *name, const char *layout);
+/* A file of templates/glsl; NULL: reported. A text with `words` replaced in it: pairs of a word that begins
+ * with @ and its text, up to NULL. */
+const struct source *glsl_library_file(struct glsl *glsl, const char *name);
+void glsl_fill(struct text *out, const char *text, const char *const *words);
 
 /* sanitize_glsl.c: the checks of --sanitize, into PART_END. */
 bool sanitize_glsl(struct glsl *glsl);
-/* A file of templates/glsl, with `words` replaced in it: pairs of a word and its text, up to NULL. */
+/* A filled file of templates/glsl, into PART_CHECKS. */
 bool sanitize_library(struct glsl *glsl, const char *name, const char *const *words);
 /* The layout of the pass's binding of an internal resource; NULL: out of memory. */
 const char *sanitize_layout(const struct glsl *glsl, const char *resource);

@@ -75,15 +75,32 @@ static struct token defined_name(const char *text)
     return token.length ? before : (struct token){0};
 }
 
-static void add_with_layout(struct text *out, const char *text, const char *layout)
+void glsl_fill(struct text *out, const char *text, const char *const *words)
 {
-    const char *slot = strstr(text, "@layout@");
-    if (!slot) {
-        text_add(out, "%s\n\n", text);
-        return;
+    for (const char *next; *text; text = next) {
+        const char *const *slot = words;
+        next = strchr(text + 1, '@');
+        next = next ? next : text + strlen(text);
+        while (*slot && strncmp(text, *slot, strlen(*slot)) != 0)
+            slot += 2;
+        if (*slot) {
+            text_add(out, "%s", slot[1]);
+            next = text + strlen(*slot);
+        } else {
+            text_add_bytes(out, text, (size_t)(next - text));
+        }
     }
-    text_add_bytes(out, text, (size_t)(slot - text));
-    text_add(out, "%s%s\n\n", layout, slot + strlen("@layout@"));
+}
+
+const struct source *glsl_library_file(struct glsl *glsl, const char *name)
+{
+    struct model *model = glsl->model;
+    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
+    const struct source *source = path ? glsl_source(model, path) : NULL;
+    if (!source)
+        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
+                   path ? path : name);
+    return source;
 }
 
 void glsl_put_before(struct text *part, struct text *front)
@@ -97,14 +114,10 @@ void glsl_put_before(struct text *part, struct text *front)
 
 bool glsl_library(struct glsl *glsl, const char *name, const char *layout)
 {
-    struct model *model = glsl->model;
-    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
-    const struct source *source = path ? glsl_source(model, path) : NULL;
-    if (!source) {
-        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
-                   path ? path : name);
+    const struct source *source = glsl_library_file(glsl, name);
+    const char *const words[] = {"@layout@", layout, NULL};
+    if (!source)
         return false;
-    }
     size_t end = source->length;
     while (end > 0) { /* from last to first: a definition uses those above it */
         size_t start = end;
@@ -114,13 +127,14 @@ bool glsl_library(struct glsl *glsl, const char *name, const char *layout)
         size_t length = end - start;
         while (length && source->text[start + length - 1] == '\n')
             length--;
-        const char *text = arena_strndup(model->arena, source->text + start, length);
+        const char *text = arena_strndup(glsl->model->arena, source->text + start, length);
         if (!text)
             return false;
         struct token defined = defined_name(text);
         if (defined.length && glsl_uses(glsl, "%.*s", (int)defined.length, defined.text)) {
             struct text front = {0};
-            add_with_layout(&front, text, layout);
+            glsl_fill(&front, text, words);
+            text_add(&front, "\n\n");
             glsl_put_before(&glsl->parts[PART_LIBRARY], &front);
         }
         end = start;

@@ -38,39 +38,13 @@ const char *sanitize_layout(const struct glsl *glsl, const char *resource)
     return copy;
 }
 
-/* The next of the words in a text, and which. */
-static const char *find_next(const char *text, const char *const *words, int *which)
-{
-    const char *next = NULL;
-    for (int i = 0; words[i]; i += 2) {
-        const char *at = strstr(text, words[i]);
-        if (at && (!next || at < next)) {
-            next = at;
-            *which = i;
-        }
-    }
-    return next;
-}
-
 bool sanitize_library(struct glsl *glsl, const char *name, const char *const *words)
 {
-    struct model *model = glsl->model;
-    const char *path = arena_printf(model->arena, "%s/glsl/%s.glsl", model->templates_dir, name);
-    const struct source *source = path ? glsl_source(model, path) : NULL;
-    struct text *out = &glsl->parts[PART_CHECKS];
-    if (!source) {
-        diag_error(glsl->diag, glsl->pass->shader_loc, "cannot read the library file %s",
-                   path ? path : name);
-        return false;
-    }
-    int which = 0;
-    const char *text = source->text;
-    for (const char *at; (at = find_next(text, words, &which)); text = at + strlen(words[which])) {
-        text_add_bytes(out, text, (size_t)(at - text));
-        text_add(out, "%s", words[which + 1]);
-    }
-    text_add(out, "%s\n", text);
-    return true;
+    const struct source *source = glsl_library_file(glsl, name);
+    if (source)
+        glsl_fill(&glsl->parts[PART_CHECKS], source->text, words);
+    text_add(&glsl->parts[PART_CHECKS], "\n");
+    return source;
 }
 
 bool sanitize_glsl(struct glsl *glsl)

@@ -42,12 +42,8 @@ static void *table(struct lowering *l, size_t count, size_t size)
 /* An image has one layout in a pass, for all accesses of the pass. */
 static uint8_t layout_in_pass(const struct pass *pass, const struct resource *resource)
 {
-    unsigned kinds = 0;
-    if (resource && resource->kind == DT_BUFFER)
-        return DT_LAYOUT_NONE;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        kinds |= pass->accesses[i].resource == resource ? pass->accesses[i].kind : 0;
-    return (uint8_t)layout_of(kinds);
+    bool buffer = resource->kind == DT_BUFFER;
+    return (uint8_t)(buffer ? DT_LAYOUT_NONE : layout_of(pass_use_of(pass, resource).kinds));
 }
 
 static struct dt_barrier barrier_of(const struct pass *pass, const struct barrier *barrier)
@@ -540,24 +536,6 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
     pipeline->resource_count = l->from->resource_count;
 }
 
-static bool reads(const struct pass *pass, const struct resource *resource)
-{
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode == MODE_READ)
-            return true;
-    return pass->indirect_resource == resource || pass->index_resource == resource;
-}
-
-/* Mask of the mips of the resource that the pass writes; 1 for a buffer. */
-static uint16_t written_mips(const struct pass *pass, const struct resource *resource)
-{
-    uint32_t mips = 0;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
-            mips |= 1u << pass->accesses[i].mip_value;
-    return (uint16_t)mips;
-}
-
 static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pass *to)
 {
     uint32_t count = l->from->resource_count;
@@ -567,8 +545,9 @@ static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pa
     for (uint16_t i = 0; i < count && !l->failed; i++) {
         if (l->from->resources[i].internal)
             continue;
-        uint16_t write = written_mips(from, &l->from->resources[i]);
-        if (reads(from, &l->from->resources[i]))
+        struct pass_use use = pass_use_of(from, &l->from->resources[i]);
+        uint16_t write = (uint16_t)use.changed_mips;
+        if (use.reads)
             read[to->read_count++] = i;
         if (!write)
             continue;

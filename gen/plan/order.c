@@ -20,16 +20,9 @@ struct graph {
     uint32_t modifier_count;
 };
 
-/* How one pass uses one resource. */
-struct mip_use {
-    bool reads, writes, updates;
-    unsigned written_mips; /* mask: passes may write different mips in any order */
-    struct loc read_loc, change_loc;
-};
-
-static struct mip_use use_of(const struct pass *pass, const struct resource *resource)
+struct pass_use pass_use_of(const struct pass *pass, const struct resource *resource)
 {
-    struct mip_use use = {0};
+    struct pass_use use = {0};
 
     if (pass->indirect_resource == resource) {
         use.reads = true;
@@ -44,6 +37,7 @@ static struct mip_use use_of(const struct pass *pass, const struct resource *res
 
         if (access->resource != resource)
             continue;
+        use.kinds |= access->kind;
         if (access->mode == MODE_READ) {
             use.reads = true;
             use.read_loc = access->loc;
@@ -53,6 +47,7 @@ static struct mip_use use_of(const struct pass *pass, const struct resource *res
         use.updates |= access->mode == MODE_UPDATE;
         use.writes |= access->mode == MODE_WRITE;
         use.written_mips |= access->mode == MODE_WRITE ? 1u << (access->mip_value & 31) : 0;
+        use.changed_mips |= 1u << (access->mip_value & 31);
     }
     return use;
 }
@@ -98,7 +93,7 @@ static void collect_modifiers(struct graph *graph, const struct resource *resour
 {
     graph->modifier_count = 0;
     for (uint32_t pass = 0; pass < graph->count; pass++) {
-        struct mip_use use = use_of(&graph->passes[pass], resource);
+        struct pass_use use = pass_use_of(&graph->passes[pass], resource);
         uint32_t place = 0;
 
         if (!use.writes && !use.updates)
@@ -116,11 +111,11 @@ static void check_writers(const struct graph *graph, const struct resource *reso
 {
     for (uint32_t j = 0; j < graph->modifier_count; j++) {
         const struct pass *second = &graph->passes[graph->modifiers[j]];
-        struct mip_use second_use = use_of(second, resource);
+        struct pass_use second_use = pass_use_of(second, resource);
 
         for (uint32_t i = 0; i < j; i++) {
             const struct pass *first = &graph->passes[graph->modifiers[i]];
-            struct mip_use first_use = use_of(first, resource);
+            struct pass_use first_use = pass_use_of(first, resource);
 
             if (!(first_use.written_mips & second_use.written_mips) ||
                 ordered(graph, graph->modifiers[i], graph->modifiers[j]))
@@ -182,7 +177,7 @@ static void order_resource(struct graph *graph, const struct resource *resource,
         add_edge(graph, graph->modifiers[i], graph->modifiers[i + 1], resource);
     if (graph->modifier_count && !resource->history) {
         const struct pass *first = &graph->passes[graph->modifiers[0]];
-        struct mip_use use = use_of(first, resource);
+        struct pass_use use = pass_use_of(first, resource);
 
         if (use.updates || use.reads) {
             diag_error(diag, use.updates ? use.change_loc : use.read_loc,
@@ -193,7 +188,7 @@ static void order_resource(struct graph *graph, const struct resource *resource,
         }
     }
     for (uint32_t pass = 0; pass < graph->count; pass++) {
-        struct mip_use use = use_of(&graph->passes[pass], resource);
+        struct pass_use use = pass_use_of(&graph->passes[pass], resource);
 
         if (use.reads && !use.writes && !use.updates)
             order_reader(graph, resource, pass, use.read_loc, diag);
@@ -280,7 +275,7 @@ static void check_output(const struct pipeline *pipeline, const char *name, stru
         bool written = strcmp(pipeline->resources[i].name, name) != 0;
 
         for (uint32_t p = 0; p < pipeline->pass_count && !written; p++) {
-            struct mip_use use = use_of(&pipeline->passes[p], &pipeline->resources[i]);
+            struct pass_use use = pass_use_of(&pipeline->passes[p], &pipeline->resources[i]);
 
             written = use.writes || use.updates;
         }

@@ -46,7 +46,16 @@ uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, ui
 /* ---- The plan's parts; plan.c calls them in this order --------------------------------------- */
 
 bool plan_order(struct model *model, struct diag *diag); /* order.c: pipeline->order, pass->index */
-void plan_lifetimes(struct model *model);                /* alias.c: first_pass, last_pass, bytes */
+/* order.c: what a pass does with a resource, by all its accesses. */
+struct pass_use {
+    bool reads, writes, updates;
+    unsigned kinds;        /* enum dt_access of its accesses */
+    uint32_t written_mips; /* mask: passes may write different mips in any order */
+    uint32_t changed_mips; /* those and updated ones */
+    struct loc read_loc, change_loc;
+};
+struct pass_use pass_use_of(const struct pass *pass, const struct resource *resource);
+void plan_lifetimes(struct model *model); /* alias.c: first_pass, last_pass, bytes */
 /* alias.c: of all mips and layers, or of all elements */
 uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height);
 void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */

@@ -94,23 +94,29 @@ struct access *sanitize_access(struct pass *pass, struct resource *resource)
     return access;
 }
 
+struct resource *sanitize_resource(struct pipeline *pipeline, const char *name)
+{
+    struct resource *buffer = pipeline->resources + pipeline->resource_count;
+    *buffer = (struct resource){.name = name,
+                                .loc = pipeline->loc,
+                                .kind = DT_BUFFER,
+                                .history = true,
+                                .keep = true,
+                                .internal = true,
+                                .share = -1,
+                                .of = "uint",
+                                .type = DT_TYPE_UINT,
+                                .stride = sizeof(uint32_t),
+                                .index = pipeline->resource_count++};
+    return buffer;
+}
+
 bool sanitize_plan(struct model *model)
 {
     struct pipeline *pipeline = &model->pipeline;
-    struct resource *reports = pipeline->resources + pipeline->resource_count;
     if (!model->sanitize)
         return true;
-    *reports = (struct resource){.name = sanitize_buffer,
-                                 .loc = pipeline->loc,
-                                 .kind = DT_BUFFER,
-                                 .history = true,
-                                 .keep = true,
-                                 .internal = true,
-                                 .share = -1,
-                                 .of = "uint",
-                                 .type = DT_TYPE_UINT,
-                                 .stride = sizeof(uint32_t),
-                                 .index = pipeline->resource_count++};
+    struct resource *reports = sanitize_resource(pipeline, sanitize_buffer);
     shadow_plan(model);
     for (uint32_t i = 0; i < pipeline->pass_count; i++) /* the last access: see sanitize_count */
         sanitize_access(&pipeline->passes[i], reports);

@@ -14,6 +14,7 @@
 struct access;
 struct model;
 struct pass;
+struct pipeline;
 struct resource;
 struct text;
 struct diag;
@@ -47,7 +48,8 @@ bool sanitize_failed(const struct model *model); /* out of memory while sites we
 bool sanitize_plan(struct model *model);
 bool sanitize_count(struct model *model, struct diag *diag);
 extern const char sanitize_buffer[]; /* its name */
-/* Gives the pass access to an internal resource. */
+/* A new internal buffer of words; gives the pass access to one. */
+struct resource *sanitize_resource(struct pipeline *pipeline, const char *name);
 struct access *sanitize_access(struct pass *pass, struct resource *resource);
 
 /* All sites for diptych_reports.h, once all shaders are compiled; they live with the model. NULL: out of memory. */

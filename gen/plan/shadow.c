@@ -28,23 +28,6 @@ uint32_t shadow_bank(const struct pipeline *pipeline, uint32_t pass)
     return last && pipeline->pass_count % 2 ? 2 : pass % 2;
 }
 
-static struct resource *add_shadow_buffer(struct pipeline *pipeline, const char *name)
-{
-    struct resource *buffer = pipeline->resources + pipeline->resource_count;
-    *buffer = (struct resource){.name = name,
-                                .loc = pipeline->loc,
-                                .kind = DT_BUFFER,
-                                .history = true,
-                                .keep = true,
-                                .internal = true,
-                                .share = -1,
-                                .of = "uint",
-                                .type = DT_TYPE_UINT,
-                                .stride = sizeof(uint32_t),
-                                .index = pipeline->resource_count++};
-    return buffer;
-}
-
 bool shadow_has_cells(const struct pass *pass)
 {
     return pass->kind == DT_PASS_DISPATCH;
@@ -56,9 +39,9 @@ void shadow_plan(struct model *model)
     struct resource *banks[SHADOW_BANKS];
     if (!(model->sanitize & SANITIZE_SHADOW))
         return;
-    struct resource *shadow = add_shadow_buffer(pipeline, shadow_buffer);
+    struct resource *shadow = sanitize_resource(pipeline, shadow_buffer);
     for (size_t i = 0; i < SHADOW_BANKS; i++)
-        banks[i] = add_shadow_buffer(pipeline, shadow_cell_buffers[i]);
+        banks[i] = sanitize_resource(pipeline, shadow_cell_buffers[i]);
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         struct pass *pass = pipeline->order[i];
         uint32_t next = (i + 1) % pipeline->pass_count;

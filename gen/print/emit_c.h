@@ -17,6 +17,10 @@ struct c_output {
 };
 #define C_GPU "_gpu"
 
+/* Prints a text with slots: @n and @N, the pipeline's name and the same in capitals; others take an
+ * argument: @s a text, @w the same as an identifier, @U in capitals, @q as a string with quotes, @c as a
+ * comment; @u a uint32_t; @R and @P names of a resource and a pass by index; @E an expression. */
+void c_add(const struct c_output *c, const char *text, ...);
 void c_upper(struct text *out, const char *name);
 /* SSVP_PASS_GBUFFER */
 void c_enumerator(const struct c_output *c, const char *group, const char *name);

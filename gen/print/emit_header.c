@@ -117,10 +117,8 @@ static void emit_structs(const struct c_output *c)
                 field->array_count ? field->array_count * field->array_stride : size,
                 NULL};
         }
-        text_add(c->out, "/* ");
-        c_comment(c->out, structure->doc ? structure->doc : structure->name);
-        text_add(c->out, ": std430, %" PRIu32 " bytes from element to element. */\n",
-                 structure->stride);
+        c_add(c, "/* @c: std430, @u bytes from element to element. */\n",
+              structure->doc ? structure->doc : structure->name, structure->stride);
         if (members) {
             emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, structure->name),
                         "std430", members, structure->field_count, structure->stride);
@@ -172,8 +170,7 @@ static void emit_value(const struct c_output *c, const struct param *param, uint
     bool real = param->type <= DT_TYPE_VEC4;
     bool is_unsigned = param->type >= DT_TYPE_UINT && param->type <= DT_TYPE_UVEC4;
 
-    text_add(c->out, "#define ");
-    c_enumerator(c, "PARAM", param->name);
+    c_add(c, "#define @N_PARAM_@U", param->name);
     if (param->components > 1)
         text_add(c->out, "_%c", "XYZW"[component & 3]);
     text_add(c->out, " ");
@@ -188,11 +185,7 @@ static void emit_value(const struct c_output *c, const struct param *param, uint
 
 static void emit_param_comment(const struct c_output *c, const struct param *param)
 {
-    text_add(c->out, "/* %s", param->name);
-    if (param->doc) {
-        text_add(c->out, ": ");
-        c_comment(c->out, param->doc);
-    }
+    c_add(c, param->doc ? "/* @s: @c" : "/* @s", param->name, param->doc);
     emit_range(c->out, param);
     text_add(c->out, " */\n");
 }
@@ -222,15 +215,9 @@ static void emit_params(const struct c_output *c)
             continue;
         text_add(c->out, any ? "" : "/* ---- Constants ---- */\n\n");
         any = true;
-        text_add(c->out, "#define ");
-        c_enumerator(c, "CONSTANT", constant->name);
+        c_add(c, "#define @N_CONSTANT_@U", constant->name);
         text_add(c->out, constant->folded < 0 ? " (%" PRId64 ")" : " %" PRId64, constant->folded);
-        if (constant->doc) {
-            text_add(c->out, " /* ");
-            c_comment(c->out, constant->doc);
-            text_add(c->out, " */");
-        }
-        text_add(c->out, "\n");
+        c_add(c, constant->doc ? " /* @c */\n" : "\n", constant->doc);
     }
     text_add(c->out, any ? "\n" : "");
 }
@@ -288,9 +275,7 @@ static void emit_source(struct text *out, const struct resource *resource)
 static void emit_resource(const struct c_output *c, const struct resource *resource)
 {
     const struct pipeline *pipeline = c->pipeline;
-    text_add(c->out, "    ");
-    c_enumerator(c, "RESOURCE", resource->name);
-    text_add(c->out, ", /* ");
+    c_add(c, "    @N_RESOURCE_@U, /* ", resource->name);
     emit_size(c->out, resource);
     if (resource->input)
         emit_source(c->out, resource);
@@ -300,63 +285,45 @@ static void emit_resource(const struct c_output *c, const struct resource *resou
         text_add(c->out, "; linear output");
     if (pipeline->display_output && !strcmp(pipeline->display_output, resource->name))
         text_add(c->out, "; display output");
-    if (resource->doc) {
-        text_add(c->out, ": ");
-        c_comment(c->out, resource->doc);
-    }
-    text_add(c->out, " */\n");
+    c_add(c, resource->doc ? ": @c */\n" : " */\n", resource->doc);
 }
 
 /* Its `doc`, and what its body asks of a host. */
 static void emit_pass_comment(const struct c_output *c, const struct pass *pass)
 {
     bool numbers = body_mentions(pass->files, "vertex_triangle");
-    if (!pass->doc && !numbers)
-        return;
-    text_add(c->out, " /* ");
-    if (pass->doc)
-        c_comment(c->out, pass->doc);
-    if (numbers)
-        text_add(c->out, "%sreads vertex_triangle: see dt_number_triangles", pass->doc ? "; " : "");
-    text_add(c->out, " */");
+    if (pass->doc || numbers)
+        c_add(c, " /* @c@s@s */", pass->doc, pass->doc && numbers ? "; " : "",
+              numbers ? "reads vertex_triangle: see dt_number_triangles" : "");
 }
 
 static void emit_indices(const struct c_output *c)
 {
     const struct pipeline *pipeline = c->pipeline;
 
-    text_add(c->out, "/* Indices into %s_pipeline.resources. */\nenum {\n", pipeline->name);
+    c_add(c, "/* Indices into @n_pipeline.resources. */\nenum {\n");
     for (uint32_t i = 0; i < pipeline->resource_count; i++)
         emit_resource(c, &pipeline->resources[i]);
-    text_add(c->out, "    ");
-    c_upper(c->out, pipeline->name);
-    text_add(c->out,
-             "_RESOURCES /* how many */\n};\n\n/* Passes in order of execution. */\nenum {\n");
+    c_add(c,
+          "    @N_RESOURCES /* how many */\n};\n\n/* Passes in order of execution. */\nenum {\n");
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        text_add(c->out, "    ");
-        c_enumerator(c, "PASS", pipeline->order[i]->name);
-        text_add(c->out, ",");
+        c_add(c, "    @P,", i);
         emit_pass_comment(c, pipeline->order[i]);
-        text_add(c->out, "\n");
+        c_add(c, "\n");
     }
-    text_add(c->out, "    ");
-    c_upper(c->out, pipeline->name);
-    text_add(c->out, "_PASSES /* how many */\n};\n\n");
+    c_add(c, "    @N_PASSES /* how many */\n};\n\n");
 }
 
 static void emit_objects(const struct c_output *c)
 {
-    const char *name = c->pipeline->name;
-    text_add(c->out,
-             "/* For runtimes: %s_panel is the same for all of them, the shaders are each one's "
+    c_add(c, "/* For runtimes: @n_panel is the same for all of them, the shaders are each one's "
              "own. */\n"
              "#ifdef __cplusplus\nextern \"C\" {\n#endif\n"
-             "extern const struct dt_pipeline %s_pipeline;\n"
-             "extern const struct dt_panel %s_panel;\n"
-             "extern const struct dt_shaders %s_gl, %s_vk;\n"
-             "extern const struct %s_live %s_live_defaults;\n"
-             "#ifdef __cplusplus\n}\n#endif\n",
-             name, name, name, name, name, name, name);
+             "extern const struct dt_pipeline @n_pipeline;\n"
+             "extern const struct dt_panel @n_panel;\n"
+             "extern const struct dt_shaders @n_gl, @n_vk;\n"
+             "extern const struct @n_live @n_live_defaults;\n"
+             "#ifdef __cplusplus\n}\n#endif\n");
 }
 
 void emit_header(const struct model *model, struct text *out)
@@ -364,27 +331,22 @@ void emit_header(const struct model *model, struct text *out)
     struct c_output c = {.model = model, .pipeline = &model->pipeline, .out = out};
 
     c_head(&c, "");
-    text_add(out, "#ifndef DIPTYCH_GENERATED_");
-    c_upper(out, model->pipeline.name);
-    text_add(out, "_H\n#define DIPTYCH_GENERATED_");
-    c_upper(out, model->pipeline.name);
-    text_add(out, "_H\n\n#include \"diptych.h\"\n\n");
-    text_add(out,
-             "#if !DT_TAKES(DT_MAKE_VERSION(%d, %d, %d))\n"
-             "#error \"diptych.h is of another version than the generator of this file\"\n"
-             "#endif\n\n",
-             DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH);
+    c_add(&c,
+          "#ifndef DIPTYCH_GENERATED_@N_H\n#define DIPTYCH_GENERATED_@N_H\n\n"
+          "#include \"diptych.h\"\n\n"
+          "#if !DT_TAKES(DT_MAKE_VERSION(@u, @u, @u))\n"
+          "#error \"diptych.h is of another version than the generator of this file\"\n"
+          "#endif\n\n",
+          DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH);
     emit_params(&c);
     emit_structs(&c);
     emit_block(&c);
     emit_indices(&c);
     emit_objects(&c);
     if (model->sanitize)
-        text_add(
-            out,
-            "\n/* Logs what --sanitize has found as errors. reports: the bytes of the resource "
-            "diptych_reports, after a frame has\n * finished. Returns how many places. */\n"
-            "uint32_t %s_report(const void *reports, size_t size, const struct dt_log *log);\n",
-            model->pipeline.name);
+        c_add(&c,
+              "\n/* Logs what --sanitize has found as errors. reports: the bytes of the resource "
+              "diptych_reports, after a frame has\n * finished. Returns how many places. */\n"
+              "uint32_t @n_report(const void *reports, size_t size, const struct dt_log *log);\n");
     text_add(out, "\n#endif\n");
 }

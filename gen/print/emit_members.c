@@ -74,9 +74,9 @@ static void emit_stride(const struct c_output *c, const struct dt_resource *reso
     const struct structure *structure =
         c->pipeline->resources[resource - c->tables->pipeline.resources].structure;
     if (structure)
-        text_add(c->out, "sizeof(struct %s_%s)", c->pipeline->name, structure->name);
+        c_add(c, "sizeof(struct @n_@s)", structure->name);
     else
-        text_add(c->out, "%" PRIu32, resource->stride);
+        c_add(c, "@u", resource->stride);
 }
 
 static void emit_list(const struct c_output *c, const struct member *member, const void *row)

@@ -7,11 +7,6 @@
 #include "emit_c.h"
 #include "lower/members.h"
 
-static const char *suffix_of(const struct c_output *c)
-{
-    return c->suffix ? c->suffix : "";
-}
-
 /* ---- Record ---------------------------------------------------------------------------------- */
 
 static void emit_barriers(const struct c_output *c, const struct pass *pass)
@@ -32,9 +27,8 @@ static void emit_call(const struct c_output *c, const struct pass *pass, const s
 {
     const struct dt_verb_info *verb = dt_verb_info(step->verb);
     bool rect = step->verb == DT_VERB_VIEWPORT || step->verb == DT_VERB_SCISSOR;
-    text_add(c->out, "v->%s(r->runtime, ", verb->name);
-    c_pass(c, pass->index);
-    text_add(c->out, "%s", step->verb == DT_VERB_BARRIERS ? ", barriers" : "");
+    c_add(c, "v->@s(r->runtime, @P@s", verb->name, pass->index,
+          step->verb == DT_VERB_BARRIERS ? ", barriers" : "");
     for (int i = 0; i < 4 && verb->arguments[i]; i++) {
         text_add(c->out, rect && !i ? ", dt_make_rect(" : ", ");
         c_amount(c, &step->arguments[i]);
@@ -60,11 +54,8 @@ static void emit_begin(const struct c_output *c, const struct pass *pass, const 
     text_add(c->out, image ? "    uint32_t size[3];\n    bool ok = " : "    bool ok = ");
     emit_call(c, pass, &steps->list[0]);
     text_add(c->out, ";\n\n");
-    if (!image)
-        return;
-    text_add(c->out, "    extent(&%s_pipeline, ", c->pipeline->name);
-    c_resource(c, image->index);
-    text_add(c->out, ", r->width, r->height, size);\n");
+    if (image)
+        c_add(c, "    extent(&@n_pipeline, @R, r->width, r->height, size);\n", image->index);
 }
 
 /* `begin` comes first, `end` last. */
@@ -94,18 +85,13 @@ static void emit_pass_steps(const struct c_output *c, uint32_t index)
     struct c_output inner = *c;
     inner.out = &body;
     emit_body(&inner, pass);
-    if (pass->doc) {
-        text_add(c->out, "/* ");
-        c_comment(c->out, pass->doc);
-        text_add(c->out, " */\n");
-    }
-    text_add(c->out, "static bool record_");
-    text_add_word(c->out, pass->name);
-    text_add(c->out, "%s(const struct dt_recording *r)\n{\n", suffix_of(c));
+    if (pass->doc)
+        c_add(c, "/* @c */\n", pass->doc);
+    c_add(c, "static bool record_@w@s(const struct dt_recording *r)\n{\n", pass->name, c->suffix);
     emit_barriers(c, pass);
-    text_add(c->out, "    const struct dt_verbs *v = r->verbs;\n");
+    c_add(c, "    const struct dt_verbs *v = r->verbs;\n");
     c_frame_locals(c, body.data);
-    text_add(c->out, "%s}\n\n", body.data ? body.data : "");
+    c_add(c, "@s}\n\n", body.data);
     c->out->failed |= body.failed;
     text_free(&body);
 }
@@ -113,13 +99,11 @@ static void emit_pass_steps(const struct c_output *c, uint32_t index)
 /* own: the passes that have a function of their own for GPUs; NULL: none. */
 static void emit_list(const struct c_output *c, const bool *own)
 {
-    text_add(c->out, "static bool record%s(const struct dt_recording *r)\n{\n    return ",
-             own ? C_GPU : "");
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        text_add(c->out, "%srecord_", i ? " &&\n        " : "");
-        text_add_word(c->out, c->pipeline->order[i]->name);
-        text_add(c->out, "%s(r)", own && own[i] ? C_GPU : "");
-    }
+    c_add(c, "static bool record@s(const struct dt_recording *r)\n{\n    return ",
+          own ? C_GPU : "");
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
+        c_add(c, "@srecord_@w@s(r)", i ? " &&\n        " : "", c->pipeline->order[i]->name,
+              own && own[i] ? C_GPU : "");
     text_add(c->out, c->pipeline->pass_count ? ";\n}\n\n" : "r != NULL;\n}\n\n");
 }
 
@@ -171,30 +155,28 @@ static void emit_table(const struct c_output *c, uint32_t index)
 {
     const struct table table = table_of(c, index);
     char name[32];
-    snprintf(name, sizeof name, "%s%s", table.name, suffix_of(c));
+    snprintf(name, sizeof name, "%s%s", table.name, c->suffix ? c->suffix : "");
     emit_rows(c, name, table.members, table.rows, table.row_count, table.label);
 }
 
 /* own: the tables, and at TABLES the function, that are for GPUs alone. */
 static void emit_object(const struct c_output *c, const bool own[TABLES + 1])
 {
-    const char *name = c->pipeline->name;
-    if (c->suffix)
-        text_add(c->out, "static const struct dt_panel panel%s = {\n", c->suffix);
-    else
-        text_add(c->out, "const struct dt_panel %s_panel = {\n", name);
-    text_add(c->out, "    .version = DT_MAKE_VERSION(%d, %d, %d),\n    .pipeline = &%s_pipeline,\n",
-             DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH, name);
+    c_add(c,
+          c->suffix ? "static const struct dt_panel panel@s = {\n"
+                    : "const struct dt_panel @n_panel = {\n",
+          c->suffix);
+    c_add(c, "    .version = DT_MAKE_VERSION(@u, @u, @u),\n    .pipeline = &@n_pipeline,\n",
+          DT_VERSION_MAJOR, DT_VERSION_MINOR, DT_VERSION_PATCH);
     for (uint32_t i = 0; i < TABLES; i++) {
         const struct table table = table_of(c, i);
         if (table.row_count)
-            text_add(c->out, "    .%s = %s%s,\n", table.name, table.name, own[i] ? C_GPU : "");
+            c_add(c, "    .@s = @s@s,\n", table.name, table.name, own[i] ? C_GPU : "");
         if (table.row_count && table.count)
-            text_add(c->out, "    .%s = %" PRIu32 ",\n", table.count, table.row_count);
+            c_add(c, "    .@s = @u,\n", table.count, table.row_count);
     }
-    text_add(c->out, "    .slot_count = %" PRIu32 ",\n    .record = record%s,\n%s};\n",
-             c->pipeline->slot_count, own[TABLES] ? C_GPU : "",
-             c->tables->gpu ? "    .gpu = &panel" C_GPU ",\n" : "");
+    c_add(c, "    .slot_count = @u,\n    .record = record@s,\n@s};\n", c->pipeline->slot_count,
+          own[TABLES] ? C_GPU : "", c->tables->gpu ? "    .gpu = &panel" C_GPU ",\n" : "");
 }
 
 void emit_c_panel(const struct lowered *tables, struct text *out)
@@ -204,10 +186,10 @@ void emit_c_panel(const struct lowered *tables, struct text *out)
     const bool shared[TABLES + 1] = {false};
     bool own[TABLES + 1];
     c_head(&c, ": the panel, for all backends.");
-    text_add(out,
-             "#include \"%s.h\"\n\n#include \"panel.h\"\n%s\n"
-             "/* ---- What the pipeline is made of ---- */\n\n",
-             pipeline->name, tables->model->sanitize ? "#include \"diptych_reports.h\"\n" : "");
+    c_add(&c,
+          "#include \"@n.h\"\n\n#include \"panel.h\"\n@s\n"
+          "/* ---- What the pipeline is made of ---- */\n\n",
+          tables->model->sanitize ? "#include \"diptych_reports.h\"\n" : "");
     emit_reflection(&c);
     text_add(out, "/* ---- How it is stored, bound and drawn ---- */\n\n");
     for (uint32_t i = 0; i < TABLES; i++)

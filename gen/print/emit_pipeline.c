@@ -42,18 +42,13 @@ static void emit_cases(const struct c_output *c, uint32_t count,
 
 static void emit_size(const struct c_output *c, uint32_t index)
 {
-    text_add(c->out, "        dt_set_extent(size");
-    struct text words = {0};
-    if (shadow_emit_c(c->model, &c->pipeline->resources[index], &words)) {
-        text_add(c->out, ", %s, 1, 1);\n        break;\n", words.data ? words.data : "");
-        c->out->failed |= words.failed;
-        text_free(&words);
-        return;
-    }
-    for (int axis = 0; axis < 3; axis++) {
-        text_add(c->out, ", ");
-        c_expr(c->out, resource_size(&c->pipeline->resources[index], axis));
-    }
+    const struct resource *resource = &c->pipeline->resources[index];
+    text_add(c->out, "        dt_set_extent(size, ");
+    if (shadow_emit_c(c->model, resource, c->out))
+        text_add(c->out, ", 1, 1");
+    else
+        c_add(c, "@E, @E, @E", resource_size(resource, 0), resource_size(resource, 1),
+              resource_size(resource, 2));
     text_add(c->out, ");\n        break;\n");
 }
 
@@ -71,11 +66,8 @@ static void emit_run(const struct c_output *c, uint32_t index)
     const struct amount *runs = c->tables->passes[index].runs;
     if (c->pipeline->order[index]->indirect_resource)
         return;
-    if (runs->kind == AMOUNT_IMAGE) {
-        text_add(c->out, "        extent(pipeline, ");
-        c_resource(c, runs->image->index);
-        text_add(c->out, ", width, height, size);\n");
-    }
+    if (runs->kind == AMOUNT_IMAGE)
+        c_add(c, "        extent(pipeline, @R, width, height, size);\n", runs->image->index);
     text_add(c->out, "        return dt_product(");
     for (int axis = 0; axis < 3; axis++) {
         text_add(c->out, axis ? ", " : "");
@@ -84,22 +76,28 @@ static void emit_run(const struct c_output *c, uint32_t index)
     text_add(c->out, ");\n");
 }
 
+/* Declares `live` for a body that names it. */
+static void emit_live(const struct c_output *c, const struct text *body)
+{
+    if (body->data && strstr(body->data, "live->"))
+        c_add(c, "    const struct @n_live *live = live_block;\n");
+}
+
 static void emit_runs(const struct c_output *c)
 {
     struct text body = {0};
     struct c_output inner = *c;
     inner.out = &body;
     emit_cases(&inner, c->pipeline->pass_count, c_pass, emit_run);
-    text_add(c->out, "static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, "
-                     "uint32_t width, uint32_t height, const void *live_block)\n{\n");
-    if (body.data && strstr(body.data, "live->"))
-        text_add(c->out, "    const struct %s_live *live = live_block;\n", c->pipeline->name);
+    c_add(c, "static uint64_t runs(const struct dt_pipeline *pipeline, uint32_t pass, "
+             "uint32_t width, uint32_t height, const void *live_block)\n{\n");
+    emit_live(c, &body);
     if (body.data && strstr(body.data, "size["))
-        text_add(c->out, "    uint32_t size[3];\n");
-    text_add(c->out,
-             "    (void)pipeline, (void)width, (void)height, (void)live_block;\n"
-             "    switch (pass) {\n%s    default:\n        return 0;\n    }\n}\n\n",
-             body.data ? body.data : "");
+        c_add(c, "    uint32_t size[3];\n");
+    c_add(c,
+          "    (void)pipeline, (void)width, (void)height, (void)live_block;\n"
+          "    switch (pass) {\n@s    default:\n        return 0;\n    }\n}\n\n",
+          body.data);
     c->out->failed |= body.failed;
     text_free(&body);
 }
@@ -110,12 +108,10 @@ static void emit_jitter(const struct c_output *c)
     if (!c->pipeline->jitter)
         return;
     c_expr(&value, c->pipeline->jitter);
-    text_add(c->out, "static int64_t jitter(const struct dt_pipeline *pipeline, "
-                     "const void *live_block)\n{\n");
-    if (value.data && strstr(value.data, "live->"))
-        text_add(c->out, "    const struct %s_live *live = live_block;\n", c->pipeline->name);
-    text_add(c->out, "    (void)pipeline, (void)live_block;\n    return %s;\n}\n\n",
-             value.data ? value.data : "");
+    c_add(c,
+          "static int64_t jitter(const struct dt_pipeline *pipeline, const void *live_block)\n{\n");
+    emit_live(c, &value);
+    c_add(c, "    (void)pipeline, (void)live_block;\n    return @s;\n}\n\n", value.data);
     c->out->failed |= value.failed;
     text_free(&value);
 }
@@ -155,16 +151,13 @@ static void emit_values(const struct c_output *c, bool live, const char *indent)
 /* NAME_live_defaults; with uniform parameters also the whole block. */
 static void emit_block(const struct c_output *c)
 {
-    const char *name = c->pipeline->name;
-    text_add(c->out, "const struct %s_live %s_live_defaults = ", name, name);
+    c_add(c, "const struct @n_live @n_live_defaults = ");
     emit_values(c, true, "    ");
-    text_add(c->out, ";\n\n");
+    c_add(c, ";\n\n");
     if (c->pipeline->block_size == c->pipeline->live_size)
         return;
-    text_add(c->out,
-             "static const struct {\n    struct %s_live live;\n    struct %s_uniform uniform;\n"
-             "} block = {\n    .live = ",
-             name, name);
+    c_add(c, "static const struct {\n    struct @n_live live;\n    struct @n_uniform uniform;\n"
+             "} block = {\n    .live = ");
     emit_values(c, true, "        ");
     text_add(c->out, ",\n    .uniform = ");
     emit_values(c, false, "        ");
@@ -173,12 +166,7 @@ static void emit_block(const struct c_output *c)
 
 static void emit_output(const struct c_output *c, const char *member, int output)
 {
-    text_add(c->out, "    .%s = ", member);
-    if (output >= 0)
-        c_resource(c, (uint32_t)output);
-    else
-        text_add(c->out, "-1");
-    text_add(c->out, ",\n");
+    c_add(c, output >= 0 ? "    .@s = @R,\n" : "    .@s = -1,\n", member, (uint32_t)output);
 }
 
 void emit_reflection(const struct c_output *c)
@@ -192,19 +180,17 @@ void emit_reflection(const struct c_output *c)
     emit_rows(c, "resources", &resource_members, pipeline->resources, pipeline->resource_count,
               c_resource);
     emit_rows(c, "passes", &pass_members, pipeline->passes, pipeline->pass_count, c_pass);
-    text_add(c->out, "const struct dt_pipeline %s_pipeline = {\n    .name = \"%s\",\n    .doc = ",
-             pipeline->name, pipeline->name);
-    c_string(c->out, pipeline->doc);
-    text_add(c->out, ",\n");
+    c_add(c, "const struct dt_pipeline @n_pipeline = {\n    .name = \"@n\",\n    .doc = @q,\n",
+          pipeline->doc);
     c_table(c, "params", "param_count", pipeline->param_count);
     c_table(c, "resources", "resource_count", pipeline->resource_count);
     c_table(c, "passes", "pass_count", pipeline->pass_count);
-    bool uniform = pipeline->block_size > pipeline->live_size;
-    text_add(c->out,
-             "    .live_defaults = &%s%s,\n    .live_size = sizeof %s_live_defaults,\n"
-             "    .block_size = sizeof %s%s,\n",
-             uniform ? "block" : pipeline->name, uniform ? "" : "_live_defaults", pipeline->name,
-             uniform ? "block" : pipeline->name, uniform ? "" : "_live_defaults");
+    c_add(c, pipeline->block_size > pipeline->live_size
+                 ? "    .live_defaults = &block,\n    .live_size = sizeof @n_live_defaults,\n"
+                   "    .block_size = sizeof block,\n"
+                 : "    .live_defaults = &@n_live_defaults,\n"
+                   "    .live_size = sizeof @n_live_defaults,\n"
+                   "    .block_size = sizeof @n_live_defaults,\n");
     emit_output(c, "linear_output", pipeline->linear_output);
     emit_output(c, "display_output", pipeline->display_output);
     text_add(c->out, "    .extent = extent,\n    .runs = runs,\n%s};\n\n",

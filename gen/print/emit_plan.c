@@ -69,22 +69,18 @@ static void add_resource(struct text *out, const struct resource *resource)
 
 /* Resources that the pass reads, or those that it writes. */
 static void add_uses(struct text *out, const char *key, const struct pipeline *pipeline,
-                     const struct pass *pass, enum access_mode other)
+                     const struct pass *pass, bool writes)
 {
-    uint32_t *list = calloc(pipeline->resource_count + 1, sizeof *list), count = 0;
-    out->failed |= !list;
-    for (uint32_t i = 0; list && i < pipeline->resource_count; i++) {
-        const struct resource *resource = &pipeline->resources[i];
-        bool used = other == MODE_WRITE &&
-                    (resource == pass->indirect_resource || resource == pass->index_resource);
-        for (uint32_t k = 0; k < pass->access_count; k++)
-            used |= pass->accesses[k].resource == resource && pass->accesses[k].mode != other;
-        if (used)
-            list[count++] = i;
+    const char *before = "";
+    text_add(out, "\"%s\": [", key);
+    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
+        struct pass_use use = pass_use_of(pass, &pipeline->resources[i]);
+        if (!use.updates && !(writes ? use.writes : use.reads))
+            continue;
+        text_add(out, "%s%" PRIu32, before, i);
+        before = ", ";
     }
-    if (list)
-        add_numbers(out, key, list, count);
-    free(list);
+    text_add(out, "], ");
 }
 
 static void add_work(struct text *out, const struct pass *pass, struct arena *arena)
@@ -129,8 +125,8 @@ static void add_pass(struct text *out, const struct model *model, const struct p
     add_string(out, "name", pass->name);
     add_string(out, "when", pass->conditional ? pass->when_text : NULL);
     add_work(out, pass, model->arena);
-    add_uses(out, "reads", &model->pipeline, pass, MODE_WRITE);
-    add_uses(out, "writes", &model->pipeline, pass, MODE_READ);
+    add_uses(out, "reads", &model->pipeline, pass, false);
+    add_uses(out, "writes", &model->pipeline, pass, true);
     text_add(out, "\"line\": %d, \"runs\": %s, \"scene\": [", pass->loc.line,
              truth(at_reference(pass->when, 1)));
     const char *before = "";

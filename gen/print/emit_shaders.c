@@ -102,9 +102,8 @@ static uint32_t owner_of(const struct shaders_output *o, uint32_t row, int stage
 
 static void emit_symbol(const struct shaders_output *o, uint32_t row, int stage, const char *what)
 {
-    uint32_t passes = o->c.pipeline->pass_count;
-    text_add_word(o->c.out, o->c.pipeline->order[pass_of(o, row)]->name);
-    text_add(o->c.out, "_%s%s%s", stage_names[stage], row < passes ? "" : C_GPU, what);
+    c_add(&o->c, "@w_@s@s@s", o->c.pipeline->order[pass_of(o, row)]->name, stage_names[stage],
+          row < o->c.pipeline->pass_count ? "" : C_GPU, what);
 }
 
 static void emit_code(struct shaders_output *o, uint32_t row, int stage)
@@ -177,13 +176,7 @@ static void emit_stages(const struct shaders_output *o)
     uint32_t passes = o->c.pipeline->pass_count;
     text_add(o->c.out, passes ? "static const struct dt_stages stages[] = {\n" : "");
     for (uint32_t row = 0; row < o->rows; row++) {
-        text_add(o->c.out, "    [");
-        if (row >= passes) {
-            c_upper(o->c.out, o->c.pipeline->name);
-            text_add(o->c.out, "_PASSES + ");
-        }
-        c_pass(&o->c, pass_of(o, row));
-        text_add(o->c.out, "] = {");
+        c_add(&o->c, row < passes ? "    [@P] = {" : "    [@N_PASSES + @P] = {", pass_of(o, row));
         bool any = false;
         for (int stage = 0; stage < 3; stage++)
             any |= emit_entry(o, row, stage, any);
@@ -196,7 +189,7 @@ size_t emit_c_shaders(const struct lowered *tables, enum backend backend, bool n
                       struct text *out)
 {
     const struct pipeline *pipeline = &tables->model->pipeline;
-    const char *name = pipeline->name, *api = tables->shaders[backend].backend;
+    const char *api = tables->shaders[backend].backend;
     struct shaders_output o = {.c = {tables->model, pipeline, tables, out, NULL},
                                .rows = pipeline->pass_count * (tables->gpu ? 2 : 1)};
     if (!take_codes(&o, backend, names, glsl)) {
@@ -204,13 +197,13 @@ size_t emit_c_shaders(const struct lowered *tables, enum backend backend, bool n
         return 0;
     }
     c_head(&o.c, backend == BACKEND_GL ? ": the shaders for OpenGL." : ": the shaders for Vulkan.");
-    text_add(out, "#include \"%s.h\"\n\n", name);
+    c_add(&o.c, "#include \"@n.h\"\n\n");
     for (uint32_t row = 0; row < o.rows; row++)
         for (int stage = 0; stage < 3; stage++)
             emit_code(&o, row, stage);
     emit_stages(&o);
-    text_add(out, "const struct dt_shaders %s_%s = {\"%s\", &%s_panel, %s};\n", name, api, api,
-             name, pipeline->pass_count ? "stages" : "NULL");
+    c_add(&o.c, "const struct dt_shaders @n_@s = {\"@s\", &@n_panel, @s};\n", api, api,
+          pipeline->pass_count ? "stages" : "NULL");
     return o.gpu_bytes;
 }
 

@@ -4,25 +4,18 @@
 
 static void emit_site(const struct c_output *c, const struct dt_site *site)
 {
-    text_add(c->out, "    {.file = ");
-    c_string(c->out, site->file);
-    text_add(c->out, ", .pass = ");
-    c_string(c->out, site->pass);
-    text_add(c->out, ", .kind = ");
-    c_string(c->out, site->kind);
-    text_add(c->out, ", .line = %d, .column = %d,\n     .text = ", site->line, site->column);
-    c_string(c->out, site->text);
-    text_add(c->out, ", .name = ");
-    c_string(c->out, site->name);
+    c_add(c,
+          "    {.file = @q, .pass = @q, .kind = @q, .line = @u, .column = @u,\n"
+          "     .text = @q, .name = @q,\n",
+          site->file, site->pass, site->kind, site->line, site->column, site->text, site->name);
     text_add(c->out,
-             ",\n     .resource = %d, .words = %u, .first = %u, .pairs = %s, .allowed = %s},\n",
+             "     .resource = %d, .words = %u, .first = %u, .pairs = %s, .allowed = %s},\n",
              site->resource, site->words, site->first, site->pairs ? "true" : "false",
              site->allowed ? "true" : "false");
 }
 
 void emit_sites(const struct c_output *c)
 {
-    const char *name = c->pipeline->name;
     uint32_t count = 0;
     if (!c->model->sanitize)
         return;
@@ -32,11 +25,10 @@ void emit_sites(const struct c_output *c)
              "\n/* ---- Undefined behaviour ---- */\n\nstatic const struct dt_site sites[] = {\n");
     for (uint32_t i = 0; sites && i < count; i++)
         emit_site(c, &sites[i]);
-    text_add(
-        c->out,
-        "};\n\nuint32_t %s_report(const void *reports, size_t size, const struct dt_log *log)\n{\n"
-        "    return dt_report_undefined(&%s_pipeline, sites, DT_ARRAY_COUNT(sites), reports, "
+    c_add(
+        c,
+        "};\n\nuint32_t @n_report(const void *reports, size_t size, const struct dt_log *log)\n{\n"
+        "    return dt_report_undefined(&@n_pipeline, sites, DT_ARRAY_COUNT(sites), reports, "
         "size,\n"
-        "                               log);\n}\n",
-        name, name);
+        "                               log);\n}\n");
 }
