@@ -9,18 +9,20 @@
 
 /* ---- Record ---------------------------------------------------------------------------------- */
 
-static void emit_barriers(const struct c_output *c, const struct pass *pass)
+/* A table, and not in the function: targets mostly differ in barriers alone. */
+static void emit_barriers(const struct c_output *c, uint32_t index)
 {
+    const struct pass *pass = c->pipeline->order[index];
     if (!pass->barrier_count)
         return;
-    text_add(c->out, "    static const struct dt_barrier barriers[] = {\n");
+    c_add(c, "static const struct dt_barrier @w_barriers@s[] = {\n", pass->name, c->suffix);
     for (uint32_t i = 0; i < pass->barrier_count; i++) {
         const struct resource *alias = pass->barriers[i].alias;
-        text_add(c->out, "        ");
-        emit_row(c, &barrier_members, &c->tables->passes[pass->index].barriers[i], 8);
-        text_add(c->out, alias ? ", /* in the memory of %s */\n" : ",\n", alias ? alias->name : "");
+        text_add(c->out, "    ");
+        emit_row(c, &barrier_members, &c->tables->passes[index].barriers[i], 4);
+        c_add(c, alias ? ", /* in the memory of @s */\n" : ",\n", alias ? alias->name : "");
     }
-    text_add(c->out, "    };\n");
+    c_add(c, "};\n\n");
 }
 
 static void emit_call(const struct c_output *c, const struct pass *pass, const struct step *step)
@@ -87,40 +89,52 @@ static void emit_pass_steps(const struct c_output *c, uint32_t index)
     emit_body(&inner, pass);
     if (pass->doc)
         c_add(c, "/* @c */\n", pass->doc);
-    c_add(c, "static bool record_@w@s(const struct dt_recording *r)\n{\n", pass->name, c->suffix);
-    emit_barriers(c, pass);
-    c_add(c, "    const struct dt_verbs *v = r->verbs;\n");
+    c_add(c,
+          "static bool record_@w@s(const struct dt_recording *r@s)\n{\n"
+          "    const struct dt_verbs *v = r->verbs;\n",
+          pass->name, c->suffix, pass->barrier_count ? ", const struct dt_barrier *barriers" : "");
     c_frame_locals(c, body.data);
     c_add(c, "@s}\n\n", body.data);
     c->out->failed |= body.failed;
     text_free(&body);
 }
 
-/* own: the passes that have a function of their own for GPUs; NULL: none. */
-static void emit_list(const struct c_output *c, const bool *own)
+/* What GPUs have of their own. */
+struct own {
+    bool barriers, function;
+};
+
+/* own: of each pass; NULL: none. */
+static void emit_list(const struct c_output *c, const struct own *own)
 {
-    c_add(c, "static bool record@s(const struct dt_recording *r)\n{\n    return ",
-          own ? C_GPU : "");
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        c_add(c, "@srecord_@w@s(r)", i ? " &&\n        " : "", c->pipeline->order[i]->name,
-              own && own[i] ? C_GPU : "");
-    text_add(c->out, c->pipeline->pass_count ? ";\n}\n\n" : "r != NULL;\n}\n\n");
+    c_add(c, "static bool record@s(const struct dt_recording *r)\n{\n    return ", c->suffix);
+    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
+        const struct pass *pass = c->pipeline->order[i];
+        c_add(c, "@srecord_@w@s(r", i ? " &&\n        " : "", pass->name,
+              own && own[i].function ? C_GPU : "");
+        if (pass->barrier_count)
+            c_add(c, ", @w_barriers@s", pass->name, own && own[i].barriers ? C_GPU : "");
+        c_add(c, ")");
+    }
+    c_add(c, c->pipeline->pass_count ? ";\n}\n\n" : "r != NULL;\n}\n\n");
 }
 
 /* Whether there is a second one for GPUs. */
 static bool emit_record(const struct c_output *c)
 {
+    const struct lowered *gpu = c->tables->gpu;
     uint32_t passes = c->pipeline->pass_count;
-    bool any = false, *own = arena_alloc(c->model->arena, (passes + 1) * sizeof *own);
-    if (!own) {
-        c->out->failed = true;
-        return false;
+    struct own *own = arena_alloc(c->model->arena, (passes + 1) * sizeof *own);
+    bool any = false;
+    c->out->failed |= !own;
+    for (uint32_t i = 0; own && i < passes; i++) {
+        own[i].barriers = c_both(c, emit_barriers, i);
+        own[i].function = c_both(c, emit_pass_steps, i);
+        any |= own[i].barriers || own[i].function;
     }
-    for (uint32_t i = 0; i < passes; i++)
-        any |= own[i] = c_both(c, emit_pass_steps, i);
     emit_list(c, NULL);
     if (any)
-        emit_list(c, own);
+        emit_list(&(struct c_output){gpu->model, &gpu->model->pipeline, gpu, c->out, C_GPU}, own);
     return any;
 }
 

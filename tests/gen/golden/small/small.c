@@ -381,16 +381,15 @@ static const struct dt_demand demands[] = {
 
 /* ---- One frame ---- */
 
-static bool record_scene(const struct dt_recording *r)
+static const struct dt_barrier scene_barriers[] = {
+    {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .to_stages = DT_STAGE_COLOR,
+     .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR, .discard = true},
+    {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .to_stages = DT_STAGE_DEPTH,
+     .to = DT_READ_DEPTH | DT_WRITE_DEPTH, .layout = DT_LAYOUT_DEPTH, .discard = true},
+};
+
+static bool record_scene(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
-    static const struct dt_barrier barriers[] = {
-        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR,
-         .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR,
-         .discard = true},
-        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH,
-         .to_stages = DT_STAGE_DEPTH, .to = DT_READ_DEPTH | DT_WRITE_DEPTH,
-         .layout = DT_LAYOUT_DEPTH, .discard = true},
-    };
     const struct dt_verbs *v = r->verbs;
     bool ok = v->begin(r->runtime, SMALL_PASS_SCENE, true);
 
@@ -410,20 +409,31 @@ static bool record_place(const struct dt_recording *r)
     return ok && v->end(r->runtime, SMALL_PASS_PLACE);
 }
 
+static const struct dt_barrier shade_barriers[] = {
+    {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+    {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+    {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_UNIFORM},
+    {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COMPUTE,
+     .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL, .discard = true},
+};
+
+static const struct dt_barrier shade_barriers_gpu[] = {
+    {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+    {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+    {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE},
+    {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COMPUTE,
+     .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL, .discard = true},
+};
+
 /* every lamp on every pixel */
-static bool record_shade(const struct dt_recording *r)
+static bool record_shade(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
-    static const struct dt_barrier barriers[] = {
-        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
-        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
-        {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE,
-         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_UNIFORM},
-        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
-         .discard = true},
-    };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
     bool ok = v->begin(r->runtime, SMALL_PASS_SHADE, true);
@@ -438,19 +448,8 @@ static bool record_shade(const struct dt_recording *r)
 }
 
 /* every lamp on every pixel */
-static bool record_shade_gpu(const struct dt_recording *r)
+static bool record_shade_gpu(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
-    static const struct dt_barrier barriers[] = {
-        {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
-        {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
-        {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE,
-         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE},
-        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
-         .discard = true},
-    };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
     bool ok = v->begin(r->runtime, SMALL_PASS_SHADE, true);
@@ -463,15 +462,15 @@ static bool record_shade_gpu(const struct dt_recording *r)
     return ok && v->end(r->runtime, SMALL_PASS_SHADE);
 }
 
-static bool record_glow(const struct dt_recording *r)
+static const struct dt_barrier glow_barriers[] = {
+    {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
+     .to_stages = DT_STAGE_FRAGMENT, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
+    {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COLOR,
+     .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR, .discard = true}, /* in the memory of depth */
+};
+
+static bool record_glow(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
-    static const struct dt_barrier barriers[] = {
-        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
-         .to_stages = DT_STAGE_FRAGMENT, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
-        {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COMPUTE,
-         .to_stages = DT_STAGE_COLOR, .to = DT_WRITE_COLOR, .layout = DT_LAYOUT_COLOR,
-         .discard = true}, /* in the memory of depth */
-    };
     const struct dt_verbs *v = r->verbs;
     const struct small_live *live = r->live;
     const bool runs = live->glow != 0;
@@ -487,14 +486,15 @@ static bool record_glow(const struct dt_recording *r)
     return ok && v->end(r->runtime, SMALL_PASS_GLOW);
 }
 
-static bool record_follow(const struct dt_recording *r)
+static const struct dt_barrier follow_barriers[] = {
+    {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_FRAGMENT,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+    {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+};
+
+static bool record_follow(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
-    static const struct dt_barrier barriers[] = {
-        {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_FRAGMENT,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
-        {.resource = SMALL_RESOURCE_HALO, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
-    };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
     bool ok = v->begin(r->runtime, SMALL_PASS_FOLLOW, true);
@@ -507,16 +507,16 @@ static bool record_follow(const struct dt_recording *r)
     return ok && v->end(r->runtime, SMALL_PASS_FOLLOW);
 }
 
-static bool record_show(const struct dt_recording *r)
+static const struct dt_barrier show_barriers[] = {
+    {.resource = SMALL_RESOURCE_TRAIL, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
+    {.resource = SMALL_RESOURCE_SHOWN, .from_stages = DT_STAGE_COMPUTE,
+     .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
+     .discard = true}, /* in the memory of halo */
+};
+
+static bool record_show(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
-    static const struct dt_barrier barriers[] = {
-        {.resource = SMALL_RESOURCE_TRAIL, .from_stages = DT_STAGE_COMPUTE,
-         .from = DT_WRITE_STORAGE, .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE,
-         .layout = DT_LAYOUT_GENERAL},
-        {.resource = SMALL_RESOURCE_SHOWN, .from_stages = DT_STAGE_COMPUTE,
-         .to_stages = DT_STAGE_COMPUTE, .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL,
-         .discard = true}, /* in the memory of halo */
-    };
     const struct dt_verbs *v = r->verbs;
     uint32_t size[3];
     bool ok = v->begin(r->runtime, SMALL_PASS_SHOW, true);
@@ -531,22 +531,22 @@ static bool record_show(const struct dt_recording *r)
 
 static bool record(const struct dt_recording *r)
 {
-    return record_scene(r) &&
+    return record_scene(r, scene_barriers) &&
         record_place(r) &&
-        record_shade(r) &&
-        record_glow(r) &&
-        record_follow(r) &&
-        record_show(r);
+        record_shade(r, shade_barriers) &&
+        record_glow(r, glow_barriers) &&
+        record_follow(r, follow_barriers) &&
+        record_show(r, show_barriers);
 }
 
 static bool record_gpu(const struct dt_recording *r)
 {
-    return record_scene(r) &&
+    return record_scene(r, scene_barriers) &&
         record_place(r) &&
-        record_shade_gpu(r) &&
-        record_glow(r) &&
-        record_follow(r) &&
-        record_show(r);
+        record_shade_gpu(r, shade_barriers_gpu) &&
+        record_glow(r, glow_barriers) &&
+        record_follow(r, follow_barriers) &&
+        record_show(r, show_barriers);
 }
 
 static const struct dt_panel panel_gpu = {
