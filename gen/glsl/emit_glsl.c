@@ -46,7 +46,8 @@ void glsl_binding(int binding, struct text *out)
 
 /* ---- Parameters, constants, structs ---------------------------------------------------------- */
 
-void glsl_add_float(double value, struct text *out)
+/* A float literal with a point: the shortest that reads back as the same float. */
+static void add_float(double value, struct text *out)
 {
     size_t begin = out->length;
     text_add_float(out, value);
@@ -63,7 +64,7 @@ static enum dt_type scalar_of(enum dt_type type)
 static void add_component(enum dt_type scalar, double value, struct text *out)
 {
     if (scalar == DT_TYPE_FLOAT)
-        glsl_add_float(value, out);
+        add_float(value, out);
     else if (scalar == DT_TYPE_BOOL)
         text_add(out, "%s", value != 0 ? "true" : "false");
     else
@@ -239,7 +240,7 @@ static void add_weight(const struct weight *weight, struct text *out)
     if (weight->param)
         text_add(out, "%s", weight->param);
     else
-        glsl_add_float(weight->value, out);
+        add_float(weight->value, out);
 }
 
 static void add_metric(struct glsl *glsl, const struct metric *metric)
@@ -251,7 +252,7 @@ static void add_metric(struct glsl *glsl, const struct metric *metric)
     add_weight(&metric->position, out);
     text_add(out, " * approximate_reciprocal(");
     if (sscanf(scale, "%lf", &number) == 1)
-        glsl_add_float(number, out);
+        add_float(number, out);
     else
         text_add(out, "frame.scene_radius");
     text_add(out, ");\nfloat %s_normal = ", metric->name);

@@ -60,8 +60,6 @@ void glsl_put_before(struct text *part, struct text *front);
 /* Name of a type in GLSL. */
 const char *glsl_type(enum dt_type type);
 const char *glsl_element_type(const struct resource *buffer); /* struct or type name */
-/* A float literal with a point: the shortest that reads back as the same float. */
-void glsl_add_float(double value, struct text *out);
 
 /* ---- Scanning -------------------------------------------------------------------------------- */
 

@@ -135,11 +135,6 @@ struct bit_range {
     uint32_t moved; /* id of a number of bits to add to `first`; 0: none */
 };
 
-static uint32_t put_two(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b)
-{
-    return PUT_VALUE(s, opcode, sanitizer_uint(s), a, b);
-}
-
 static void follow_index(struct sanitizer *s, struct bit_range *range, const uint32_t *whole,
                          uint32_t index)
 {
@@ -153,8 +148,8 @@ static void follow_index(struct sanitizer *s, struct bit_range *range, const uin
         range->first += bits_before(s, whole, range->type, i[3]);
     } else if (deep) {
         uint32_t bits =
-            put_two(s, SpvOpIMul, index, sanitizer_number(s, bit_count(s, whole, part)));
-        range->moved = range->moved ? put_two(s, SpvOpIAdd, range->moved, bits) : bits;
+            sanitizer_two(s, SpvOpIMul, index, sanitizer_number(s, bit_count(s, whole, part)));
+        range->moved = range->moved ? sanitizer_two(s, SpvOpIAdd, range->moved, bits) : bits;
     }
     range->count = deep ? bit_count(s, whole, part) : range->count;
     range->type = part;
@@ -195,14 +190,9 @@ static uint32_t put_mask(struct sanitizer *s, const struct bit_range *range, uin
     mask = (some ? mask : mask_of(0, range->count)) << range->first;
     if (!range->moved)
         return sanitizer_number(s, mask & all);
-    uint32_t by = put_two(s, SpvOpBitwiseAnd, range->moved, sanitizer_number(s, 31));
-    uint32_t moved = put_two(s, SpvOpShiftLeftLogical, sanitizer_number(s, mask), by);
-    return put_two(s, SpvOpBitwiseAnd, moved, sanitizer_number(s, all));
-}
-
-static uint32_t put_assigned_load(struct sanitizer *s, uint32_t bits)
-{
-    return PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), bits);
+    uint32_t by = sanitizer_two(s, SpvOpBitwiseAnd, range->moved, sanitizer_number(s, 31));
+    uint32_t moved = sanitizer_two(s, SpvOpShiftLeftLogical, sanitizer_number(s, mask), by);
+    return sanitizer_two(s, SpvOpBitwiseAnd, moved, sanitizer_number(s, all));
 }
 
 /* Sets the bits of all that the pointer points to. */
@@ -213,12 +203,12 @@ static void put_set(struct sanitizer *s, uint32_t pointer)
     if (!bits)
         return;
     uint32_t mask = put_mask(s, &range, UINT32_MAX);
-    PUT(s, SpvOpStore, bits, put_two(s, SpvOpBitwiseOr, put_assigned_load(s, bits), mask));
+    PUT(s, SpvOpStore, bits, sanitizer_two(s, SpvOpBitwiseOr, sanitizer_load(s, bits), mask));
 }
 
 static void put_copy(struct sanitizer *s, uint32_t to, uint32_t from)
 {
-    uint32_t bits = put_assigned_load(s, from);
+    uint32_t bits = sanitizer_load(s, from);
     PUT(s, SpvOpStore, to, bits);
 }
 
@@ -244,7 +234,7 @@ static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
     char text[160];
     name = name && *name ? name : "a variable";
     snprintf(text, sizeof text, "`%.60s` is read before it has a value", name);
-    struct values values = {{put_assigned_load(s, bits_of(s, variable)), wanted}, 2};
+    struct values values = {{sanitizer_load(s, bits_of(s, variable)), wanted}, 2};
     sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
     sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
 }
@@ -257,9 +247,9 @@ static uint32_t put_wanted(struct sanitizer *s, const uint32_t *load, const stru
     if (!any)
         return mask;
     uint32_t own =
-        put_two(s, SpvOpBitwiseAnd, put_assigned_load(s, bits_of(s, range->variable)), mask);
+        sanitizer_two(s, SpvOpBitwiseAnd, sanitizer_load(s, bits_of(s, range->variable)), mask);
     uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{own}, 1});
-    return put_two(s, SpvOpBitwiseAnd, none, mask);
+    return sanitizer_two(s, SpvOpBitwiseAnd, none, mask);
 }
 
 /* ---- Values that a condition may leave unused ------------------------------------------------ */
@@ -364,9 +354,9 @@ static void put_stored(struct sanitizer *s, const uint32_t *store)
     }
     put_copy(s, bits, bits_of(s, from));
     if (!is_temporary(s, from) && !is_temporary(s, variable)) { /* it was told */
-        uint32_t before = put_assigned_load(s, bits);
+        uint32_t before = sanitizer_load(s, bits);
         uint32_t none = sanitizer_call(s, "diptych_none(u1;", &(struct values){{before}, 1});
-        PUT(s, SpvOpStore, bits, put_two(s, SpvOpBitwiseOr, before, none));
+        PUT(s, SpvOpStore, bits, sanitizer_two(s, SpvOpBitwiseOr, before, none));
     }
 }
 

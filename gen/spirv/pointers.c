@@ -93,11 +93,6 @@ static uint32_t shared_before(const struct spirv *from, uint32_t variable)
     return count;
 }
 
-uint32_t memory_shared_words(const struct sanitizer *s)
-{
-    return shared_before(s->from, 0);
-}
-
 /* Words between the elements of an array, vector or matrix. matrix: bytes between columns, of the member. */
 static uint32_t stride_of(const struct spirv *from, const uint32_t *type, bool shared,
                           uint32_t matrix)
@@ -122,14 +117,9 @@ static uint32_t member_offset(const struct spirv *from, const uint32_t *type, ui
     return offset;
 }
 
-static uint32_t put_sum(struct sanitizer *s, uint32_t a, uint32_t b)
-{
-    return PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), a, b);
-}
-
 static uint32_t put_offset(struct sanitizer *s, uint32_t word, uint32_t offset)
 {
-    return offset ? put_sum(s, word, sanitizer_number(s, offset)) : word;
+    return offset ? sanitizer_two(s, SpvOpIAdd, word, sanitizer_number(s, offset)) : word;
 }
 
 /* A place while a chain of indices is followed. */
@@ -156,9 +146,8 @@ static void follow(struct sanitizer *s, struct step_place *at, uint32_t index, b
         at->offset += i[3] * stride;
         return;
     }
-    uint32_t product =
-        PUT_VALUE(s, SpvOpIMul, sanitizer_uint(s), index, sanitizer_number(s, stride));
-    at->word = at->word ? put_sum(s, at->word, product) : product;
+    uint32_t product = sanitizer_two(s, SpvOpIMul, index, sanitizer_number(s, stride));
+    at->word = at->word ? sanitizer_two(s, SpvOpIAdd, at->word, product) : product;
 }
 
 /* Chains begin at the variable. */
@@ -350,7 +339,7 @@ uint32_t memory_cell(struct sanitizer *s, const struct memory *memory, uint32_t 
 {
     if (memory->access)
         return memory_call(s, memory, "cell", &(struct values){{at}, 1});
-    struct values values = {{at, sanitizer_number(s, memory_shared_words(s))}, 2};
+    struct values values = {{at, sanitizer_number(s, shared_before(s->from, 0))}, 2};
     return sanitizer_call(s, "diptych_shared_cell(u1;u1;", &values);
 }
 

@@ -103,16 +103,11 @@ bool quads_count_turns(const struct sanitizer *s)
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-static uint32_t put_load(struct sanitizer *s, uint32_t variable)
-{
-    return PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), variable);
-}
-
 /* a * 257 + b. */
 static uint32_t put_joined(struct sanitizer *s, uint32_t a, uint32_t b)
 {
-    uint32_t product = PUT_VALUE(s, SpvOpIMul, sanitizer_uint(s), a, sanitizer_number(s, 257));
-    return PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), product, b);
+    uint32_t product = sanitizer_two(s, SpvOpIMul, a, sanitizer_number(s, 257));
+    return sanitizer_two(s, SpvOpIAdd, product, b);
 }
 
 /* The calls that led here, and the turns of the loops around, which stand before it and end behind it. */
@@ -123,13 +118,13 @@ uint32_t quads_path(struct sanitizer *s, size_t place)
     uint32_t path, label = 0;
     if (!s->quads->path)
         s->quads->path = sanitizer_variable(s);
-    path = put_load(s, s->quads->path);
+    path = sanitizer_load(s, s->quads->path);
     SPIRV_EACH(from, at, begin, place)
     {
         const uint32_t *i = from->words + at;
         label = spirv_is(i, SpvOpLabel) ? i[1] : label;
         if (spirv_is(i, SpvOpLoopMerge) && from->definitions[i[1]] > place && s->counters[label])
-            path = put_joined(s, path, put_load(s, s->counters[label]));
+            path = put_joined(s, path, sanitizer_load(s, s->counters[label]));
     }
     return path;
 }
@@ -153,13 +148,13 @@ static struct quad *add_quad(struct sanitizer *s)
 /* The number after one more coming; the same in an invocation that is discarded. */
 static uint32_t put_next(struct sanitizer *s, uint32_t variable, size_t place)
 {
-    uint32_t path = quads_path(s, place), before = put_load(s, variable);
-    uint32_t once = PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), path, sanitizer_number(s, 1));
+    uint32_t path = quads_path(s, place), before = sanitizer_load(s, variable);
+    uint32_t once = sanitizer_two(s, SpvOpIAdd, path, sanitizer_number(s, 1));
     uint32_t next = put_joined(s, before, once);
     if (!s->quads->discard)
         return next;
-    uint32_t alive = PUT_VALUE(s, SpvOpIEqual, sanitizer_bool(s), put_load(s, s->quads->discard),
-                               sanitizer_number(s, 0));
+    uint32_t alive = PUT_VALUE(s, SpvOpIEqual, sanitizer_bool(s),
+                               sanitizer_load(s, s->quads->discard), sanitizer_number(s, 0));
     return PUT_VALUE(s, SpvOpSelect, sanitizer_uint(s), alive, next, before);
 }
 
@@ -176,7 +171,7 @@ static void put_operation(struct sanitizer *s, const char *word, size_t place)
                                      "some invocations of the quad do not reach this "
                                      "derivative")};
     if (caller)
-        PUT(s, SpvOpStore, quad->caller, put_load(s, caller));
+        PUT(s, SpvOpStore, quad->caller, sanitizer_load(s, caller));
     uint32_t next = put_next(s, quad->number, place);
     PUT(s, SpvOpStore, quad->number, next);
 }
@@ -190,7 +185,7 @@ void quads_before(struct sanitizer *s, size_t place)
         put_operation(s, word_of(i), place);
     } else if (spirv_is(i, SpvOpFunctionCall) && s->quads->meets[i[3]]) {
         uint32_t path = quads_path(s, place);
-        s->quads->before = put_load(s, s->quads->path);
+        s->quads->before = sanitizer_load(s, s->quads->path);
         path = put_joined(s, path, sanitizer_number(s, ++s->quads->calls));
         PUT(s, SpvOpStore, s->quads->path, path);
     }
@@ -217,10 +212,10 @@ void quads_after(struct sanitizer *s, const uint32_t *i)
 
 static void put_quad(struct sanitizer *s, const struct quad *quad)
 {
-    struct values values = {{put_load(s, quad->number)}, 1};
+    struct values values = {{sanitizer_load(s, quad->number)}, 1};
     s->kind = SANITIZE_FLOW;
     values.ids[values.count++] =
-        quad->caller ? put_load(s, quad->caller) : sanitizer_number(s, quad->site);
+        quad->caller ? sanitizer_load(s, quad->caller) : sanitizer_number(s, quad->site);
     values.ids[values.count++] = sanitizer_what(s, quad->site);
     sanitizer_call(s, "diptych_quad(u1;u1;u1;", &values);
 }
@@ -229,7 +224,8 @@ static void put_quad(struct sanitizer *s, const struct quad *quad)
 static void put_discard(struct sanitizer *s)
 {
     struct spirv_edit *edit = &s->edit;
-    uint32_t discard = put_load(s, s->quads->discard), then = edit->bound++, end = edit->bound++;
+    uint32_t discard = sanitizer_load(s, s->quads->discard), then = edit->bound++,
+             end = edit->bound++;
     discard = PUT_VALUE(s, SpvOpINotEqual, sanitizer_bool(s), discard, sanitizer_number(s, 0));
     PUT(s, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
     PUT(s, SpvOpBranchConditional, discard, then, end);

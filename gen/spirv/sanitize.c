@@ -89,6 +89,16 @@ uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct v
     return operands[1];
 }
 
+uint32_t sanitizer_two(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b)
+{
+    return PUT_VALUE(s, opcode, sanitizer_uint(s), a, b);
+}
+
+uint32_t sanitizer_load(struct sanitizer *s, uint32_t variable)
+{
+    return PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), variable);
+}
+
 static uint32_t find_variable(const struct spirv *from, const char *name)
 {
     SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
@@ -178,9 +188,9 @@ void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site)
 {
     uint32_t place = sanitizer_number(s, site), caller, allowed = allowed_number(s, s->kind);
     if (!s->file && (caller = sanitizer_caller(s))) {
-        place = PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), caller);
+        place = sanitizer_load(s, caller);
         if (allowed)
-            place = PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), place, sanitizer_number(s, allowed));
+            place = sanitizer_two(s, SpvOpIAdd, place, sanitizer_number(s, allowed));
     }
     values->ids[values->count++] = place;
     values->ids[values->count++] = sanitizer_what(s, site);
@@ -644,8 +654,8 @@ static void put_start(struct sanitizer *s, const uint32_t *branch, size_t at)
 static uint32_t put_turn(struct sanitizer *s)
 {
     uint32_t counter = s->counters[s->label];
-    uint32_t before = PUT_VALUE(s, SpvOpLoad, sanitizer_uint(s), counter);
-    uint32_t turns = PUT_VALUE(s, SpvOpIAdd, sanitizer_uint(s), before, sanitizer_number(s, 1));
+    uint32_t before = sanitizer_load(s, counter);
+    uint32_t turns = sanitizer_two(s, SpvOpIAdd, before, sanitizer_number(s, 1));
     PUT(s, SpvOpStore, counter, turns);
     if (!(s->request->kinds & SANITIZE_LOOP))
         return 0;

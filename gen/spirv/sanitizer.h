@@ -40,6 +40,9 @@ uint32_t sanitizer_call(struct sanitizer *s, const char *mangled, const struct v
 uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text);
 /* Whether a function is one of the generator's that gets no checks. */
 bool sanitizer_is_check(const struct spirv *from, const struct spirv_function *function);
+/* A sum or the like of two numbers; the value of a variable of numbers. */
+uint32_t sanitizer_two(struct sanitizer *s, uint32_t opcode, uint32_t a, uint32_t b);
+uint32_t sanitizer_load(struct sanitizer *s, uint32_t variable);
 /* A new variable, 0 when the shader begins; the variable of the author's call of generated text, 0: there is none. */
 uint32_t sanitizer_variable(struct sanitizer *s);
 uint32_t sanitizer_caller(const struct sanitizer *s);
@@ -66,7 +69,6 @@ uint32_t memory_base(const struct spirv *from, uint32_t id);
 /* Name, resource and words of an element for a site. */
 void memory_name(const struct sanitizer *s, const struct memory *memory,
                  struct sanitize_site *site);
-uint32_t memory_shared_words(const struct sanitizer *s); /* of all `shared` variables */
 
 /* Visits each word of what a pointer leads to. word: its id; mark: of the value there, 0: none. Returns the mark of what is
  * read there, or 0. */

@@ -38,7 +38,7 @@ struct shader_cache {
     unsigned number; /* of temporary files */
 };
 
-/* ---- Texts ----------------------------------------------------------------------------------- */
+/* ---- Hashes ---------------------------------------------------------------------------------- */
 
 /* Skips lines that do not change the compiled code: #line, and the comment with the pass name. */
 static const char *next_line(const char *at, const char *end)
@@ -62,54 +62,6 @@ static bool asks_for_place(const char *text, size_t length)
     return memmem(text, length, "__LINE__", 8) || memmem(text, length, "__FILE__", 8);
 }
 
-/* Whether two texts compile to the same shader. Ignores #line and the comment with the pass name,
- * except in a text that uses __LINE__ or __FILE__. */
-static bool is_same_text(const char *a, size_t a_length, const char *b, size_t b_length)
-{
-    const char *a_end = a + a_length, *b_end = b + b_length;
-
-    if (asks_for_place(a, a_length))
-        return a_length == b_length && !memcmp(a, b, a_length);
-    while ((a = next_line(a, a_end)), (b = next_line(b, b_end)), a < a_end && b < b_end) {
-        const char *newline = memchr(a, '\n', (size_t)(a_end - a));
-        size_t length = (size_t)((newline ? newline + 1 : a_end) - a);
-        if ((size_t)(b_end - b) < length || memcmp(a, b, length) != 0)
-            return false;
-        a += length;
-        b += length;
-    }
-    return a == a_end && b == b_end;
-}
-
-/* Whether two shaders include the same files. */
-static bool is_same_files(const struct body_files *a, const struct body_files *b)
-{
-    uint32_t count = a ? a->count : 1;
-    if (count != (b ? b->count : 1))
-        return false;
-    for (uint32_t i = 1; i < count; i++)
-        if (a->list[i].source != b->list[i].source)
-            return false;
-    return true;
-}
-
-struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t pass, enum stage stage)
-{
-    const struct text *code = shader_code(&shaders[pass].stage[stage]);
-
-    for (uint32_t i = 0; i < pass; i++) {
-        const struct text *other = shader_code(&shaders[i].stage[stage]);
-        if (other->length && shaders[i].stage[stage].own == shaders[pass].stage[stage].own &&
-            shaders[i].stage[stage].formats == shaders[pass].stage[stage].formats &&
-            is_same_files(shaders[i].stage[stage].files, shaders[pass].stage[stage].files) &&
-            is_same_text(other->data, other->length, code->data, code->length))
-            return (struct shader *)&shaders[i].stage[stage];
-    }
-    return NULL;
-}
-
-/* ---- Entries --------------------------------------------------------------------------------- */
-
 /* Hashes only the lines that next_line does not skip, except in a text that uses their places. */
 static void hash_text(XXH3_state_t *state, const struct text *glsl)
 {
@@ -127,15 +79,15 @@ static void hash_text(XXH3_state_t *state, const struct text *glsl)
     }
 }
 
-/* `seed` is part of the name. It seeds the hash of the content, so a renamed file is a miss. */
-static bool cache_name(char name[NAME_SIZE], uint64_t *seed, const struct model *model,
-                       enum backend backend, const struct shader *shader)
+void shader_hash(const struct model *model, enum backend backend, struct shader *shader)
 {
-    const uint32_t kind[] = {REWRITING, backend, shader->stage, model->pipeline.gpu, shader->fast};
+    const uint32_t kind[] = {REWRITING,           backend,      shader->stage,
+                             model->pipeline.gpu, shader->fast, shader->own};
     const char *tools = spirv_tools();
     XXH3_state_t *state = XXH3_createState();
+    shader->hash[0] = shader->hash[1] = 0;
     if (!state)
-        return false;
+        return;
     XXH3_128bits_reset(state);
     XXH3_128bits_update(state, kind, sizeof kind);
     XXH3_128bits_update(state, &shader->formats, sizeof shader->formats);
@@ -147,10 +99,26 @@ static bool cache_name(char name[NAME_SIZE], uint64_t *seed, const struct model 
     }
     XXH128_hash_t hash = XXH3_128bits_digest(state);
     XXH3_freeState(state);
-    snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", (uint64_t)hash.high64,
-             (uint64_t)hash.low64);
-    *seed = hash.high64;
-    return true;
+    shader->hash[0] = hash.high64;
+    shader->hash[1] = hash.low64;
+}
+
+struct shader *shader_twin(struct pass_shaders *shaders, uint32_t pass, enum stage stage)
+{
+    const uint64_t *hash = shaders[pass].stage[stage].hash;
+    for (uint32_t i = 0; i < pass && hash[1]; i++) {
+        struct shader *other = &shaders[i].stage[stage];
+        if (other->hash[0] == hash[0] && other->hash[1] == hash[1])
+            return other;
+    }
+    return NULL;
+}
+
+/* ---- Entries --------------------------------------------------------------------------------- */
+
+static void name_entry(char name[NAME_SIZE], const struct shader *shader)
+{
+    snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", shader->hash[0], shader->hash[1]);
 }
 
 static bool read_all(int file, void *bytes, size_t size)
@@ -167,7 +135,8 @@ static bool read_all(int file, void *bytes, size_t size)
     return true;
 }
 
-static bool read_entry(int file, uint64_t seed, struct shader *shader)
+/* The name seeds the hash of the content, so a renamed file is a miss. */
+static bool read_entry(int file, struct shader *shader)
 {
     struct head head;
     struct stat status;
@@ -180,7 +149,7 @@ static bool read_entry(int file, uint64_t seed, struct shader *shader)
     size_t size = head.word_count * sizeof *words;
     words = malloc(size);
     if (!words || !read_all(file, words, size) ||
-        XXH3_64bits_withSeed(words, size, seed) != head.hash) {
+        XXH3_64bits_withSeed(words, size, shader->hash[0]) != head.hash) {
         free(words);
         return false;
     }
@@ -189,15 +158,14 @@ static bool read_entry(int file, uint64_t seed, struct shader *shader)
     return true;
 }
 
-bool shader_cache_find(struct shader_cache *cache, const struct model *model, enum backend backend,
-                       struct shader *shader)
+bool shader_cache_find(struct shader_cache *cache, struct shader *shader)
 {
     char name[NAME_SIZE];
-    uint64_t seed;
-    if (!cache || !cache_name(name, &seed, model, backend, shader))
+    if (!cache || !shader->hash[1])
         return false;
+    name_entry(name, shader);
     int file = openat(cache->folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    bool found = file >= 0 && read_entry(file, seed, shader);
+    bool found = file >= 0 && read_entry(file, shader);
     if (found)
         futimens(file, NULL); /* the time of use; on failure the entry only looks older */
     if (file >= 0)
@@ -205,16 +173,15 @@ bool shader_cache_find(struct shader_cache *cache, const struct model *model, en
     return found;
 }
 
-void shader_cache_add(struct shader_cache *cache, const struct model *model, enum backend backend,
-                      const struct shader *shader)
+void shader_cache_add(struct shader_cache *cache, const struct shader *shader)
 {
     size_t size = shader->word_count * sizeof *shader->words;
     struct head head = {.word_count = shader->word_count};
     char name[NAME_SIZE], temporary[NAME_SIZE];
-    uint64_t seed;
-    if (!cache || !cache_name(name, &seed, model, backend, shader))
+    if (!cache || !shader->hash[1])
         return;
-    head.hash = XXH3_64bits_withSeed(shader->words, size, seed);
+    name_entry(name, shader);
+    head.hash = XXH3_64bits_withSeed(shader->words, size, shader->hash[0]);
     memcpy(head.magic, magic, sizeof magic);
     snprintf(temporary, sizeof temporary, ".%ld-%u", (long)getpid(), cache->number++);
     int file = openat(cache->folder, temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);

@@ -125,9 +125,12 @@ static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[
             continue;
         if (!emit_glsl(model, job.pass, job.backend, stage, shader, diag)) {
             good = false;
-        } else if (job.backend == BACKEND_GL && !shader->own) {
+            continue;
+        }
+        if (job.backend == BACKEND_GL && !shader->own)
             continue; /* derive() makes it */
-        } else if (!cache || !shader_cache_find(cache, model, job.backend, shader)) {
+        shader_hash(model, job.backend, shader);
+        if (!shader_cache_find(cache, shader)) {
             job.shader = shader;
             job.twin = model->sanitize ? NULL : shader_twin(shaders[job.backend], index, stage);
             good &= add_job(jobs, job, diag);
@@ -166,6 +169,7 @@ static bool compile_again(struct model *model, const struct job *job, struct dia
         text_free(job->backend == BACKEND_VK ? &shader->glsl : &shader->code);
         if (!emit_glsl(model, job->pass, job->backend, shader->stage, shader, diag))
             return false;
+        shader_hash(model, job->backend, shader);
     }
 }
 
@@ -180,7 +184,7 @@ static bool compile(struct model *model, struct jobs *jobs, struct shader_cache 
         bool done = job->done || (job->twin && copy_twin(job->shader, job->twin)) ||
                     compile_again(model, job, diag);
         if (done && !job->twin)
-            shader_cache_add(cache, jobs->model, job->backend, job->shader);
+            shader_cache_add(cache, job->shader);
         good &= done;
     }
     return good;
