@@ -120,7 +120,7 @@ static void add_barriers(struct text *out, const struct pass *pass)
     }
 }
 
-static void add_pass(struct text *out, const struct model *model, const struct pass *pass)
+static void add_planned_pass(struct text *out, const struct model *model, const struct pass *pass)
 {
     add_string(out, "name", pass->name);
     add_string(out, "when", pass->conditional ? pass->when_text : NULL);
@@ -158,7 +158,7 @@ static void emit_plan(const struct model *model, struct text *out)
     text_add(out, pipeline->resource_count ? "}], \"passes\": [" : "], \"passes\": [");
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {
         text_add(out, i ? "}, {" : "{");
-        add_pass(out, model, pipeline->order[i]);
+        add_planned_pass(out, model, pipeline->order[i]);
     }
     text_add(out, pipeline->pass_count ? "}], \"dropped\": [" : "], \"dropped\": [");
     for (uint32_t i = 0; i < pipeline->dropped_count; i++) {
