@@ -530,7 +530,7 @@ static void lower_resources(struct lowering *l, struct dt_pipeline *pipeline)
         resources[i].shape = from->shape;
         resources[i].layered = from->layers;
         resources[i].top = l->from->top;
-        resources[i].mips = expr_value(from->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+        resources[i].mips = expr_at_reference(from->mips, 1);
     }
     pipeline->resources = resources;
     pipeline->resource_count = l->from->resource_count;

@@ -105,7 +105,7 @@ static struct amount groups(const struct pass *pass, int axis)
     }
     if (expr && expr_reach(expr) != EXPR_BAKED)
         return value(expr, USE_GROUPS, local);
-    return number(dt_groups(expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1), local));
+    return number(dt_groups(expr_at_reference(expr, 1), local));
 }
 
 struct amount pass_runs(const struct pass *pass, int axis)

@@ -162,8 +162,7 @@ static void plan_vulkan_slots(struct pipeline *pipeline, bool *placed, uint64_t 
 static bool same_extent(const struct expr *a, const struct expr *b, uint32_t otherwise)
 {
     struct text text_a = {0}, text_b = {0};
-    bool same = expr_value(a, REFERENCE_WIDTH, REFERENCE_HEIGHT, otherwise) ==
-                expr_value(b, REFERENCE_WIDTH, REFERENCE_HEIGHT, otherwise);
+    bool same = expr_at_reference(a, otherwise) == expr_at_reference(b, otherwise);
 
     if (same && a && b && (expr_reach(a) | expr_reach(b))) {
         expr_emit_c(a, &text_a);

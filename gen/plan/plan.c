@@ -31,6 +31,11 @@ uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, ui
     return value < 0 ? 0 : value > UINT32_MAX ? UINT32_MAX : (uint32_t)value;
 }
 
+uint32_t expr_at_reference(const struct expr *expr, uint32_t otherwise)
+{
+    return expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, otherwise);
+}
+
 /* ---- Kinds of access ------------------------------------------------------------------------- */
 
 static unsigned image_kind(const struct pass *pass, const struct access *access)
@@ -60,7 +65,7 @@ static bool suits_uniform(const struct pipeline *pipeline, const struct pass *pa
         expr_reach(buffer->count) || !std140_equals_std430(buffer) ||
         (pass->asks_length && !expr_is_literal(buffer->count)))
         return false;
-    count = expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
+    count = expr_at_reference(buffer->count, UINT32_MAX);
     return count * buffer->stride <= SOFTWARE_UNIFORM_LIMIT;
 }
 
@@ -482,7 +487,7 @@ bool access_sees_one_mip(const struct access *access)
 
 uint32_t mips_of(const struct resource *resource)
 {
-    return expr_value(resource->mips, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1);
+    return expr_at_reference(resource->mips, 1);
 }
 
 static uint32_t touched_mips(const struct access *access)
@@ -538,8 +543,7 @@ static void plan_blocks(struct pipeline *pipeline)
 
         if (!(buffer->usage & DT_READ_UNIFORM) || !buffer->count || expr_is_literal(buffer->count))
             continue;
-        bytes = buffer->stride *
-                (uint64_t)expr_value(buffer->count, REFERENCE_WIDTH, REFERENCE_HEIGHT, UINT32_MAX);
+        bytes = buffer->stride * (uint64_t)expr_at_reference(buffer->count, UINT32_MAX);
         buffer->block = bytes <= UNIFORM_BLOCK_LIMIT ? UNIFORM_BLOCK_LIMIT : SOFTWARE_UNIFORM_LIMIT;
     }
 }

@@ -42,6 +42,8 @@ uint32_t mips_of(const struct resource *resource); /* 1 for a buffer */
 
 /* Value of a checked expression, clamped to 0..UINT32_MAX; `otherwise` for NULL or no value. */
 uint32_t expr_value(const struct expr *expr, uint32_t width, uint32_t height, uint32_t otherwise);
+/* The same at the reference size of the frame. */
+uint32_t expr_at_reference(const struct expr *expr, uint32_t otherwise);
 
 /* ---- The plan's parts; plan.c calls them in this order --------------------------------------- */
 

@@ -30,8 +30,9 @@ static void emit_range(struct text *out, const struct param *param)
     text_add(out, "]");
 }
 
-static void emit_member(struct text *out, const struct member *member)
+static void emit_member(const struct c_output *c, const struct member *member)
 {
+    struct text *out = c->out;
     const struct type_info *info = type_info(member->type);
     bool padded = member->array_count && info->size != info->align && info->columns == 1;
 
@@ -42,12 +43,10 @@ static void emit_member(struct text *out, const struct member *member)
         text_add(out, "[%" PRIu32 "]", info->columns);
     if (info->components > 1)
         text_add(out, "[%" PRIu32 "]", padded ? info->components + 1 : info->components);
-    text_add(out, "; /* %s%s", member->type == DT_TYPE_BOOL ? "bool, 0 or 1" : info->name,
-             padded ? ", the last of each is padding" : "");
-    if (member->param && member->param->doc) {
-        text_add(out, ": ");
-        c_comment(out, member->param->doc);
-    }
+    c_add(c, "; /* @s@s", member->type == DT_TYPE_BOOL ? "bool, 0 or 1" : info->name,
+          padded ? ", the last of each is padding" : "");
+    if (member->param && member->param->doc)
+        c_add(c, ": @c", member->param->doc);
     if (member->param)
         emit_range(out, member->param);
     text_add(out, " */\n");
@@ -61,7 +60,7 @@ static bool is_member(const struct member *members, uint32_t count, const char *
     return false;
 }
 
-static void emit_padding(struct text *out, const struct member *members, uint32_t count,
+static void emit_padding(const struct c_output *c, const struct member *members, uint32_t count,
                          uint32_t bytes, unsigned *number)
 {
     char name[32];
@@ -70,40 +69,39 @@ static void emit_padding(struct text *out, const struct member *members, uint32_
         snprintf(name, sizeof name, "padding%u", (*number)++);
     } while (is_member(members, count, name));
     if (bytes)
-        text_add(out, "    uint32_t %s[%" PRIu32 "];\n", name, bytes / 4);
+        c_add(c, "    uint32_t @s[@u];\n", name, bytes / 4);
 }
 
 /* The struct's body and its assertions; members in order of offset. */
-static void emit_struct(struct text *out, const char *tag, const char *rule,
+static void emit_struct(const struct c_output *c, const char *tag, const char *rule,
                         const struct member *members, uint32_t count, uint32_t size)
 {
     uint32_t at = 0;
     unsigned number = 0;
 
-    text_add(out, "struct %s {\n", tag);
+    c_add(c, "struct @n_@s {\n", tag);
     for (uint32_t i = 0; i < count; i++) {
         if (members[i].offset > at)
-            emit_padding(out, members, count, members[i].offset - at, &number);
-        emit_member(out, &members[i]);
+            emit_padding(c, members, count, members[i].offset - at, &number);
+        emit_member(c, &members[i]);
         at = members[i].offset + members[i].size;
     }
     if (size > at)
-        emit_padding(out, members, count, size - at, &number);
-    text_add(out, "};\n_Static_assert(sizeof(struct %s) == %" PRIu32 ", \"%s: %s\");\n", tag, size,
-             tag, rule);
-    for (uint32_t i = 0; i < count; i++) {
-        text_add(out, "_Static_assert(offsetof(struct %s, %s) == %" PRIu32 ", \"%s.%s: %s\");\n",
-                 tag, members[i].name, members[i].offset, tag, members[i].name, rule);
-    }
-    text_add(out, "\n");
+        emit_padding(c, members, count, size - at, &number);
+    c_add(c, "};\n_Static_assert(sizeof(struct @n_@s) == @u, \"@n_@s: @s\");\n", tag, size, tag,
+          rule);
+    for (uint32_t i = 0; i < count; i++)
+        c_add(c, "_Static_assert(offsetof(struct @n_@s, @s) == @u, \"@n_@s.@s: @s\");\n", tag,
+              members[i].name, members[i].offset, tag, members[i].name, rule);
+    c_add(c, "\n");
 }
 
 static void emit_structs(const struct c_output *c)
 {
     for (uint32_t i = 0; i < c->pipeline->struct_count; i++) {
         const struct structure *structure = &c->pipeline->structs[i];
-        struct arena *arena = c->model->arena;
-        struct member *members = arena_alloc(arena, (structure->field_count + 1) * sizeof *members);
+        struct member *members =
+            arena_alloc(c->model->arena, (structure->field_count + 1) * sizeof *members);
 
         for (uint32_t f = 0; members && f < structure->field_count; f++) {
             const struct field *field = &structure->fields[f];
@@ -119,10 +117,9 @@ static void emit_structs(const struct c_output *c)
         }
         c_add(c, "/* @c: std430, @u bytes from element to element. */\n",
               structure->doc ? structure->doc : structure->name, structure->stride);
-        if (members) {
-            emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, structure->name),
-                        "std430", members, structure->field_count, structure->stride);
-        }
+        if (members)
+            emit_struct(c, structure->name, "std430", members, structure->field_count,
+                        structure->stride);
     }
 }
 
@@ -130,8 +127,8 @@ static void emit_structs(const struct c_output *c)
 static void emit_part(const struct c_output *c, const char *part, bool live, uint32_t from,
                       uint32_t size)
 {
-    struct arena *arena = c->model->arena;
-    struct member *members = arena_alloc(arena, (c->pipeline->param_count + 1) * sizeof *members);
+    struct member *members =
+        arena_alloc(c->model->arena, (c->pipeline->param_count + 1) * sizeof *members);
     uint32_t count = 0;
 
     for (uint32_t i = 0; members && i < c->pipeline->param_count; i++) {
@@ -143,10 +140,8 @@ static void emit_part(const struct c_output *c, const char *part, bool live, uin
                 param};
         }
     }
-    if (members) {
-        emit_struct(c->out, arena_printf(arena, "%s_%s", c->pipeline->name, part), "std140",
-                    members, count, size);
-    }
+    if (members)
+        emit_struct(c, part, "std140", members, count, size);
 }
 
 static void emit_block(const struct c_output *c)
@@ -222,17 +217,15 @@ static void emit_params(const struct c_output *c)
     text_add(c->out, any ? "\n" : "");
 }
 
-static uint32_t size_at(const struct resource *resource, int axis, uint32_t width, uint32_t height)
-{
-    return expr_value(resource_size(resource, axis), width, height, 1);
-}
-
 /* Whether the image has the size of the frame: of two frames. */
 static bool fills_frame(const struct resource *image)
 {
-    return !image->layers && size_at(image, 0, 1021, 509) == 1021 &&
-           size_at(image, 1, 1021, 509) == 509 && size_at(image, 0, 61, 127) == 61 &&
-           size_at(image, 1, 61, 127) == 127;
+    static const uint32_t frames[2][2] = {{1021, 509}, {61, 127}};
+    bool fills = !image->layers;
+    for (int i = 0; i < 4; i++)
+        fills &= expr_value(resource_size(image, i % 2), frames[i / 2][0], frames[i / 2][1], 1) ==
+                 frames[i / 2][i % 2];
+    return fills;
 }
 
 /* "rgba16f of the frame's size", "rgba8 256x128, 3 mips", "Lamp[6]"; other sizes that depend on the
@@ -245,7 +238,7 @@ static void emit_size(struct text *out, const struct resource *resource)
     if (resource->kind == DT_BUFFER)
         text_add(out, "%s[%" PRIu32 "]",
                  resource->structure ? resource->structure->name : type_info(resource->type)->name,
-                 size_at(resource, 0, REFERENCE_WIDTH, REFERENCE_HEIGHT));
+                 expr_at_reference(resource_size(resource, 0), 1));
     else
         text_add(out, "%s ", format_info(resource->format)->name);
     if (resource->kind == DT_IMAGE && fills_frame(resource)) {
@@ -255,7 +248,7 @@ static void emit_size(struct text *out, const struct resource *resource)
     for (int axis = 0; axis < 3 && resource->kind == DT_IMAGE && !fills_frame(resource); axis++)
         if (resource_size(resource, axis))
             text_add(out, axis ? "x%" PRIu32 : "%" PRIu32,
-                     size_at(resource, axis, REFERENCE_WIDTH, REFERENCE_HEIGHT));
+                     expr_at_reference(resource_size(resource, axis), 1));
     if (reach)
         text_add(out, " at %dx%d", REFERENCE_WIDTH, REFERENCE_HEIGHT);
     if (mips_of(resource) > 1)

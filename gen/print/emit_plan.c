@@ -35,11 +35,6 @@ static void add_numbers(struct text *out, const char *key, const uint32_t *numbe
     text_add(out, "], ");
 }
 
-static uint32_t at_reference(const struct expr *expr, uint32_t otherwise)
-{
-    return expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, otherwise);
-}
-
 static const char *truth(bool value)
 {
     return value ? "true" : "false";
@@ -51,7 +46,7 @@ static void add_resource(struct text *out, const struct resource *resource)
     bool image = resource->kind == DT_IMAGE;
     uint32_t size[3], axes = !image ? 1 : resource->layers ? 3 : 2;
     for (uint32_t i = 0; i < axes; i++)
-        size[i] = at_reference(resource_size(resource, (int)i), image ? frame[i] : 1);
+        size[i] = expr_at_reference(resource_size(resource, (int)i), image ? frame[i] : 1);
     add_string(out, "name", resource->name);
     add_string(out, "type",
                image                 ? format_info(resource->format)->name
@@ -103,7 +98,7 @@ static void add_work(struct text *out, const struct pass *pass, struct arena *ar
     add_numbers(out, "groups", groups, 3);
     add_numbers(out, "local", pass->local, 3);
     text_add(out, "\"layers\": %" PRIu32 ", \"indirect\": %s, ",
-             pass->layers ? at_reference(pass->layers, 1) : 0, truth(pass->indirect_resource));
+             pass->layers ? expr_at_reference(pass->layers, 1) : 0, truth(pass->indirect_resource));
 }
 
 static void add_barriers(struct text *out, const struct pass *pass)
@@ -128,7 +123,7 @@ static void add_planned_pass(struct text *out, const struct model *model, const 
     add_uses(out, "reads", &model->pipeline, pass, false);
     add_uses(out, "writes", &model->pipeline, pass, true);
     text_add(out, "\"line\": %d, \"runs\": %s, \"scene\": [", pass->loc.line,
-             truth(at_reference(pass->when, 1)));
+             truth(expr_at_reference(pass->when, 1)));
     const char *before = "";
     for (uint32_t i = 0; i < pass->access_count; i++)
         if (!pass->accesses[i].resource) {

@@ -52,12 +52,6 @@ static const struct {
 #undef ROW
 };
 
-/* At the reference size of the frame. */
-static uint64_t need_value(const struct expr *expr)
-{
-    return expr ? expr_value(expr, REFERENCE_WIDTH, REFERENCE_HEIGHT, 1) : 1;
-}
-
 static uint64_t larger(uint64_t a, uint64_t b)
 {
     return a > b ? a : b;
@@ -66,8 +60,9 @@ static uint64_t larger(uint64_t a, uint64_t b)
 static void add_image_needs(const struct access *access, uint64_t needs[DT_LIMITS])
 {
     const struct resource *image = access->resource;
-    uint64_t width = need_value(image->width), height = need_value(image->height);
-    uint64_t layers = need_value(image->layers), side = larger(width, height);
+    uint64_t width = expr_at_reference(image->width, 1),
+             height = expr_at_reference(image->height, 1);
+    uint64_t layers = expr_at_reference(image->layers, 1), side = larger(width, height);
     bool volume = image->shape == DT_SHAPE_3D;
     enum dt_device_limit limit = volume                        ? DT_LIMIT_VOLUME_SIDE
                                  : image->shape != DT_SHAPE_2D ? DT_LIMIT_CUBE_SIDE
@@ -106,7 +101,7 @@ static void count_limits(const struct lowered *tables, uint32_t index, uint64_t 
             add_buffer(&pass->accesses[i], needs);
     }
     if (pass->layers)
-        needs[DT_LIMIT_TARGET_LAYERS] = need_value(pass->layers);
+        needs[DT_LIMIT_TARGET_LAYERS] = expr_at_reference(pass->layers, 1);
     const struct step *work = steps_work(&tables->passes[index].steps);
     for (int axis = 0; axis < 3 && work->verb == DT_VERB_DISPATCH; axis++)
         needs[DT_LIMIT_GROUPS_X + axis] =

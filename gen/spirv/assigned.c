@@ -169,14 +169,6 @@ static struct bit_range range_of(struct sanitizer *s, uint32_t pointer)
     return range;
 }
 
-/* The variable behind a pointer. */
-static uint32_t variable_of(const struct sanitizer *s, uint32_t pointer)
-{
-    while (spirv_is(spirv_definition(s->from, pointer), SpvOpAccessChain))
-        pointer = spirv_definition(s->from, pointer)[3];
-    return pointer;
-}
-
 /* The id of the mask of a range. parts: of its parts that count, for values with few. */
 static uint32_t put_mask(struct sanitizer *s, const struct bit_range *range, uint32_t parts)
 {
@@ -327,7 +319,7 @@ static void put_choice(struct sanitizer *s, const uint32_t *i)
 /* A load that only copies is reported only if no bit is set: the copy gets the bits, and its own reads are checked. */
 static void put_read(struct sanitizer *s, const uint32_t *load)
 {
-    uint32_t variable = variable_of(s, load[3]), word;
+    uint32_t variable = memory_base(s->from, load[3]), word;
     const uint32_t *type = pointee(s, variable);
     if (!type || !bits_of(s, variable) || guard_of(s, load[2], &word))
         return;
@@ -342,9 +334,9 @@ static void put_read(struct sanitizer *s, const uint32_t *load)
 
 static void put_stored(struct sanitizer *s, const uint32_t *store)
 {
-    uint32_t variable = variable_of(s, store[1]), bits = bits_of(s, variable);
+    uint32_t variable = memory_base(s->from, store[1]), bits = bits_of(s, variable);
     const uint32_t *load = spirv_definition(s->from, store[2]);
-    uint32_t from = spirv_is(load, SpvOpLoad) ? variable_of(s, load[3]) : 0;
+    uint32_t from = spirv_is(load, SpvOpLoad) ? memory_base(s->from, load[3]) : 0;
     if (!bits)
         return;
     bool copied = from && variable == store[1] && bits_of(s, from) && is_copied(s, load);

@@ -102,13 +102,12 @@ static bool is_resource(const struct binder *binder, const uint32_t *variable)
 static void mark_live(struct binder *binder, uint32_t function)
 {
     const struct spirv *module = binder->module;
-    uint32_t index = 0;
-    while (index < module->function_count && module->functions[index].id != function)
-        index++;
-    if (index == module->function_count || binder->live[index])
+    const struct spirv_function *own = spirv_function_of(module, function);
+    bool *live = &binder->live[own - module->functions];
+    if (*live)
         return;
-    binder->live[index] = true;
-    SPIRV_EACH(module, at, module->functions[index].begin, module->functions[index].end)
+    *live = true;
+    SPIRV_EACH(module, at, own->begin, own->end)
     if (spirv_is(module->words + at, SpvOpFunctionCall))
         mark_live(binder, module->words[at + 3]);
 }

@@ -91,14 +91,6 @@ static uint32_t want(struct spirv_link *link, uint32_t index)
     return link->ids[id] = link->edit->bound++;
 }
 
-static uint32_t want_id(struct spirv_link *link, uint32_t id)
-{
-    uint32_t index = 0;
-    while (library.module.functions[index].id != id)
-        index++;
-    return want(link, index);
-}
-
 /* The id in the module of an id of the library. */
 static uint32_t map_id(struct spirv_link *link, uint32_t id)
 {
@@ -110,7 +102,7 @@ static uint32_t map_id(struct spirv_link *link, uint32_t id)
     if (spirv_is(from->words + at, SpvOpExtInstImport))
         *mapped = spirv_glsl(link->edit->from);
     else if (spirv_is(from->words + at, SpvOpFunction))
-        want_id(link, id);
+        want(link, (uint32_t)(spirv_function_of(from, id) - from->functions));
     else if (at < from->code)
         *mapped = map_declaration(link, from->words + at);
     else

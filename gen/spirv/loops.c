@@ -12,24 +12,10 @@
 enum { LONG_TURN = 80, READ = 8 };
 enum { MAX_CALLS = 16 }; /* GLSL has no recursion; a limit for broken modules */
 
-/* Number of scalars in a value of the type. */
-static uint32_t numbers_in(const struct spirv *m, uint32_t type)
-{
-    const uint32_t *declared = m->words + m->definitions[type];
-    uint32_t sum = 0;
-    if (spirv_is(declared, SpvOpTypeVector) || spirv_is(declared, SpvOpTypeMatrix))
-        return numbers_in(m, declared[2]) * declared[3];
-    if (!spirv_is(declared, SpvOpTypeStruct))
-        return 1;
-    for (uint32_t i = 2; i < *declared >> 16; i++)
-        sum += numbers_in(m, declared[i]);
-    return sum;
-}
-
 /* Whether a pointer leads to memory that invocations share. */
 static bool pointer_is_shared(const struct spirv *m, uint32_t pointer)
 {
-    const uint32_t *type = m->words + m->definitions[m->words[m->definitions[pointer] + 1]];
+    const uint32_t *type = spirv_type(m, pointer);
     return type[2] == SpvStorageClassUniform || type[2] == SpvStorageClassStorageBuffer ||
            type[2] == SpvStorageClassWorkgroup;
 }
@@ -41,17 +27,10 @@ static uint32_t operations_of(const struct spirv *m, const uint32_t *instruction
     uint32_t opcode = *instruction & 0xffff;
     if ((opcode == SpvOpLoad && pointer_is_shared(m, instruction[3])) ||
         (opcode >= SpvOpImageSampleImplicitLod && opcode <= SpvOpImageRead))
-        return READ * numbers_in(m, instruction[1]);
+        return READ * spirv_scalars(m, instruction[1]);
     bool computes =
         (opcode >= SpvOpConvertFToU && opcode <= SpvOpBitCount) || opcode == SpvOpExtInst;
-    return computes ? numbers_in(m, instruction[1]) : 0;
-}
-
-static size_t function_end(const struct spirv *m, size_t at)
-{
-    while (!spirv_is(m->words + at, SpvOpFunctionEnd))
-        at += m->words[at] >> 16;
-    return at;
+    return computes ? spirv_scalars(m, instruction[1]) : 0;
 }
 
 /* Operations between two instructions, with called functions; a loop counts as one iteration. */
@@ -61,8 +40,8 @@ static uint64_t operations_in(const struct spirv *m, size_t from, size_t to, uin
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
         sum += operations_of(m, m->words + at);
         if (spirv_is(m->words + at, SpvOpFunctionCall) && calls < MAX_CALLS) {
-            size_t callee = m->definitions[m->words[at + 3]];
-            sum += operations_in(m, callee, function_end(m, callee), calls + 1);
+            const struct spirv_function *callee = spirv_function_of(m, m->words[at + 3]);
+            sum += operations_in(m, callee->begin, callee->end, calls + 1);
         }
     }
     return sum;
@@ -76,8 +55,8 @@ static bool picks_from_array(const struct spirv *m, size_t from, size_t to)
         const uint32_t *chain = m->words + at;
         if (!spirv_is(chain, SpvOpAccessChain) || *chain >> 16 < 5)
             continue;
-        const uint32_t *base = m->words + m->definitions[chain[3]];
-        const uint32_t *index = m->words + m->definitions[chain[4]];
+        const uint32_t *base = spirv_definition(m, chain[3]),
+                       *index = spirv_definition(m, chain[4]);
         if (spirv_is(base, SpvOpVariable) &&
             (base[3] == SpvStorageClassFunction || base[3] == SpvStorageClassPrivate) &&
             !spirv_is(index, SpvOpConstant))

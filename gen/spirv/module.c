@@ -210,6 +210,14 @@ const char *spirv_name(const struct spirv *module, uint32_t id)
     return NULL;
 }
 
+const struct spirv_function *spirv_function_of(const struct spirv *module, uint32_t id)
+{
+    const struct spirv_function *function = module->functions;
+    while (function->id != id)
+        function++;
+    return function;
+}
+
 const struct spirv_function *spirv_find_function(const struct spirv *module, const char *name)
 {
     for (uint32_t i = 0; i < module->function_count; i++) {

@@ -87,13 +87,11 @@ static void copy_function(struct functions *functions, uint32_t id)
 {
     struct spirv_edit *edit = functions->edit;
     const struct spirv *from = edit->from;
-    uint32_t index = 0;
-    while (from->functions[index].id != id)
-        index++;
-    const struct spirv_function *function = &from->functions[index];
-    if (functions->copied[index])
+    const struct spirv_function *function = spirv_function_of(from, id);
+    bool *copied = &functions->copied[function - from->functions];
+    if (*copied)
         return;
-    functions->copied[index] = true;
+    *copied = true;
     SPIRV_EACH(from, at, function->begin, function->end)
     if (spirv_is(from->words + at, SpvOpFunctionCall))
         copy_function(functions, from->words[at + 3]);

@@ -451,13 +451,7 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
 /* The name of the variable or parameter behind a pointer, or that a value was loaded from. */
 static const char *base_name(const struct spirv *from, uint32_t id)
 {
-    for (;;) {
-        const uint32_t *i = spirv_definition(from, id);
-        if (!spirv_is(i, SpvOpAccessChain) && !spirv_is(i, SpvOpLoad) && !spirv_is(i, SpvOpImage) &&
-            !spirv_is(i, SpvOpSampledImage))
-            return spirv_name(from, id);
-        id = i[3];
-    }
+    return spirv_name(from, memory_base(from, id));
 }
 
 /* glslang's variable of a constant array that is indexed has no name of the author's. */
