@@ -15,7 +15,7 @@ tonemap=$work/templates/shared/tonemap.glsl
 scene=$work/cornell.yaml
 # Without a mean over frames a still scene has a still picture.
 small=(--scene "$scene" --spec "$spec" --set rsm_size=64 --set map_size=32 --set accumulate=0 --set reuse_pattern=1 --set kept_maps=1
-    --set first_vpls=64 --set second_vpls=64 --set clusters=3 --set map_triangles=300) # frames are made until a check holds
+    --set first_vpls=64 --set second_vpls=96 --set clusters=3 --set map_triangles=300) # frames are made until a check holds
 cd "$work" || exit 1 # where screenshots go
 
 exec 3<>display.number
