@@ -13,7 +13,7 @@
  *   both. A host may have several in flight: host.c records the same verbs into its command buffer,
  *   and waits for nothing.
  * - With an observer the buffer ends after each pass (pause) and begins anew (resume). The full
- *   barriers between hide missing ones: --drop-barrier shows nothing under an observer.
+ *   barriers between hide missing ones.
  * - State that Vulkan keeps within a command buffer is in rt->bound, which begin_commands forgets.
  *   An image's layout is kept in the image, as of the last command recorded.
  * - Nothing here allocates while a frame is recorded. */
@@ -145,7 +145,6 @@ static bool record_frame(struct dt_vk_runtime *rt, const void *live)
     double start = thread_ms(); /* excludes the reset, which frees the last frame's commands */
     if (rt->core.timing)
         vk_reset_queries(rt);
-    rt->barriers = 0;
     bool good = dt_front_record(&rt->core, live);
     rt->record_ms = rt->core.observer ? NAN : thread_ms() - start;
     return good;
@@ -160,13 +159,7 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
     memcpy(vk_buffer_at(rt, DT_FRAME)->bytes, frame, sizeof *frame);
     memcpy(block, live, size);
     memcpy(block + size, (const char *)pipeline->live_defaults + size, pipeline->block_size - size);
-    if (!record_frame(rt, live) || !run_commands(rt, rt->frame_commands, pipeline->name))
-        return false;
-    uint32_t dropped =
-        rt->drop_barrier > rt->drop_dependency ? rt->drop_barrier : rt->drop_dependency;
-    return dropped <= rt->barriers ||
-           dt_error(core, "cannot drop barrier %u: the frame has only %u barriers", dropped,
-                    rt->barriers);
+    return record_frame(rt, live) && run_commands(rt, rt->frame_commands, pipeline->name);
 }
 
 /* With an observer every pass ends in a submission, so nothing is pending before the next. */

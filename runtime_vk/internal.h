@@ -103,10 +103,8 @@ struct dt_vk_runtime {
     struct dt_core core;       /* first member: the front casts dt_core pointers */
     struct dt_backend backend; /* vk_backend; runtime.c adds functions for the app */
     bool debug;
-    bool labels;              /* names for debuggers; with debug, too */
-    bool captures;            /* statistics of programs (statistics.c); then no commands run */
-    uint32_t drop_barrier;    /* number of the barrier to leave out; 0: none */
-    uint32_t drop_dependency; /* number of the barrier that waits for nothing; 0: none */
+    bool labels;   /* names for debuggers; with debug, too */
+    bool captures; /* statistics of programs (statistics.c); then no commands run */
 
     /* context.c */
     struct vk_dispatch vk;
@@ -142,10 +140,9 @@ struct dt_vk_runtime {
 
     /* Of a frame. */
     struct vk_bound bound;
-    uint32_t barriers; /* number of barriers recorded so far */
-    double record_ms;  /* CPU time of recording the last frame; NAN with an observer */
-    bool fills;        /* host: the next frame first fills resources with history */
-    bool narrow;       /* host: `sync` holds; else full barriers */
+    double record_ms; /* CPU time of recording the last frame; NAN with an observer */
+    bool fills;       /* host: the next frame first fills resources with history */
+    bool narrow;      /* host: `sync` holds; else full barriers */
     struct dt_vk_sync sync;
     VkPipelineStageFlags2 stages; /* of all that a frame does */
 };

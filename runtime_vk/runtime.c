@@ -48,8 +48,6 @@ static void *runtime_open(const struct dt_runtime_options *options)
     rt->core.keep_history = options->keep_history;
     rt->debug = options->debug;
     rt->labels = options->debug || options->labels;
-    rt->drop_barrier = options->drop_barrier;
-    rt->drop_dependency = options->drop_dependency;
     if (vk_context_open(rt, options) && vk_builtin_create(rt))
         return rt;
     runtime_close(rt);

@@ -140,26 +140,6 @@ static VkImageMemoryBarrier2 image_barrier(const struct dt_barrier *barrier, str
     };
 }
 
-/* For options.drop_dependency: logs the barrier, which then waits for nothing. */
-static void weaken(const struct dt_vk_runtime *rt, uint32_t pass, struct dt_barrier *barrier)
-{
-    dt_log(&rt->core, DT_INFO, "barrier %u waits for nothing: pass %s, resource %s", rt->barriers,
-           pass_name(rt, pass), rt->core.pipeline->resources[barrier->resource].name);
-    barrier->from_stages = barrier->from = 0;
-}
-
-/* For options.drop_barrier: logs the barrier. The rest of the frame assumes its layout, as
- * hand-written code with a forgotten barrier would. */
-static void drop(const struct dt_vk_runtime *rt, uint32_t pass, const struct dt_barrier *barrier)
-{
-    struct vk_image *image = &vk_resource_at(rt, barrier->resource)->image;
-    VkImageLayout layout = image->handle ? vk_layout(barrier->layout) : image->layout;
-    dt_log(&rt->core, DT_INFO, "dropped barrier %u: pass %s, resource %s, %s", rt->barriers,
-           pass_name(rt, pass), rt->core.pipeline->resources[barrier->resource].name,
-           image->layout != layout ? "layout change" : "no layout change");
-    image->layout = layout;
-}
-
 /* One vkCmdPipelineBarrier2 for up to BARRIER_BATCH of them. */
 static bool barriers(struct dt_core *core, uint32_t pass, const struct dt_barrier *list,
                      uint32_t count)
@@ -167,6 +147,7 @@ static bool barriers(struct dt_core *core, uint32_t pass, const struct dt_barrie
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     VkBufferMemoryBarrier2 buffers[BARRIER_BATCH];
     VkImageMemoryBarrier2 images[BARRIER_BATCH];
+    (void)pass;
     for (uint32_t at = 0; at < count; at += BARRIER_BATCH) {
         VkDependencyInfo info = {
             .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
@@ -174,20 +155,13 @@ static bool barriers(struct dt_core *core, uint32_t pass, const struct dt_barrie
             .pImageMemoryBarriers = images,
         };
         for (uint32_t i = at; i < count && i < at + BARRIER_BATCH; i++) {
-            struct dt_barrier barrier = list[i];
-            struct vk_resource *resource = vk_resource_at(rt, barrier.resource);
-            if (++rt->barriers == rt->drop_dependency)
-                weaken(rt, pass, &barrier);
-            if (rt->barriers == rt->drop_barrier) {
-                drop(rt, pass, &barrier);
-                continue;
-            }
-            if (barrier.layout != DT_LAYOUT_NONE)
+            struct vk_resource *resource = vk_resource_at(rt, list[i].resource);
+            if (list[i].layout != DT_LAYOUT_NONE)
                 images[info.imageMemoryBarrierCount++] =
-                    image_barrier(&barrier, &resource->image, rt->core.poison);
+                    image_barrier(&list[i], &resource->image, rt->core.poison);
             else
                 buffers[info.bufferMemoryBarrierCount++] =
-                    buffer_barrier(&barrier, &resource->buffer);
+                    buffer_barrier(&list[i], &resource->buffer);
         }
         if (info.bufferMemoryBarrierCount + info.imageMemoryBarrierCount > 0)
             rt->vk.CmdPipelineBarrier2(rt->frame_commands, &info);

@@ -69,7 +69,6 @@ static void fill(struct words *words, const struct compare_apart *apart)
     add_option(words, "--scene", setup->scene);
     add_option(words, "--scenes", setup->scenes);
     add_option(words, "--device", setup->device);
-    add_option(words, "--fault", apart->fault);
     if (setup->glsl)
         add(words, "--glsl");
     for (uint32_t i = 0; i < setup->inputs.count; i++)

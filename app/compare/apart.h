@@ -7,8 +7,7 @@
 
 struct compare_apart {
     const struct setup *setup; /* but for size, frames and motion */
-    const char *fault;         /* NULL: none; so in all that follows */
-    const char *edits;         /* more of --set: lines NAME=VALUE */
+    const char *edits; /* more of --set: lines NAME=VALUE; NULL: none, so in all that follows */
     uint32_t size[2], frames;
     const char *motion;
     const char *folder; /* to write */

@@ -65,7 +65,7 @@ static bool keep_output(void *user, uint32_t index, const struct dt_bytes copies
 /* Finds the region and writes the folder; returns the region as text. */
 static char *conclude(const struct gathering *gathering, const struct replay *replay,
                       uint32_t guilty, const char *const devices[2], const char *folder,
-                      const char *fault, struct region *region)
+                      struct region *region)
 {
     const struct session_info *session = &replay->workers[0].session;
     const struct row_list *outputs = &gathering->rows->outputs;
@@ -75,7 +75,6 @@ static char *conclude(const struct gathering *gathering, const struct replay *re
     const struct dt_bytes copies[2] = {gathering->outputs[0][place], gathering->outputs[1][place]};
     struct evidence evidence = {.console = session->console,
                                 .setup = session->setup,
-                                .fault = fault,
                                 .pipeline = session->pipeline,
                                 .scene = session->scene,
                                 .rows = gathering->rows,
@@ -110,7 +109,7 @@ static void free_rows(struct dt_bytes *bytes, uint32_t count)
 }
 
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
-             const char *folder, const char *fault, struct region *region)
+             const char *folder, struct region *region)
 {
     const struct rows *rows = replay->rows;
     uint32_t pass = rows->outputs.list[guilty].pass;
@@ -128,7 +127,7 @@ char *bisect(const struct replay *replay, uint32_t guilty, const char *const dev
     if (!gathering.inputs || !gathering.outputs[0] || !gathering.outputs[1])
         report_error(gathering.log, "out of memory");
     else if (replay_run(replay, &viewer))
-        text = conclude(&gathering, replay, guilty, devices, folder, fault, region);
+        text = conclude(&gathering, replay, guilty, devices, folder, region);
     free_rows(gathering.inputs, inputs);
     free_rows(gathering.outputs[0], outputs);
     free_rows(gathering.outputs[1], outputs);

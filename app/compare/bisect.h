@@ -7,9 +7,9 @@
 #include "compare/evidence.h"
 
 /* Writes the folder. `guilty` is a row of replay->rows->outputs with an own error in replay->frame;
- * `devices` are the names of both sides' devices, `fault` the text of --fault or NULL. Returns the region as text, malloc'ed, or NULL
- * with the error logged. */
+ * `devices` are the names of both sides' devices. Returns the region as text, malloc'ed, or NULL with
+ * the error logged. */
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
-             const char *folder, const char *fault, struct region *region);
+             const char *folder, struct region *region);
 
 #endif

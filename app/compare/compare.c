@@ -225,8 +225,6 @@ static struct worker_info describe_worker(struct compare *compare, uint32_t inde
                                .frames = compare->options.setup.frames,
                                .first_observed = first_frame(compare),
                                .stops_before = compare->rows.history.count > 0};
-    if (index == compare->faulty)
-        info.session.fault = compare->fault;
     return info;
 }
 
@@ -375,13 +373,13 @@ static bool judge_twins(struct compare *compare)
     return good;
 }
 
-/* Whether the first row that broke depends on memory that nothing has written, unless a fault was injected. */
+/* Whether the first row that broke depends on memory that nothing has written. */
 static bool find_unwritten(struct compare *compare)
 {
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         const struct worker_info worker = describe_worker(compare, i + 1);
-        if (!pair->broken || sheet_is_early(&pair->sheet, pair->broken) || compare->options.fault)
+        if (!pair->broken || sheet_is_early(&pair->sheet, pair->broken))
             continue;
         console_status(compare->console, "running %s with other fills of memory",
                        pair->sides[1]->label);
@@ -474,7 +472,7 @@ static bool keep_evidence(struct compare *compare)
             continue;
         compare->bisected = &compare->pairs[i];
         compare->region = bisect(&replay, (uint32_t)(blame->row - compare->pairs[i].results),
-                                 devices, folder, compare->options.fault, &compare->found);
+                                 devices, folder, &compare->found);
         return compare->region;
     }
     if (folder)
@@ -576,13 +574,6 @@ static void compare_release(struct compare *compare)
     sides_free(&compare->sides);
 }
 
-static bool find_compare_fault(struct compare *compare)
-{
-    return fault_parse(&compare->fault, &compare->faulty, compare->options.fault,
-                       compare->pipeline.info, compare->labels, compare->sides.count,
-                       &compare->console->log);
-}
-
 /* Comparing no element would always agree: an error. */
 static bool compares_something(const struct compare *compare, uint64_t count, const char *what)
 {
@@ -643,9 +634,7 @@ static bool compare_load(struct compare *compare)
         !golden_suits(compare) || !rows_make(&compare->rows, compare->pipeline.info, &console->log))
         return false;
     if (!compares_something(compare, compare->rows.outputs.count, "no pass writes anything") ||
-        (options->fault && !find_compare_fault(compare)))
-        return false;
-    if (!inputs_load(&compare->pipeline, console, &compare->options.setup) ||
+        !inputs_load(&compare->pipeline, console, &compare->options.setup) ||
         !session_load_scene(&compare->scene, console, compare->pipeline.info, &options->setup))
         return false;
     compare->options.setup.frames = session_frames(&options->setup, &compare->scene);

@@ -48,8 +48,6 @@ struct compare {
     struct sides sides;
     struct pipeline pipeline;
     struct scene scene;
-    struct fault fault;
-    uint32_t faulty; /* index of the side with --fault */
     struct rows rows;
     /* one per side; with --measure, behind them, further runs of the first side, of the second ... */
     struct row_source *sources;

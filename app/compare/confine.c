@@ -170,7 +170,6 @@ static void add_replay(struct command *command, const struct options *options, i
     add_pair(command, "--backend", options->setup.backend);
     add_pair(command, "--device", options->setup.device);
     add_pair(command, "--context", options->setup.context);
-    add_pair(command, "--fault", options->fault);
     if (options->setup.glsl)
         add_argument(command, "--glsl");
     if (options->setup.debug)

@@ -307,25 +307,10 @@ static int label_length(const struct side *side)
     return (int)strcspn(side->label, "#");
 }
 
-/* A --fault has to be repeated in the replay. Returns the part behind its side, with the colon, or
- * NULL when the fault is not this side's. */
-static const char *fault_of(const struct evidence *evidence, const struct side *side)
-{
-    const char *fault = evidence->fault;
-    size_t length = strlen(side->label);
-    return fault && strncmp(fault, side->label, length) == 0 && fault[length] == ':'
-               ? fault + length
-               : NULL;
-}
-
 /* The replay's command line, without the command. */
-static char *replay_words(const struct evidence *evidence, const struct side *side)
+static char *replay_words(const struct side *side)
 {
-    int length = label_length(side);
-    const char *fault = fault_of(evidence, side);
-    return fault ? format_string("replay . --backend '%.*s' --fault '%.*s%s'", length, side->label,
-                                 length, side->label, fault)
-                 : format_string("replay . --backend '%.*s'", length, side->label);
+    return format_string("replay . --backend '%.*s'", label_length(side), side->label);
 }
 
 static bool write_readme(const struct writing *writing)
@@ -336,7 +321,7 @@ static bool write_readme(const struct writing *writing)
     const char *pass = guilty_pass(evidence)->name;
     char *body = body_name(writing);
     char *region = region_describe(&evidence->region, &info->resources[row->resource]);
-    char *words = replay_words(evidence, evidence->sides[1]);
+    char *words = replay_words(evidence->sides[1]);
     char *text = format_string(
         "Pass %s of the pipeline %s, alone.\n\n"
         "In frame %u of %ux%u, %s and %s were given the same inputs and left different content:\n\n"
@@ -365,9 +350,9 @@ static bool write_readme(const struct writing *writing)
 }
 
 /* Adds the lines that replay one side; none for a dump. Frees the text. */
-static char *add_side(const struct evidence *evidence, char *text, const struct side *side)
+static char *add_side(char *text, const struct side *side)
 {
-    char *words = replay_words(evidence, side);
+    char *words = replay_words(side);
     char *longer = !text || !words ? NULL
                    : side->folder  ? strdup(text)
                                    : format_string("%secho '== %s'\n\"$diptych\" %s\n", text,
@@ -392,7 +377,7 @@ static bool write_script(const struct writing *writing)
         "}\n",
         guilty_pass(evidence)->name, evidence->sides[0]->label, evidence->sides[1]->label);
     for (int side = 0; side < 2; side++)
-        text = add_side(evidence, text, evidence->sides[side]);
+        text = add_side(text, evidence->sides[side]);
     bool good = write_evidence_text(writing, "reproduce.sh", text);
     char *path = format_string("%s/reproduce.sh", writing->folder.temporary);
     good = good && path && chmod(path, 0777) == 0;
@@ -466,8 +451,6 @@ static bool write_manifest(const struct writing *writing)
         cJSON_AddStringToObject(entry, "side", evidence->sides[side]->label);
         cJSON_AddStringToObject(entry, "device", evidence->devices[side]);
     }
-    if (evidence->fault)
-        cJSON_AddStringToObject(manifest, "fault", evidence->fault);
     add_region(writing);
     return add_sets(writing) && folder_write_json(&writing->folder, "manifest.json", manifest);
 }

@@ -21,7 +21,6 @@ struct cJSON;
 struct evidence {
     struct console *console;
     const struct setup *setup;
-    const char *fault; /* text of --fault; NULL: none */
     const struct pipeline *pipeline;
     const struct scene *scene;
     const struct rows *rows;

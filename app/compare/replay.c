@@ -19,7 +19,6 @@ struct lone_pass {
     const struct options *options;
     struct side side;
     struct evidence_case evidence;
-    struct fault fault;
     struct worker worker;
     struct undefined undefined; /* --sanitize */
     char *device;
@@ -177,15 +176,6 @@ static bool run_pass(struct lone_pass *alone)
     }
 }
 
-static bool find_replay_fault(struct lone_pass *alone)
-{
-    uint32_t side;
-    const char *label = alone->side.label;
-    return !alone->options->fault ||
-           fault_parse(&alone->fault, &side, alone->options->fault, pipeline_of(alone), &label, 1,
-                       &alone->console->log);
-}
-
 /* The first output that differs; NULL: none. */
 static const struct sheet_row *first_difference(const struct lone_pass *alone)
 {
@@ -206,7 +196,6 @@ static bool run_once(struct lone_pass *alone, int fill)
                                                  .scene = &evidence->scene,
                                                  .poison = fill,
                                                  .first_frame = frame,
-                                                 .fault = alone->fault,
                                                  .frame_block = &evidence->frame},
                                      .frames = frame + 1,
                                      .first_observed = frame,
@@ -226,7 +215,7 @@ static bool run_replay(struct lone_pass *alone)
     if (!side_read(&alone->side, options->setup.backend, &options->setup, &console->log) ||
         !sides_heed(&alone->side, 1, &options->setup, &console->log) ||
         !evidence_read(evidence, console, options->folder, &options->setup) ||
-        !find_replay_fault(alone) || !run_once(alone, POISON_OTHERS))
+        !run_once(alone, POISON_OTHERS))
         return false;
     alone->again = first_difference(alone);
     return (!alone->again || run_once(alone, POISON_FIRST)) && atomic_load(&console->errors) == 0;

@@ -80,7 +80,6 @@ bool twin_judge(struct twin *twin, const struct worker_info *worker, const struc
         .console = console, .rows = rows, .workers = {*worker, *worker}, .frame = frame};
     const struct replay_viewer viewer = {.output = weigh, .user = &judging};
     replay.workers[1].session.pipeline = exact;
-    replay.workers[1].session.fault = (struct fault){0};
     twin->sheet = (struct sheet){.pipeline = rows->pipeline->name,
                                  .labels = {worker->session.side->label, "exact"}};
     return sheet_begin(&twin->sheet, rows->outputs.count, &console->log) &&

@@ -183,16 +183,8 @@ static const struct option_row rows[] = {
      "without a sandbox: the folder's shaders are yours"},
     {"--debug", OPTION_FLAG, AT(setup.debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation layers and KHR_debug; any message fails the run"},
-    {"--drop-barrier", OPTION_COUNT, AT(setup.drop_barrier), VERB_RENDER | VERB_COMPARE, 0, "N",
-     "leave out the N-th barrier of Vulkan's frame, to test whether --debug reports it; runs one "
-     "more frame, since reading results waits after every pass"},
-    {"--drop-dependency", OPTION_COUNT, AT(setup.drop_dependency), VERB_RENDER, 0, "N",
-     "keep the layout change of the N-th barrier, but drop what it waits for"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder from which `replay` runs the guilty pass alone"},
-    {"--fault", OPTION_STRING, AT(fault), ALL | VERB_REPLAY | VERB_VIEW, 0,
-     "SIDE:PASS:KIND[:SEED][@FRAME]",
-     "inject a fault into the result of a pass on one side: bit|texel|sign|missing"},
     {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL | VERB_REPLAY | VERB_VIEW, 0, "KINDS",
      "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some of index, "
      "arithmetic, loop, variable, content, race, flow"},
@@ -200,8 +192,6 @@ static const struct option_row rows[] = {
      "run each backend N times more, Mesa's software drivers with other numbers of threads, and "
      "count "
      "the distinct results of each pass"},
-    {"--poison", OPTION_COUNT, AT(poison), VERB_RENDER, 0, "BYTE",
-     "1 to 255: fill all memory with this byte first, to show passes that read undefined content"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
      "picture, linear, as render writes it"},
     {"--spp", OPTION_COUNT, AT(spp), TRACING, 0, "N",

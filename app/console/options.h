@@ -48,11 +48,9 @@ struct options {
     const char *junit;  /* file */
     const char *golden; /* folder */
     bool update;
-    const char *fault;
     const char *bisect; /* folder to write */
     uint32_t repeat;    /* compare: 0: not given */
     const char *folder; /* of an earlier bisect, or of a bundle's run */
-    uint32_t poison;    /* render: a byte, 0: none */
     uint32_t spp;       /* reference: 0: not given */
     uint32_t seed;
     uint32_t threads; /* 0: one per processor */

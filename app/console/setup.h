@@ -39,7 +39,6 @@ struct setup {
     const char *sanitize; /* kinds to look for, "" for all; NULL: none */
     const char *against;  /* folder of a dump */
     const char *capture;
-    uint32_t drop_barrier, drop_dependency; /* number in Vulkan's frame, from 1; 0: none */
 };
 
 /* Whether --set or --with gives the path a value. */

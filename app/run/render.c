@@ -25,7 +25,6 @@ struct render {
     struct pipeline pipeline;
     struct scene scene;
     struct session session;
-    struct fault fault;
     struct timings timings; /* of frames without an observer, when there are any */
     struct dump dump;
     bool exr;
@@ -64,23 +63,6 @@ static bool check_output(struct render *render)
             &render->console->log,
             "--timings: pictures of every frame would slow the frames down; leave out -o %s", path);
     return good;
-}
-
-static bool check_poison(const struct render *render)
-{
-    return render->options.poison <= UINT8_MAX ||
-           report_error(&render->console->log, "--poison %u: must be from 1 to %d",
-                        render->options.poison, UINT8_MAX);
-}
-
-static bool check_drop(const struct render *render)
-{
-    const struct options *options = &render->options;
-    return strcmp(render->side.backend, "vk") == 0 ||
-           !(options->setup.drop_barrier || options->setup.drop_dependency) ||
-           report_error(&render->console->log,
-                        "%s: only Vulkan has barriers to drop; use --backend vk",
-                        options->setup.drop_barrier ? "--drop-barrier" : "--drop-dependency");
 }
 
 static bool read_side(struct render *render)
@@ -227,11 +209,6 @@ static bool run_frames(struct render *render)
     const struct options *options = &render->options;
     const struct dt_observer observer = {
         .before_pass = render_before_pass, .after_pass = render_after_pass, .user = render};
-    /* An observer makes every pass wait for all before it, which hides a dropped barrier: run a
-     * frame without one first. */
-    if ((options->setup.drop_barrier || options->setup.drop_dependency) &&
-        !session_frame(&render->session, NULL))
-        return false;
     for (uint32_t i = 0; i < options->setup.frames; i++) {
         bool only = options->setup.capture && !options->output && !options->dump;
         bool looks = render->numbered || (i + 1 == options->setup.frames && !only);
@@ -255,14 +232,6 @@ static bool run_frames(struct render *render)
            report_error(&render->console->log,
                         "the runtime finished the frame without reporting pass %s",
                         render->pipeline.info->passes[render->shown_pass].name);
-}
-
-static bool find_render_fault(struct render *render)
-{
-    uint32_t side;
-    return !render->options.fault ||
-           fault_parse(&render->fault, &side, render->options.fault, render->pipeline.info,
-                       (const char *const *)&render->side.label, 1, &render->console->log);
 }
 
 /* Adds backend, pipeline, scene and frame to the dump's manifest. */
@@ -320,7 +289,7 @@ static bool render_prepare(struct render *render)
         return false;
     if (!pipeline_load(&render->pipeline, render->console, &options->setup))
         return false;
-    if (!find_shown(render) || !find_render_fault(render) ||
+    if (!find_shown(render) ||
         !inputs_load(&render->pipeline, render->console, &render->options.setup) ||
         !session_load_scene(&render->scene, render->console, render->pipeline.info,
                             &options->setup))
@@ -333,13 +302,11 @@ static bool render_prepare(struct render *render)
         !dump_begin(&render->dump, render->console, render->pipeline.info, options->dump))
         return false;
     const struct session_info info = {.side = &render->side,
-                                      .fault = render->fault,
                                       .console = render->console,
                                       .setup = &options->setup,
                                       .pipeline = &render->pipeline,
                                       .scene = &render->scene,
-                                      .timing = options->timings,
-                                      .poison = (int)options->poison};
+                                      .timing = options->timings};
     return open_session(render, &info) && (!options->dump || identify(render)) &&
            session_prepare(&render->session);
 }
@@ -380,8 +347,7 @@ int verb_render(struct console *console, const struct options *options)
     struct render render = {.console = console, .options = *options};
     if (options->setup.capture && !capture_load(&console->log))
         return EXIT_FAILED;
-    if (!read_side(&render) || !check_output(&render) || !check_poison(&render) ||
-        !check_drop(&render)) {
+    if (!read_side(&render) || !check_output(&render)) {
         side_free(&render.side);
         return EXIT_USAGE;
     }

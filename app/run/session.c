@@ -12,8 +12,6 @@
  *   (scene_frame_at), never from a clock: frame 7 is the same in every run and on both sides.
  *   Replays give a frame block instead.
  * - Inputs are written after each resize, since resources of another size lose their content.
- * - --fault wraps the observer of one side (fault.c) and changes what a pass leaves; no runtime
- *   knows of it.
  * - An error of validation fails the run at its end (session_is_silent), not the pass: a message
  *   often explains the next. */
 #include "run/session.h"
@@ -93,8 +91,6 @@ bool session_open(struct session *session, const struct session_info *info)
         .timing = info->timing,
         .poison = info->poison,
         .keep_history = info->keep_history,
-        .drop_barrier = setup->drop_barrier,
-        .drop_dependency = setup->drop_dependency,
     });
     return session->handle;
 }
@@ -143,17 +139,6 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
     session->frame++;
     if (info->frame_block)
         frame = *info->frame_block;
-    struct fault_run fault = {.fault = &info->fault,
-                              .runtime = session->runtime,
-                              .handle = session->handle,
-                              .pipeline = info->pipeline->info,
-                              .log = &session->log,
-                              .observer = observer,
-                              .size = {info->setup->size[0], info->setup->size[1]},
-                              .frame = frame.index};
-    const struct dt_observer spoiling = fault_observer(&fault);
-    if (info->fault.kind != FAULT_NONE)
-        observer = &spoiling;
     console_status(info->console, "%s: frame %u of %u", info->side->label, session->frame,
                    info->setup->frames);
     return session->runtime->render(session->handle, &frame, info->pipeline->live, observer);

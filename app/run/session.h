@@ -5,7 +5,6 @@
 #include "console/console.h"
 #include "console/setup.h"
 #include "spec/pipeline.h"
-#include "run/fault.h"
 #include "run/side.h"
 #include "scenes/scene.h"
 
@@ -15,11 +14,10 @@ struct session_info {
     const struct setup *setup;
     const struct pipeline *pipeline;
     const struct scene *scene;
-    bool timing, keep_history; /* see struct dt_runtime_options */
-    int poison;                /* see struct dt_runtime_options */
-    bool name_in_log;          /* put the side's label before its messages */
-    uint32_t first_frame;      /* index of the first frame, usually 0 */
-    struct fault fault;
+    bool timing, keep_history;          /* see struct dt_runtime_options */
+    int poison;                         /* see struct dt_runtime_options */
+    bool name_in_log;                   /* put the side's label before its messages */
+    uint32_t first_frame;               /* index of the first frame, usually 0 */
     const struct dt_frame *frame_block; /* NULL: as the scene and the frame's number make it */
 };
 

@@ -39,17 +39,6 @@ static bool read_sides(struct view *view)
     return true;
 }
 
-/* A planted fault, to try the window with. */
-static bool read_fault(struct view *view)
-{
-    const char *labels[VIEW_SIDES];
-    for (uint32_t i = 0; i < view->side_count; i++)
-        labels[i] = view->sides.list[i].label;
-    return !view->options->fault ||
-           fault_parse(&view->fault, &view->faulty, view->options->fault, view->pipeline.info,
-                       labels, view->side_count, &view->console->log);
-}
-
 bool view_open_side(struct view *view, uint32_t index)
 {
     const struct session_info info = {.side = &view->sides.list[index],
@@ -162,7 +151,7 @@ static bool open_view(struct view *view)
         (options->screenshot && !file_can_write(options->screenshot, log)) ||
         (options->present && !file_can_write(options->present, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, &options->setup) || !view_find_home(view) ||
-        !read_fault(view) || !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
+        !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
         !view_outline_read(view) ||
         !session_load_scene(&view->scene, view->console, view->pipeline.info, &options->setup))
         return false;
@@ -208,17 +197,6 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
     bool takes = !output || view->shown_points || view->verdict.checking;
     const struct dt_observer own = {.after_pass = view_after_pass, .user = &watch};
     const struct dt_observer *observer = takes ? &own : NULL;
-    struct fault_run fault = {.fault = &view->fault,
-                              .runtime = session->runtime,
-                              .handle = session->handle,
-                              .pipeline = info,
-                              .log = &view->quiet,
-                              .observer = observer,
-                              .size = {view->size[0], view->size[1]},
-                              .frame = frame->index};
-    const struct dt_observer spoiling = fault_observer(&fault);
-    if (view->fault.kind != FAULT_NONE && side == &view->side[view->faulty])
-        observer = &spoiling;
     double start = milliseconds_now();
     view_forget(side);
     return session->runtime->render(session->handle, frame, view->pipeline.live, observer) &&
@@ -462,14 +440,6 @@ static void close_sides(struct view *view)
     }
 }
 
-/* A fault tells its place in every frame: once is known from --fault. */
-static void drop_message(void *user, enum dt_level level, const char *message)
-{
-    (void)user;
-    (void)level;
-    (void)message;
-}
-
 int verb_view(struct console *console, const struct options *options)
 {
     struct view view = {.console = console,
@@ -477,8 +447,7 @@ int verb_view(struct console *console, const struct options *options)
                         .options = &view.own,
                         .shown.gain = 16,
                         .speed = 0.5f,
-                        .reload_ms = (double)NAN,
-                        .quiet = {.message = drop_message}};
+                        .reload_ms = (double)NAN};
     view_log_open(&view);
     bool good = open_view(&view) && run_window(&view);
     if (good && options->screenshot)

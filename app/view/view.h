@@ -8,7 +8,6 @@
 
 #include "console/options.h"
 #include "spec/reload.h"
-#include "run/fault.h"
 #include "result/difference.h"
 #include "result/picture.h"
 #include "run/session.h"
@@ -116,9 +115,6 @@ struct view {
     struct view_verdict verdict;
     struct view_params params;
     struct view_log log;
-    struct fault fault; /* of one side */
-    uint32_t faulty;
-    struct dt_log quiet;
     pthread_t bisector; /* joined at the end, or before the next */
     bool bisected;
     atomic_bool bisecting;

@@ -202,7 +202,6 @@ static struct bisection *plan_bisection(struct view *view)
     if (own)
         work->motion = write_camera(view);
     work->apart = (struct compare_apart){.setup = &view->options->setup,
-                                         .fault = view->options->fault,
                                          .edits = work->edits,
                                          .size = {view->size[0], view->size[1]},
                                          .frames = view->moving ? view->present_moment + 1 : 1,

@@ -347,12 +347,6 @@ struct dt_runtime_options {
     bool keep_history;
     /* 1..255: resources without history are filled with this byte before their first use in each frame; 0: not filled */
     int poison;
-    /* vk: omits the barrier of this number, to test whether its absence is detected; 0: none.
-     * Counts from 1 over the frame in recording order. Logs its pass and resource. An observer
-     * hides the effect, since it waits after every pass. */
-    uint32_t drop_barrier;
-    /* vk: the same, but keeps the layout change: the barrier waits for nothing. */
-    uint32_t drop_dependency;
 };
 
 /* Tightly packed array: the elements of a buffer, or one mip of an image, layer by layer, row 0

@@ -72,6 +72,6 @@ for motion in round turn; do
     check "$motion: both backends agree in every frame" "$diptych" compare --scene "$scene" --motion "$work/$motion.yaml" --size 48x27 \
         --set first_vpls=64 --set second_vpls=64 --set clusters=3 --set rsm_size=64 --set map_size=32
 done
-check_status 1 "a fault in the mean of one frame is still seen in the next" "$diptych" compare --scene "$scene" --size 48x27 --frames 3 \
+check_status 1 "a fault in the mean of one frame is still seen in the next" "$planted" compare --scene "$scene" --size 48x27 --frames 3 \
     --set first_vpls=64 --set second_vpls=64 --set clusters=3 --set rsm_size=64 --set map_size=32 --fault vk:accumulate:bit@1
 finish

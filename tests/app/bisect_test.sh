@@ -10,7 +10,8 @@ cases=$work
 
 # A copy of the project's bodies, library and tools, which the test changes later.
 mkdir -p project/build/glad
-cp "$build/diptych" "$build/diptych-gen" "$build/libdiptych_image.so" project/build/
+cp "$build/diptych-gen" "$build/libdiptych_image.so" project/build/
+cp "$planted" project/build/diptych
 cp -r "$build/glad/include" project/build/glad/
 cp -r "$root/templates" project/
 ln -s "$root/runtime_gl" "$root/runtime_vk" "$root/scenes" project/
@@ -144,7 +145,7 @@ check "no folder" refuses "absent/manifest.json: cannot be read" "$own" replay a
 check "no backend" refuses "--backend NAME is missing" "$own" replay "$cases/case.halve"
 
 # --bisect writes a whole folder or none.
-compare=("$diptych" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9)
+compare=("$planted" compare --scene "$scene" --spec "$specs/mips.yaml" --size 17x9)
 mkdir foreign && touch foreign/mine
 check "somebody's folder is refused" refuses "foreign: exists and was not written by an earlier --bisect" \
     "${compare[@]}" --fault vk:halve:bit --bisect foreign

@@ -80,7 +80,7 @@ check "... just" grep -Eq '^one.colour +first .* within +(9[0-9]|100) %' "$work/
 check_status 1 "... and allows no more" "${compare[@]}" --set exactness=bounded --set error=0.005 --contracts "$work/measured.yaml"
 echo 'field: {of_exact: 1}' >"$work/wrong.yaml"
 check_status 2 "of_exact is for passes that are left free" "${far[@]}" --contracts "$work/wrong.yaml"
-check_status 1 "a fault on one side is found" "${compare[@]}" --set exactness=bounded --fault vk:later:texel
+check_status 1 "a fault on one side is found" "$planted" "${compare[@]:1}" --set exactness=bounded --fault vk:later:texel
 cp "$work/output" "$work/told"
 check "... in its pass" grep -qF 'guilty: pass later' "$work/told"
 check "a pass is fast alone" "${compare[@]}" --set passes.later.exactness=fast --json "$work/alone.json"

@@ -25,6 +25,8 @@ int main(int argc, char **argv) {
     return !leave(gl, "gl", 0) || !leave(vk, "vk", argc > 2);
 }
 END
+mkdir bin
+ln -s "$planted" bin/diptych
 check "a program with a tap" cc -std=c11 -D_GNU_SOURCE -Wall -Wextra -Werror -I"$root/templates/c" program.c -o program
 
 # Runs what a service would, without the service's own steps and apt: steps FILE FOLDER NAME=VALUE...
@@ -57,7 +59,7 @@ for command, values in steps:
         sys.exit(status)
 END
 steps() { # file folder name=value...
-    PATH=$build:$PATH /usr/bin/python3 -B steps.py "$root/templates/ci/$1" "$work/$2" "${@:3}" | tee said
+    PATH=$work/bin:$PATH /usr/bin/python3 -B steps.py "$root/templates/ci/$1" "$work/$2" "${@:3}" | tee said
     return "${PIPESTATUS[0]}"
 }
 check_status 0 "the action, where both agree" steps action.yml agree run="$work/program out" compare="out/gl out/vk"

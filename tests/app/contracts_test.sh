@@ -30,7 +30,7 @@ compare=("$diptych" compare --spec "$spec" --scene scenes/cornell.yaml --size 17
 check "both backends keep them" "${compare[@]}"
 
 # One point at x = 1/2, exactly on the edge between the sides, so the last bit of x decides. Seed 2 makes the fault choose x.
-flip=("${compare[@]}" --set points=1 --fault vk:place:bit:2)
+flip=("$planted" "${compare[@]:1}" --set points=1 --fault vk:place:bit:2)
 loose=(--set 'contracts.side_margins={abs: 1/1000}')
 finds() { # status text command...
     local status=$1 text=$2
@@ -52,7 +52,7 @@ pictures() { # expected number of strips; options...
     local expected=$1 found file
     shift
     rm -rf "$work/pictures"
-    "${compare[@]}" --pictures "$work/pictures" --json "$work/found.json" "$@" >"$work/found"
+    "$planted" "${compare[@]:1}" --pictures "$work/pictures" --json "$work/found.json" "$@" >"$work/found"
     found=$(find "$work/pictures" -name '*.png' | wc -l)
     echo "$found strips"
     cat "$work/found"
@@ -71,16 +71,16 @@ check_status 2 "a folder that cannot be made" "${compare[@]}" --pictures "$0/fol
 
 # The table's share of the bound, contracts of a file in place of the spec's, and measured ones.
 printf 'stripes: {abs: 5}\nsides: {flips: 4, margin: side_margins}\nside_margins: {abs: 0.001}\n' >"$work/wide.yaml"
-check "a file's contracts replace the spec's" finds 0 "all 9 resources of 3 passes agree" "${compare[@]}" --contracts "$work/wide.yaml" --fault vk:paint:texel:9
+check "a file's contracts replace the spec's" finds 0 "all 9 resources of 3 passes agree" "$planted" "${compare[@]:1}" --contracts "$work/wide.yaml" --fault vk:paint:texel:9
 check "... and the share of the bound stands in the table" grep -Eq '^paint +stripes .* within +25 %  1.25 at' "$work/found"
 check "... with margins that they name" finds 0 "; margin gl 0 (0x00000000), vk 5.9604645e-08 (0x33800000)" "${flip[@]}" --contracts "$work/wide.yaml"
 printf 'sums: {image: {max: 1}}\n' >"$work/wrong.yaml"
 check_status 2 "outliers of a buffer are refused" "${compare[@]}" --contracts "$work/wrong.yaml"
 check "runs are measured, side by side" finds 0 "equal in all runs" "${compare[@]}" --measure 2 --write-contracts "$work/measured.yaml"
 check "... and the contracts are read again" finds 1 "grown: stripes, difference of backends: none when it was measured, is 1.25" \
-    "${compare[@]}" --measure 2 --contracts "$work/measured.yaml" --fault vk:paint:texel:9
+    "$planted" "${compare[@]:1}" --measure 2 --contracts "$work/measured.yaml" --fault vk:paint:texel:9
 check "memory that no pass has written is noise" finds 1 "grown: stripes, noise of vk: none when it was measured" \
-    "${compare[@]}" --measure 2 --contracts "$work/measured.yaml" --fault vk:paint:missing
+    "$planted" "${compare[@]:1}" --measure 2 --contracts "$work/measured.yaml" --fault vk:paint:missing
 check_status 2 "too many processes" "${compare[@]}" --measure 33
 check_status 2 "a dump is one run" "${compare[@]}" --measure 2 --against "$work"
 finish

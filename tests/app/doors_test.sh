@@ -154,7 +154,7 @@ check "pages run their own scripts alone" policy_holds
 # ---- Limits and replays --------------------------------------------------------------------------------------------------
 
 # A Vulkan driver tells what the process that loads it may do; a shader could do no more.
-"$diptych" compare "${grey[@]}" --fault vk:paint:bit --bisect "$work/case" >/dev/null 2>&1
+"$planted" compare "${grey[@]}" --fault vk:paint:bit --bisect "$work/case" >/dev/null 2>&1
 mkdir "$work/driver" "$work/home"
 machine=$(($(getconf _PHYS_PAGES) * $(getconf PAGESIZE) >> 30)) # GiB of memory
 echo secret >"$work/home/secret"

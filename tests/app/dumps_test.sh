@@ -118,10 +118,10 @@ done
 check "dumps of render agree" says 0 'agree$' gl vk
 
 features=(--spec "$root/tests/specs/features.yaml" --scene "$root/scenes/cornell.yaml" --size 64x36)
-check "backends are explained as well" says 1 '^why: blurred: differs where vk has the pattern of memory that nothing has written' "${features[@]}" --fault vk:blur:missing --html own
+diptych=$planted check "backends are explained as well" says 1 '^why: blurred: differs where vk has the pattern of memory that nothing has written' "${features[@]}" --fault vk:blur:missing --html own
 check "... on their page as well" grep -q 'Why: differs where vk has the pattern of memory' own/index.html
 # shellcheck disable=SC2016
-check "... but not a single number" sh -c '! grep "^why" "$1"' - <("$diptych" compare "${features[@]}" --fault vk:blur:bit 2>&1)
+check "... but not a single number" sh -c '! grep "^why" "$1"' - <("$planted" compare "${features[@]}" --fault vk:blur:bit 2>&1)
 
 check "9 of 10 planted faults are named first" /usr/bin/python3 -B "$root/tests/app/why_faults.py" "$diptych" "$work/faults"
 finish

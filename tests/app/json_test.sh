@@ -65,7 +65,7 @@ fine "it['width'] == 16 and it['output'].endswith('a.exr') and it['resource'] ==
     render "${small[@]}" --backend vk -o "$work/a.exr"
 fine "it['agree'] and it['guilty'] is None and it['devices']" compare "${small[@]}"
 # The fault flips one bit of one element, so the region is that element, wherever it is.
-check "compare with a fault" tells 1 "not errors and not it['agree'] and it['guilty']['pass'] == 'denoise_rows' and
+diptych=$planted check "compare with a fault" tells 1 "not errors and not it['agree'] and it['guilty']['pass'] == 'denoise_rows' and
     it['guilty']['case'].endswith('/case') and it['guilty']['region']['failing'] == 1 and
     it['guilty']['region']['low'] == it['guilty']['region']['high'] == it['guilty']['region']['smallest'] and
     len(it['guilty']['region']['low']) == 2 and max(it['guilty']['region']['low']) < 16" \

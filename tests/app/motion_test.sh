@@ -43,7 +43,7 @@ check "... and from that place" "${render[@]}" --motion "$work/there.yaml" --sho
 check "... is the same: it got there" cmp "$work/seen.exr" "$work/seen_there.exr"
 
 check "both backends agree all along" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}"
-check_status 1 "... but for a fault in one frame" "$diptych" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}" \
+check_status 1 "... but for a fault in one frame" "$planted" compare --scene "$scene" --motion "$motion" --size 48x27 "${small[@]}" \
     --fault vk:first.kmeans:bit@2
 check "a dump of a motion" "${moving[@]}" --dump "$work/dump"
 check "... is held against the same motion" "$diptych" compare --scene "$scene" --motion "$motion" "${small[@]}" --backend gl --against "$work/dump"
@@ -75,7 +75,7 @@ check "... the second the first" reprojects 2 "near and first == 0 and index == 
 check "... the last the one before it, 60 of them a second" reprojects 4 "near and abs(time - 3 / 60) < 1e-6 and x == -0.375"
 check "two positions repeat" reprojects 3 "near and x == 0 and index == 2" --set positions=2
 check "no jitter" reprojects 4 "near and x == 0 and y == 0" --set positions=0
-check_status 1 "a fault in the third frame" "$diptych" compare "${reproject[@]}" --fault vk:reproject:bit@2 --bisect "$work/guilty"
+check_status 1 "a fault in the third frame" "$planted" compare "${reproject[@]}" --fault vk:reproject:bit@2 --bisect "$work/guilty"
 check "... which has its camera before when it is played alone" "$diptych" replay "$work/guilty" --backend gl
 
 check "the path tracer's first frame" "${reference[@]}" --motion "$motion" -o "$work/first.exr"

@@ -19,7 +19,7 @@ breaks() { # sed script: the page that differs, with a mistake
     sed "$1" differs/index.html >broken/index.html
 }
 
-"$diptych" compare --scene "$scene" "${small[@]}" --size 96x64 --fault vk:rsm_map:sign --html differs >/dev/null
+"$planted" compare --scene "$scene" "${small[@]}" --size 96x64 --fault vk:rsm_map:sign --html differs >/dev/null
 check "a page that tells a difference reads well" reads_well differs/index.html
 "$diptych" compare --scene "$scene" "${small[@]}" --size 64x48 --html agrees >/dev/null
 check "... and one that tells none" reads_well agrees/index.html

@@ -39,7 +39,7 @@ same_functions() { # folder folder: their image libraries export the same functi
 check "a bundle reads pictures by the functions that others have" same_functions "$build" "$build/bundle"
 check "a bundle's run makes a page of one machine" sh "$bundle/run" "$work/ran"
 check "... with its devices, verdicts and times" /usr/bin/python3 "$root/tests/app/report.py" --collected "$work/ran" agree
-check_status 1 "a difference" "$diptych" compare --spec "$bundle/share/diptych/templates/post.yaml" --input "photo=$bundle/share/photo.png" \
+check_status 1 "a difference" "$planted" compare --spec "$bundle/share/diptych/templates/post.yaml" --input "photo=$bundle/share/photo.png" \
     --backend vk@0,gl --fault gl:invert:bit --json "$work/ran/post-cornell.json"
 check "... goes to the page by the same command" "$diptych" report --collect "$work/ran"
 check "... with its pass" /usr/bin/python3 "$root/tests/app/report.py" --collected "$work/ran" "differ, pass invert: "

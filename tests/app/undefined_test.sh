@@ -66,12 +66,12 @@ agrees() {
 
 poisoned() { # backend
     for byte in 17 85; do
-        "$diptych" render --spec images.yaml --size 16x16 --backend "$1" --dump "$1-$byte" --poison "$byte" --frames 2 || return
+        "$planted" render --spec images.yaml --size 16x16 --backend "$1" --dump "$1-$byte" --poison "$byte" --frames 2 || return
     done
     ! cmp "$1-17/02.three.second.raw" "$1-85/02.three.second.raw" && cmp "$1-17/01.two.mid.raw" "$1-85/01.two.mid.raw"
 }
 for backend in gl vk@llvmpipe; do
-    check "$backend: --poison fills memory before each owner" poisoned "$backend"
+    check "$backend: memory is filled before each owner" poisoned "$backend"
 done
 
 replayed() { # backend

@@ -423,12 +423,12 @@ check "the array is what render dumps" same_numbers
 
 # A planted fault, bisection, a table.
 agrees() { # the window's verdict is that of compare
-    "$diptych" compare "${panes[@]}" --fault vk:rsm_map:sign --json compare.json >/dev/null
+    "$planted" compare "${panes[@]}" --fault vk:rsm_map:sign --json compare.json >/dev/null
     /usr/bin/python3 -c 'import json
 seen, told = json.load(open("fault.json"))["verdict"], json.load(open("compare.json"))["guilty"]
 assert seen.startswith("differs: first pass %s, %s, " % (told["pass"], told["resource"])), (seen, told)'
 }
-open_panes --backend both --window 1280x720 --fault vk:rsm_map:sign
+diptych=$planted open_panes --backend both --window 1280x720 --fault vk:rsm_map:sign
 check "a fault is red, and marked in its pass" see fault.ppm verdict=red "like=$root/tests/app/view/fault.png"
 xdotool key space
 click 1024 141 # bisect here

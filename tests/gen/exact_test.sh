@@ -10,8 +10,8 @@ exact=(--scene "$scene" --spec "$specs/exact.yaml" --size 9x5)
 # Compares the files of the dumps: the inputs include NaN and infinity, which `compare` never accepts as equal.
 dumps() { # options...: the files of both backends that differ, in the order of the passes
     rm -rf "$work/gl" "$work/vk"
-    "$diptych" render "${exact[@]}" --backend gl --poison 90 --dump "$work/gl" "$@" || return 2
-    "$diptych" render "${exact[@]}" --backend vk --poison 165 --dump "$work/vk" "$@" || return 2
+    "$planted" render "${exact[@]}" --backend gl --poison 90 --dump "$work/gl" "$@" || return 2
+    "$planted" render "${exact[@]}" --backend vk --poison 165 --dump "$work/vk" "$@" || return 2
     diff -rq --exclude=manifest.json "$work/gl" "$work/vk" >"$work/table"
 }
 same_bits() { # files options...: that many files, all equal
@@ -27,7 +27,7 @@ same_bits() { # files options...: that many files, all equal
 same_bits_of_text() {
     dumps || return
     rm -rf "$work/gl"
-    "$diptych" render "${exact[@]}" --backend gl+glsl --poison 90 --dump "$work/gl" &&
+    "$planted" render "${exact[@]}" --backend gl+glsl --poison 90 --dump "$work/gl" &&
         diff -rq --exclude=manifest.json "$work/gl" "$work/vk"
 }
 

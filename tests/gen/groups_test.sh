@@ -69,11 +69,11 @@ wrong groups.marks.args=[a] 'groups cannot be set'
 check "the drawing names instances" grep -q 'first.light.add</b>' "$work/graph.dot"
 check "the table does" grep -qE '^second\.paint +second\.canvas +768 +0 +equal' "$work/table"
 check "list does" says '  part.2.sum        buffer' "$diptych" list --spec $spec
-fault=("$diptych" compare --spec "$spec" --fault vk:second.paint:bit:1)
+fault=("$planted" compare --spec "$spec" --fault vk:second.paint:bit:1)
 check "a fault in an instance is found" says 'guilty: pass second.paint (shader groups_paint.glsl): resource second.canvas' \
     "${fault[@]}" --bisect "$work/guilty"
 check "... and replayed" "$diptych" replay "$work/guilty" --backend vk
-check "... and in a repeat" says 'guilty: pass down.2 ' "$diptych" compare --spec $spec --fault gl:down.2:texel:1
+check "... and in a repeat" says 'guilty: pass down.2 ' "$planted" compare --spec $spec --fault gl:down.2:texel:1
 check_status 1 "the contract of an instance's resource holds" "${fault[@]}" --set 'contracts.default={abs: 5e9}'
 check "... and --set finds it" "${fault[@]}" --set 'contracts.default={abs: 5e9}' --set 'contracts.second.canvas={abs: 5e9}'
 finish

@@ -13,7 +13,7 @@ tool make "$work" "$seed" || exit 1
 declare -A kinds=([wrong]="index,arithmetic,loop,variable" [wrong_memory]="content,race,flow" [wrong_draw]="")
 kinds[fine]=${kinds[wrong]} kinds[fine_memory]=${kinds[wrong_memory]} kinds[fine_draw]=""
 sanitized() { # table backend folder
-    "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize${kinds[${1#some_}]:+=${kinds[${1#some_}]}}" --json "$work/found.json"
+    "$planted" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/$3" --poison 7 "--sanitize${kinds[${1#some_}]:+=${kinds[${1#some_}]}}" --json "$work/found.json"
 }
 finds() { # table backend
     sanitized "$1" "$2" dump
@@ -23,7 +23,7 @@ silent() { # table backend
     sanitized "$1" "$2" checked
     local status=$?
     tool silent "$work/found.json" "$work/$1.yaml" && [ "$status" = 0 ] &&
-        "$diptych" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/plain" --poison 7 &&
+        "$planted" render --spec "$work/$1.yaml" --size 16x16 --backend "$2" --dump "$work/plain" --poison 7 &&
         tool equal "$work/plain" "$work/checked"
 }
 
@@ -130,7 +130,7 @@ for backend in gl vk@llvmpipe; do
     check "$backend: what is allowed hides nothing else, and is not called idle" rooms "$backend"
 done
 everywhere() {
-    "$diptych" compare --spec "$work/bare.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize --fault gl:logs:bit --bisect "$work/case" \
+    "$planted" compare --spec "$work/bare.yaml" --size 16x16 --backend gl,vk@llvmpipe --sanitize --fault gl:logs:bit --bisect "$work/case" \
         --junit "$work/junit.xml" --html "$work/page" --json "$work/pair.json" >/dev/null
     [ $? = 1 ] && grep -qF 'meant_logs.glsl:4:20"><failure message="log(0)"/>' "$work/junit.xml" &&
         grep -qF 'meant_logs.glsl:4:20</code>: undefined: log(0)</p>' "$work/page/index.html" &&

@@ -69,7 +69,7 @@ for backend in gl vk; do
 done
 
 for fault in halve_fog fill_probes; do
-    check_status 1 "a fault in $fault is found" "$diptych" compare --spec "$spec" --size 64x48 --fault vk:$fault:texel:1 \
+    check_status 1 "a fault in $fault is found" "$planted" compare --spec "$spec" --size 64x48 --fault vk:$fault:texel:1 \
         --bisect "$work/$fault"
     check "... and replayed" "$diptych" replay "$work/$fault" --backend gl
 done

@@ -5,6 +5,7 @@ set -u
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 build=$(realpath "${DIPTYCH_BUILD:-$root/build}")
 diptych=$build/diptych
+planted=$build/diptych-planted # the same with --fault, --poison and --drop-...: see plant.c
 tap_count=0
 tap_failed=0
 work=$(mktemp -d)

@@ -14,17 +14,12 @@
 #include "app/console/live.h"
 #include "app/console/options.h"
 #include "app/spec/pipeline.h"
+#include "drop.h"
 #include "hazard.h"
 #include "runtime_vk/internal.h"
 #include "tape.h"
 
 enum { MAX_LIVES = 8, MAX_TAPES = 2 * (MAX_LIVES + 1) };
-
-/* How the audit changes one barrier. */
-enum change {
-    DROPPED, /* the barrier is left out */
-    WEAKENED /* the barrier changes the layout, but waits for nothing */
-};
 
 /* Why the layers may be silent about a hazard; bits. */
 enum silence {
@@ -65,6 +60,8 @@ struct audit {
     struct tape tapes[MAX_TAPES];
     uint32_t tape_count;
     struct counts dropped, weakened;
+    enum drop change; /* of the next frames */
+    uint32_t number;  /* of the barrier; 0: none */
     uint32_t bits, idle_bits;
     uint32_t failures;
 };
@@ -235,6 +232,7 @@ static bool render(struct tape *tapes)
     name_resources();
     audit.core = audit.sync = 0;
     for (frame.index = 0; frame.index < 2; frame.index++) {
+        drop_next(audit.rt, audit.change, audit.number);
         if (!runtime_vk.render(audit.rt, &frame, audit.pipeline.live, NULL)) {
             printf("a frame could not be rendered: %s\n", audit.last);
             return false;
@@ -350,9 +348,9 @@ static bool record_tapes(void)
 
 /* ---- One barrier changed --------------------------------------------------------------------- */
 
-static void apply(enum change change, struct tape *tape, uint32_t entry)
+static void apply(enum drop change, struct tape *tape, uint32_t entry)
 {
-    if (change == WEAKENED) {
+    if (change == DROP_DEPENDENCY) {
         tape->entries[entry].barrier.src_stage = VK_PIPELINE_STAGE_2_NONE;
         tape->entries[entry].barrier.src_access = VK_ACCESS_2_NONE;
         return;
@@ -395,7 +393,7 @@ static bool same_tape(const struct tape *a, const struct tape *b)
 /* Index of the planned barrier that the runtime changed; UINT32_MAX: the frame differs in anything
  * else. The runtime numbers barriers in the order of the generated tables; a tape lists buffers
  * before images. */
-static uint32_t find_changed(const struct tape *changed, const struct tape *all, enum change change)
+static uint32_t find_changed(const struct tape *changed, const struct tape *all, enum drop change)
 {
     for (uint32_t index = 0; index < planned_count(all); index++) {
         struct tape tape = copy_tape(all);
@@ -482,7 +480,7 @@ static void on_hazard(void *user, const struct hazard *hazard)
     verdict->silences |= silence_about(judgement->tape, hazard);
 }
 
-static void judge(enum change change, uint32_t index, struct verdict *verdict)
+static void judge(enum drop change, uint32_t index, struct verdict *verdict)
 {
     for (uint32_t i = 0; i < audit.tape_count; i++) {
         struct tape tape = copy_tape(&audit.tapes[i]);
@@ -520,7 +518,7 @@ static void count_verdict(struct counts *counts, const struct verdict *verdict)
     }
 }
 
-static void print_verdict(enum change change, uint32_t number, uint32_t index,
+static void print_verdict(enum drop change, uint32_t number, uint32_t index,
                           const struct verdict *verdict)
 {
     const struct tape *tape = &audit.tapes[0];
@@ -528,17 +526,17 @@ static void print_verdict(enum change change, uint32_t number, uint32_t index,
 
     printf("%3u %-36s %-8s  %-4s %-4s %-5s  %s\n", number,
            entry_text(tape, planned_entry(tape, index), what, sizeof what),
-           change == DROPPED ? "dropped" : "weakened", verdict->core ? "core" : "-",
+           change == DROP_BARRIER ? "dropped" : "weakened", verdict->core ? "core" : "-",
            verdict->sync ? "sync" : "-", verdict->hazards ? "model" : "-", verdict->example);
 }
 
 /* Renders with barrier `number` changed, with the defaults and with every --live. *index: index of
  * this barrier among the planned ones of a tape. */
-static bool render_change(enum change change, uint32_t number, uint32_t *index,
+static bool render_change(enum drop change, uint32_t number, uint32_t *index,
                           struct verdict *verdict)
 {
-    audit.rt->drop_barrier = change == DROPPED ? number : 0;
-    audit.rt->drop_dependency = change == WEAKENED ? number : 0;
+    audit.change = change;
+    audit.number = number;
     for (uint32_t i = 0; i <= audit.live_count; i++) {
         struct tape changed[2];
 
@@ -558,19 +556,19 @@ static bool render_change(enum change change, uint32_t number, uint32_t *index,
     return true;
 }
 
-static bool try_change(enum change change, uint32_t number, uint32_t *index)
+static bool try_change(enum drop change, uint32_t number, uint32_t *index)
 {
     struct verdict verdict = {0};
 
     if (!render_change(change, number, index, &verdict))
         return false;
     judge(change, *index, &verdict);
-    count_verdict(change == DROPPED ? &audit.dropped : &audit.weakened, &verdict);
+    count_verdict(change == DROP_BARRIER ? &audit.dropped : &audit.weakened, &verdict);
     if (audit.verbose)
         print_verdict(change, number, *index, &verdict);
     if (!verdict.core && !verdict.sync && !verdict.hazards)
         fail("barrier %u, %s: nobody misses it", number,
-             change == DROPPED ? "dropped" : "weakened");
+             change == DROP_BARRIER ? "dropped" : "weakened");
     if (!verdict.core && !verdict.sync && verdict.silences & UNEXPLAINED)
         fail("barrier %u: the layers should have spoken of: %s", number, verdict.example);
     return true;
@@ -591,10 +589,10 @@ static bool try_barriers(void)
     for (uint32_t number = 1; number <= count; number++) {
         uint32_t index = UINT32_MAX;
 
-        if (!try_change(DROPPED, number, &index))
+        if (!try_change(DROP_BARRIER, number, &index))
             return false;
         if (waits_and_changes_layout(&audit.tapes[1], index) &&
-            !try_change(WEAKENED, number, &index))
+            !try_change(DROP_DEPENDENCY, number, &index))
             return false;
     }
     return true;

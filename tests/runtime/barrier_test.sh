@@ -51,24 +51,18 @@ check "every command that the runtime records is seen by the audit" \
         grep -q \"^\(void\|VkResult\) \$name(\" '$root/tests/lib/tape.c' || { echo \"\$name\"; exit 1; }
     done"
 
-# Dropped barriers on the command line.
+# Dropped barriers under the program. The first of two frames is not observed: an observer waits after every pass.
 render() { # arguments...
-    "$diptych" render --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk \
+    "$planted" render --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend vk --frames 2 --debug \
         --timings "$work/timings.json" "$@"
 }
-check "without dropping validation is silent" render --debug
-check_status 1 "--drop-barrier 7 fails a run with --debug" render --debug --drop-barrier 7
-cp "$work/output" "$work/dropped"
-check "... which names its pass and resource" \
-    grep -q "dropped barrier 7: pass halves, resource draw_arguments" "$work/dropped"
-check_status 1 "--drop-dependency fails it, too" render --debug --drop-dependency 7
+check "without dropping validation is silent" render
+check_status 1 "a dropped barrier fails a run with --debug" render --drop-barrier 7
+check_status 1 "a dropped dependency fails it, too" render --drop-dependency 7
 cp "$work/output" "$work/weakened"
 check "... by what the layer says" grep -q "READ_AFTER_WRITE" "$work/weakened"
-check_status 1 "a barrier that the frame does not have is an error" render --drop-barrier 1000
-check_status 2 "OpenGL has no barrier to drop" \
-    "$diptych" render --scene "$root/scenes/cornell.yaml" --size 24x16 --backend gl --drop-barrier 1 -o "$work/gl.png"
 # What differs nowhere here is told as what would break elsewhere.
-compare=("$diptych" compare --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend "vk,gl" --debug
+compare=("$planted" compare --scene "$root/scenes/cornell.yaml" --spec "$specs/features.yaml" --size 24x16 --backend "vk,gl" --debug
     --json "$work/told.json")
 check "compare --debug finds all barriers" "${compare[@]}"
 check_status 1 "... and tells one that is missing though both backends agree" "${compare[@]}" --drop-barrier 7

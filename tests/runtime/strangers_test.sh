@@ -7,7 +7,7 @@ edges=(compare --scene scenes/cornell.yaml --spec tests/specs/edges.yaml --size 
 home=vk@llvmpipe
 
 check "one maker: the contract \`raster\` changes nothing" sh -c '"$@" | grep -c " equal  " | grep -qx 4' - "$diptych" "${edges[@]}" --backend gl,$home
-check_status 1 "... a draw that is missing is found" "$diptych" "${edges[@]}" --backend gl,$home --fault $home:draw:missing
+check_status 1 "... a draw that is missing is found" "$planted" "${edges[@]}" --backend gl,$home --fault $home:draw:missing
 if [ ${#strangers[@]} = 0 ]; then
     skip "drivers of different makers" "$no_strangers"
     finish
@@ -54,7 +54,7 @@ for driver in "${strangers[@]}"; do
     check "... and against OpenGL" agrees '^on equal inputs' "${edges[@]:1}" --backend "gl,$driver"
     check_status 1 "... a share of 0 allows none" "$diptych" "${edges[@]}" --backend "$home,$driver" \
         --set 'contracts.number={raster: 0}'
-    check_status 1 "... a fault in what is computed is found" "$diptych" "${edges[@]}" --backend "$home,$driver" \
+    check_status 1 "... a fault in what is computed is found" "$planted" "${edges[@]}" --backend "$home,$driver" \
         --fault "$driver:count:bit"
     # Every pipeline that ships, on both scenes, at the defaults; without DIPTYCH_LONG ssvp and three others, which SEED draws.
     seed=${SEED:-$RANDOM}
