@@ -18,6 +18,7 @@ VERBS: dict[str, tuple[str, int]] = {
     "metrics": ("metrics", 1),
     "report": ("report", 2),
     "sweep": ("grid", 2),
+    "tune": ("tune", 1),
 }
 
 

@@ -154,9 +154,13 @@ def _plain(array, resource):
     return array["value"] if plain else array
 
 
+class Text(str):
+    """A value in the words of --set."""
+
+
 def _value(value):
     """A number, bool or list as --set reads it."""
-    return json.dumps(numpy.asarray(value).tolist())
+    return value if isinstance(value, Text) else json.dumps(numpy.asarray(value).tolist())
 
 
 def _u32(what, value):
@@ -347,7 +351,7 @@ class Pipeline:
         pass, and may set live parameters and read; its exception ends the frame, and the next one begins
         anew."""
         self._idle("render")
-        passes = self.description["passes"]
+        passes = self.description["passes"] if take or after_pass else []
         taken, raised, last = {}, [], {}
         for item in take:  # inputs have no writer
             name = item if isinstance(item, str) else item[0]
