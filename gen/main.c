@@ -17,7 +17,6 @@
 #include "print/print.h"
 #include "spirv/compile.h"
 #include "spirv/watchdog.h"
-#include "vary.h"
 
 /* Longest line of generated C; strings, which hold GLSL, may be longer. */
 enum { GENERATED_COLUMNS = 100 };
@@ -27,8 +26,8 @@ enum status { STATUS_DONE = 0, STATUS_WRONG_SPEC = 1, STATUS_FAILED = 2 };
 /* ---- Command line ---------------------------------------------------------------------------- */
 
 struct options {
-    const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates,
-        *variations, *seed, *memory, *with, *sanitize;
+    const char *spec, *out, *graph, *lifetimes, *depfile, *json, *cache, *limit, *templates, *with,
+        *sanitize;
     struct text_list sets;
     char *with_text;
     bool check, prove, needs, names, glsl, schema, reference, help, version;
@@ -84,12 +83,6 @@ static const struct option_row option_rows[] = {
         "end with an error after that much processor time (default: 60)"),
     ROW("--templates", OPTION_STRING, templates, "DIR",
         "folder with glsl/ (default: templates here, else those that came with the program)"),
-    ROW("--variations", OPTION_STRING, variations, "N",
-        "print N random variations of the spec that are valid, as JSON; writes nothing else"),
-    ROW("--seed", OPTION_STRING, seed, "S",
-        "--variations: the same seed draws the same (default: 1)"),
-    ROW("--memory", OPTION_STRING, memory, "MIB",
-        "--variations: most that the resources of one may take (default: 64)"),
     ROW("--schema", OPTION_FLAG, schema, NULL, "print a JSON Schema of the spec language"),
     ROW("--reference", OPTION_FLAG, reference, NULL,
         "print the reference of the spec language, Markdown"),
@@ -101,9 +94,8 @@ static const struct command_line command = {
     .program = "diptych-gen",
     .bit = 1,
     .summary = "generate GLSL, SPIR-V and C for OpenGL and Vulkan from a pipeline spec",
-    .details =
-        "-o, --check, --prove, --needs, --graph, --lifetimes or --variations says what to make.\n"
-        "Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried.",
+    .details = "-o, --check, --prove, --needs, --graph or --lifetimes says what to make.\n"
+               "Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried.",
     .rows = option_rows,
     .row_count = DT_ARRAY_COUNT(option_rows),
 };
@@ -134,10 +126,8 @@ static bool parse_options(int count, char **words, struct options *options)
     if (!command_is_complete(&command, options, &log))
         return false;
     if (!options->out && !options->check && !options->prove && !options->needs && !options->graph &&
-        !options->lifetimes && !options->variations)
+        !options->lifetimes)
         return usage_error("-o DIR is missing for %s", options->spec);
-    if (options->json && options->variations)
-        return usage_error("--json %s goes with -o, --check and drawings", options->json);
     if (options->depfile && !options->out)
         return usage_error("--depfile %s needs -o DIR", options->depfile);
     return true;
@@ -399,30 +389,6 @@ static enum status generate(struct generation *g)
     return status;
 }
 
-static enum status print_variations(struct generation *g)
-{
-    const struct options *options = g->options;
-    struct text text = {0};
-    uint64_t count, seed, memory;
-    if (!read_whole_number("--variations", options->variations, 0, 1000000, 1, &count) ||
-        !read_whole_number("--seed", options->seed, 0, UINT64_MAX, 1, &seed) ||
-        !read_whole_number("--memory", options->memory, 1, 1 << 20, 64, &memory))
-        return STATUS_FAILED;
-    struct vary_request request = {.spec = g->spec_path,
-                                   .templates_dir = g->templates,
-                                   .sets = options->sets.items,
-                                   .set_count = options->sets.count,
-                                   .count = (uint32_t)count,
-                                   .seed = seed,
-                                   .bytes = memory << 20,
-                                   .arena = g->spec.model.arena,
-                                   .cache = options->cache};
-    if (vary(&request, &text, g->diag))
-        return print_text(&text);
-    text_free(&text);
-    return STATUS_WRONG_SPEC;
-}
-
 /* The given folder, else `templates` in the working folder, else the one that came with the program. */
 static char *find_templates(const char *given)
 {
@@ -483,7 +449,7 @@ static enum status run_options(const struct options *options)
         g.spec_path = find_in(options->spec, g.templates);
     }
     if (g.templates && g.spec_path) {
-        status = options->variations ? print_variations(&g) : generate(&g);
+        status = generate(&g);
         if (options->json)
             status = write_json(&g, status);
         diag_print(g.diag, command.program, stderr);

@@ -1,7 +1,6 @@
 /* The app's way into gen/; see plan.h. */
 #include "spec/plan.h"
 
-#include <cjson/cJSON.h>
 #include <stdlib.h>
 #include <string.h>
 #include <xxhash.h>
@@ -14,7 +13,6 @@
 #include "gen/plan/sanitize.h"
 #include "gen/model/cross.h"
 #include "gen/spirv/watchdog.h"
-#include "gen/vary.h"
 
 struct plan {
     struct spec spec;
@@ -110,32 +108,6 @@ struct plan *plan_for_gpu(struct plan *plan, struct console *console)
     if (!plan->gpu)
         plan->gpu = load(&wanted, console);
     return plan->gpu;
-}
-
-struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
-                              uint64_t bytes, struct console *console)
-{
-    const struct vary_request wanted = {.spec = request->spec,
-                                        .templates_dir = request->templates,
-                                        .sets = request->sets,
-                                        .set_count = request->set_count,
-                                        .count = count,
-                                        .seed = seed,
-                                        .bytes = bytes,
-                                        .cache = request->cache,
-                                        .arena = arena_create()};
-    struct diag *diag = diag_create();
-    struct text text = {0};
-    bool good = diag && wanted.arena && vary(&wanted, &text, diag);
-    struct cJSON *answer = good && !text.failed ? cJSON_Parse(text.data) : NULL;
-    if (diag)
-        diag_report(diag, &console->log);
-    if (!answer && (!diag || !diag_error_count(diag)))
-        report_error(&console->log, "out of memory");
-    text_free(&text);
-    diag_free(diag);
-    arena_free(wanted.arena);
-    return answer;
 }
 
 void plan_free(struct plan *plan)

@@ -23,11 +23,6 @@ struct plan_request {
  * for_gpu, `target: auto` is planned for CPU drivers. */
 struct plan *plan_load(const struct plan_request *request, struct console *console);
 void plan_free(struct plan *plan); /* takes NULL */
-/* What vary() of gen/stages.h makes: `count` variations, in which resources take `bytes` at most, and the
- * files of the spec; NULL: logged. */
-struct cJSON *plan_variations(const struct plan_request *request, uint32_t count, uint32_t seed,
-                              uint64_t bytes, struct console *console);
-
 const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);
 bool plan_is_automatic(const struct plan *plan); /* `target: auto` */

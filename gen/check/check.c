@@ -1,4 +1,4 @@
-/* All checks before planning; called by load.c and vary.c after read. A check runs also after
+/* All checks before planning; called by load.c after read. A check runs also after
  * errors of others, so that a wrong spec gets all its errors at once. */
 #include "checks.h"
 

@@ -40,7 +40,8 @@ static uint64_t image_bytes(const struct resource *image, uint32_t frame_width,
     return texels * format_info(image->format)->bytes;
 }
 
-uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height)
+/* Of all mips and layers, or of all elements. */
+static uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height)
 {
     return resource->kind == DT_IMAGE
                ? image_bytes(resource, width, height)

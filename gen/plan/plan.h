@@ -58,9 +58,7 @@ struct pass_use {
 };
 struct pass_use pass_use_of(const struct pass *pass, const struct resource *resource);
 void plan_lifetimes(struct model *model); /* alias.c: first_pass, last_pass, bytes */
-/* alias.c: of all mips and layers, or of all elements */
-uint64_t resource_bytes(const struct resource *resource, uint32_t width, uint32_t height);
-void plan_slots(struct model *model); /* alias.c: slot, share, the sums of bytes */
+void plan_slots(struct model *model);     /* alias.c: slot, share, the sums of bytes */
 /* alias.c: whether `a` is at least as large as `b` at every frame size; with images: at some */
 bool resource_covers(const struct resource *a, const struct resource *b);
 void plan_barriers(struct model *model); /* barrier.c: pass->barriers */

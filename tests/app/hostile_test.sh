@@ -229,7 +229,7 @@ is_full() { # command...: with a full standard output
     cat "$work/said"
     [ "$status" = 2 ] && grep -q "standard output" "$work/said"
 }
-for words in --help --version --schema --reference --describe "--variations 1 templates/rsm.yaml" "--check templates/rsm.yaml"; do
+for words in --help --version --schema --reference --describe "--check templates/rsm.yaml"; do
     # shellcheck disable=SC2086 # words
     check "diptych-gen $words on a full disk" is_full "$gen" $words
 done

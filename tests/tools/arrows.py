@@ -25,7 +25,7 @@ def add_rooms(folder, steps, below):
     BELOW[folder] = below
 
 
-add_rooms("gen", GEN, ["templates", "base", "scenes"])  # and gen/main.c, load.c, vary.c
+add_rooms("gen", GEN, ["templates", "base", "scenes"])  # and gen/main.c, load.c
 add_rooms("app", APP, ["templates", "base", "scenes", "runtime_gl", "runtime_vk", "gen"] + [room for room in BELOW if room.startswith("gen/")])
 BELOW["tests"] = list(BELOW)
 SEARCHED = ["", "app/", "gen/", "templates/c/"]  # the compiler's include folders, searched after the file's own folder
