@@ -85,6 +85,7 @@ times >"$work/before"
 rm "$work/sweep/scene/5x3"*.json
 check_status 2 "runs without a result are told" last_line "2 agree, 0 differ, 2 not run" "$diptych" sweep --collect -o "$work/sweep"
 # The site's command to submit a job: here it runs in a process of its own, beside the other one.
+# shellcheck disable=SC2016 # these are the script's own
 printf '#!/bin/sh\nsh "$1" >>%s/cluster.log 2>&1 &\necho $! | tee -a %s/jobs\n' "$work" "$work" >"$work/submit"
 chmod 755 "$work/submit"
 check "two workers of a cluster make up for them" timeout 300 snakemake -s "$work/sweep/Snakefile" --cluster "$work/submit" --jobs 2 --latency-wait 30
