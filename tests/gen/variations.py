@@ -121,7 +121,8 @@ class Draw:
                 self.word("metric", f"metrics.{name}.normal_term", "metric", "normal_term")
                 self.add("metric", f"metrics.{name}.scale", f"{self.random.uniform(0.1, 10):.1f}")
         for entry in self.tree["passes"]:
-            self.pass_details(entry, full[entry["name"]])
+            if entry["name"] in full:  # other values may leave out passes of the defaults
+                self.pass_details(entry, full[entry["name"]])
 
     def pass_details(self, entry, name):
         if "dispatch" in entry and "local" not in entry and self.one_in(3):
@@ -136,7 +137,7 @@ class Draw:
     def order(self, listed):
         """Another order of the passes, in which what one writes and another uses keeps its order."""
         entries = {entry["name"]: entry for entry in self.tree["passes"]}
-        left = [item["name"].replace(".", "_") for item in listed["passes"]]
+        left = [name for name in (item["name"].replace(".", "_") for item in listed["passes"]) if name in entries]
         full, former, last = {item["name"].replace(".", "_"): item["name"] for item in listed["passes"]}, list(left), None
 
         def follows(later, earlier):
