@@ -49,7 +49,9 @@ class Draw:
         self.specs, self.spec = specs, spec
         self.random = random.Random(f"{specs.seed} {spec} {number} {attempt}")
         self.sets, self.kinds = [], collections.Counter()
-        self.tree, _ = flat.load(f"{specs.templates}/{spec}.yaml")
+        if spec not in specs.trees:
+            specs.trees[spec] = flat.load(f"{specs.templates}/{spec}.yaml")[0]
+        self.tree = specs.trees[spec]
 
     def one_in(self, count):
         return self.random.randrange(count) == 0
@@ -163,7 +165,9 @@ class Draw:
     def all(self):
         """Whether the draw is valid."""
         self.size = [64, 64]
-        self.params(self.list())
+        if self.spec not in self.specs.defaults:
+            self.specs.defaults[self.spec] = self.list()
+        self.params(self.specs.defaults[self.spec])
         self.frame()
         listed = self.list()
         if not listed or self.memory(listed) > self.specs.memory << 20:
@@ -184,6 +188,7 @@ class Specs:
         self.templates = os.path.join(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))), "templates")
         self.words, self.kinds, self.redrawn = choices(self.build), collections.Counter(), 0
         self.given_sizes = ("post",)   # by an input
+        self.trees, self.defaults = {}, {}   # by spec
 
     def run(self, tool, *words):
         return subprocess.run([f"{self.build}/{tool}", *words], capture_output=True, text=True, check=False)
