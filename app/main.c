@@ -128,7 +128,6 @@ static const struct {
     {"DIPTYCH_SCENES", "folder where meshes are found, when --scenes names none"},
     {"DIPTYCH_CACHE_MIB", "most that compiled shaders take on the disk (default: 64)"},
     {"XDG_CACHE_HOME", "where an installed diptych keeps them (default: ~/.cache)"},
-    {"CC", "the C compiler for the `limit` of a pass, which bench runs (default: cc)"},
     {"DIPTYCH_QUIET", "if set, only warnings and errors are printed"},
 };
 
