@@ -190,10 +190,8 @@ static bool run_apart(child_work *work, void *user, FILE *result, FILE *messages
     pid_t child = fork();
     if (child == 0)
         run_work(work, user, result, messages, shared);
-    if (child < 0 || !wait_for(child, &status)) {
-        report_error(log, "a child process cannot be started: %s", strerror(errno));
-        return false;
-    }
+    if (child < 0 || !wait_for(child, &status))
+        return report_error(log, "a child process cannot be started: %s", strerror(errno));
     pass_messages_on(messages, log);
     return judge_child(status, shared, log);
 }

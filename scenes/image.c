@@ -71,10 +71,8 @@ bool image_may_open(const char *path, const struct dt_log *log)
 {
     const char *reason;
     child_opens(path);
-    if (input_check(path, MOST_IMAGE_BYTES, &reason) && picture_check(path, &reason))
-        return true;
-    report_error(log, "cannot read image %s: %s", path, reason);
-    return false;
+    return (input_check(path, MOST_IMAGE_BYTES, &reason) && picture_check(path, &reason)) ||
+           report_error(log, "cannot read image %s: %s", path, reason);
 }
 
 /* ---- PNG ------------------------------------------------------------------------------------- */
@@ -313,11 +311,9 @@ bool image_write_png(const char *path, uint32_t width, uint32_t height, uint32_t
 {
     static const png_uint_32 formats[] = {0, PNG_FORMAT_GRAY, PNG_FORMAT_GA, PNG_FORMAT_RGB,
                                           PNG_FORMAT_RGBA};
-    if (width == 0 || height == 0 || channels == 0 || channels > 4) {
-        report_error(log, "cannot write %s: no picture of %ux%u texels with %u channels", path,
-                     width, height, channels);
-        return false;
-    }
+    if (width == 0 || height == 0 || channels == 0 || channels > 4)
+        return report_error(log, "cannot write %s: no picture of %ux%u texels with %u channels",
+                            path, width, height, channels);
     png_image image = {.version = PNG_IMAGE_VERSION,
                        .width = width,
                        .height = height,

@@ -18,8 +18,7 @@ enum { MOST_TRIANGLES = 1 << 25 };
 
 static bool mesh_out_of_memory(const char *path, const struct dt_log *log)
 {
-    report_error(log, "%s: out of memory; the mesh is too large for this machine", path);
-    return false;
+    return report_error(log, "%s: out of memory; the mesh is too large for this machine", path);
 }
 
 /* ---- Textures -------------------------------------------------------------------------------- */
@@ -177,11 +176,9 @@ static bool add_object(struct mesh *mesh, const struct mesh_part *part, const do
 
 bool mesh_reserve(struct mesh *mesh, uint64_t triangles, const char *path, const struct dt_log *log)
 {
-    if (triangles > MOST_TRIANGLES) {
-        report_error(log, "%s: %llu triangles are too many; %d is the limit", path,
-                     (unsigned long long)triangles, MOST_TRIANGLES);
-        return false;
-    }
+    if (triangles > MOST_TRIANGLES)
+        return report_error(log, "%s: %llu triangles are too many; %d is the limit", path,
+                            (unsigned long long)triangles, MOST_TRIANGLES);
     mesh->vertices = calloc(3 * triangles + 1, sizeof *mesh->vertices);
     return mesh->vertices || mesh_out_of_memory(path, log);
 }
@@ -200,11 +197,9 @@ bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matr
             uint32_t index = part->indices[3 * (size_t)t + (size_t)(mirrored ? 2 - k : k)];
             corner[k].material = part->material;
             corner[k].triangle = mesh->object_count - 1;
-            if (!place_corner(&placing, index, &corner[k])) {
-                report_error(log, "%s: vertex %u of mesh %u has a number that is not finite", path,
-                             index, part->mesh);
-                return false;
-            }
+            if (!place_corner(&placing, index, &corner[k]))
+                return report_error(log, "%s: vertex %u of mesh %u has a number that is not finite",
+                                    path, index, part->mesh);
         }
         mesh->source_triangles++;
         if (!face_normal(corner, flat)) {
@@ -286,11 +281,9 @@ static bool import(struct mesh *mesh, const char *path, float scale, const struc
 {
     bool good =
         gltf_is(path) ? gltf_import(mesh, scale, log) : mesh_import_assimp(mesh, scale, log);
-    if (good && mesh->vertex_count == 0) {
-        report_error(log, "%s: no triangle in this mesh (%u degenerate)", path,
-                     mesh->degenerate_triangles);
-        return false;
-    }
+    if (good && mesh->vertex_count == 0)
+        return report_error(log, "%s: no triangle in this mesh (%u degenerate)", path,
+                            mesh->degenerate_triangles);
     return good && (weld(mesh) || mesh_out_of_memory(path, log));
 }
 
@@ -314,10 +307,8 @@ bool mesh_import(struct mesh *mesh, const char *path, const char *scene_path, fl
     struct naming naming = {log, path};
     const struct dt_log named = {name_kind, &naming};
     const char *reason;
-    if (!input_check(path, MESH_MOST_BYTES, &reason)) {
-        report_error(log, "%s: %s", path, reason);
-        return false;
-    }
+    if (!input_check(path, MESH_MOST_BYTES, &reason))
+        return report_error(log, "%s: %s", path, reason);
     bool good = import(mesh, path, scale, &named);
     if (!good)
         mesh_free(mesh);

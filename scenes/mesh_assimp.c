@@ -37,9 +37,8 @@ struct import {
 
 static bool import_out_of_memory(const struct import *import)
 {
-    report_error(import->log, "%s: out of memory; the mesh is too large for this machine",
-                 import->path);
-    return false;
+    return report_error(import->log, "%s: out of memory; the mesh is too large for this machine",
+                        import->path);
 }
 
 /* ---- Materials ------------------------------------------------------------------------------- */

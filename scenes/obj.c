@@ -48,11 +48,10 @@ static bool report(const struct listed listed[KINDS], const char *path, const st
 {
     static const char *const names[] = {"vertex", "texture coordinate", "normal"};
     for (int kind = 0; kind < KINDS; kind++)
-        if (listed[kind].is_wrong || listed[kind].largest > listed[kind].count) {
-            report_error(log, "%s:%lu: error: a face has the %s %lld, and the file has %lld", path,
-                         listed[kind].line, names[kind], listed[kind].largest, listed[kind].count);
-            return false;
-        }
+        if (listed[kind].is_wrong || listed[kind].largest > listed[kind].count)
+            return report_error(log, "%s:%lu: error: a face has the %s %lld, and the file has %lld",
+                                path, listed[kind].line, names[kind], listed[kind].largest,
+                                listed[kind].count);
     return true;
 }
 

@@ -237,13 +237,12 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
 {
     struct mesh mesh;
     child_opens(settings->mesh_path);
-    if (!input_room(MOST_OPEN_FILES)) {
-        report_error(log,
-                     "%s: reading it takes up to %d open files, and this process may not open so "
-                     "many; see `ulimit -n`",
-                     settings->mesh_path, MOST_OPEN_FILES);
-        return false;
-    }
+    if (!input_room(MOST_OPEN_FILES))
+        return report_error(
+            log,
+            "%s: reading it takes up to %d open files, and this process may not open so "
+            "many; see `ulimit -n`",
+            settings->mesh_path, MOST_OPEN_FILES);
     if (!mesh_import(&mesh, settings->mesh_path, scene->path, settings->scale, log))
         return false;
     mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);

@@ -372,10 +372,10 @@ static void set_white(uint8_t *texels, struct dt_scene *scene)
 
 static bool layers_out_of_memory(const struct layers *layers)
 {
-    report_error(layers->log,
-                 "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
-                 layers->count, layers->size, layers->size);
-    return false;
+    return report_error(
+        layers->log,
+        "out of memory for %u textures of %ux%u; lower `texture_size` in the scene file",
+        layers->count, layers->size, layers->size);
 }
 
 /* Fills the scene's texels. */

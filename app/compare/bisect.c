@@ -36,10 +36,8 @@ static bool keep_row(const struct gathering *gathering, const struct row *row,
     kept->data = malloc(bytes->size ? bytes->size : 1);
     if (kept->data)
         memcpy(kept->data, bytes->data, bytes->size);
-    if (kept->data && resource_clear_padding(resource, kept))
-        return true;
-    report_error(gathering->log, "out of memory");
-    return false;
+    return (kept->data && resource_clear_padding(resource, kept)) ||
+           report_error(gathering->log, "out of memory");
 }
 
 static bool keep_input(void *user, const struct row *row, const struct dt_bytes *bytes)

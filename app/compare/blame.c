@@ -203,10 +203,8 @@ static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
     uint64_t hash = 0;
     if (!difference_measure_draw(&judge->blame->own[index], &resource, judge->replay->frame, copies,
                                  edges) ||
-        !fingerprint(&resource, &bytes, &hash)) {
-        report_error(&judge->replay->console->log, "out of memory");
-        return false;
-    }
+        !fingerprint(&resource, &bytes, &hash))
+        return report_error(&judge->replay->console->log, "out of memory");
     struct sheet_row *before = &judge->sheet->rows[judge->sheet->early + index];
     if (!judge->strayed && hash != before->hash)
         judge->strayed = before;

@@ -358,10 +358,8 @@ static bool judge_twins(struct compare *compare)
     if (!twin_is_needed(&compare->pipeline))
         return true;
     compare->twins = calloc(compare->sides.count, sizeof *compare->twins);
-    if (!compare->twins) {
-        report_error(&compare->console->log, "out of memory");
-        return false;
-    }
+    if (!compare->twins)
+        return report_error(&compare->console->log, "out of memory");
     bool good = twin_load(&compare->exact, &compare->pipeline, compare->console, setup);
     for (uint32_t i = 0; i < compare->sides.count && good; i++) {
         const struct worker_info worker = describe_worker(compare, i);
@@ -674,11 +672,10 @@ static bool run_comparison(struct compare *compare)
     if (!check_options(options, &console->log) ||
         !sides_read(&compare->sides, &options->setup, &console->log) || !list_labels(compare))
         return false;
-    if (options->repeats && compare->sides.count * options->repeats > CONSOLE_CHILDREN) {
-        report_error(&console->log, "--measure: %u sides run %u times are more than %d processes",
-                     compare->sides.count, options->repeats, CONSOLE_CHILDREN);
-        return false;
-    }
+    if (options->repeats && compare->sides.count * options->repeats > CONSOLE_CHILDREN)
+        return report_error(&console->log,
+                            "--measure: %u sides run %u times are more than %d processes",
+                            compare->sides.count, options->repeats, CONSOLE_CHILDREN);
     if ((options->pictures && !file_make_folders(options->pictures, &console->log)) ||
         (options->html && !file_make_folders(options->html, &console->log)) ||
         (options->junit && !file_can_write(options->junit, &console->log)) ||

@@ -17,8 +17,7 @@ static const char mark[] = "golden"; /* the key of its manifest that tells its f
 
 static bool golden_out_of_memory(const struct compare *compare)
 {
-    report_error(&compare->console->log, "out of memory");
-    return false;
+    return report_error(&compare->console->log, "out of memory");
 }
 
 /* As they were given. */
@@ -51,10 +50,9 @@ static bool read_golden_manifest(struct compare *compare)
 {
     const char *folder = compare->options.golden;
     const struct dt_log *log = &compare->console->log;
-    if (!foreign_has(folder, "manifest.json")) {
-        report_error(log, "--golden %s: nothing is kept there; make it with --update", folder);
-        return false;
-    }
+    if (!foreign_has(folder, "manifest.json"))
+        return report_error(log, "--golden %s: nothing is kept there; make it with --update",
+                            folder);
     compare->golden.kept = foreign_json(folder, "manifest.json", log);
     bool good = manifest_is_whole(compare->golden.kept);
     if (compare->golden.kept && !good)
@@ -67,11 +65,9 @@ bool golden_suits(const struct compare *compare)
 {
     const cJSON *kept = cJSON_GetObjectItem(compare->golden.kept, "pipeline");
     const char *name = cJSON_GetStringValue(kept), *own = compare->pipeline.info->name;
-    if (!compare->golden.kept || (name && strcmp(name, own) == 0))
-        return true;
-    report_error(&compare->console->log, "--golden %s: is of the pipeline %s, this is %s",
-                 compare->options.golden, name ? name : "?", own);
-    return false;
+    return !compare->golden.kept || (name && strcmp(name, own) == 0) ||
+           report_error(&compare->console->log, "--golden %s: is of the pipeline %s, this is %s",
+                        compare->options.golden, name ? name : "?", own);
 }
 
 bool golden_open(struct compare *compare)

@@ -22,10 +22,8 @@ static bool add_runs(void *user, struct errors *errors, const int sides[2], cons
     const struct measured_runs *all = user;
     const struct dt_bytes copies[2] = {*run_of(all, sides[0], runs[0]),
                                        *run_of(all, sides[1], runs[1])};
-    if (measured_add(errors, all->row->resource, copies))
-        return true;
-    report_error(&all->compare->console->log, "out of memory");
-    return false;
+    return measured_add(errors, all->row->resource, copies) ||
+           report_error(&all->compare->console->log, "out of memory");
 }
 
 static bool take_all(struct compare *compare, const struct row *row, struct dt_bytes *copies)

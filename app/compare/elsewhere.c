@@ -64,10 +64,8 @@ bool elsewhere_add_limits(struct elsewhere *elsewhere, const struct dt_panel *pa
                           const struct dt_log *log)
 {
     for (int limit = 0; limit < DT_LIMITS; limit++)
-        if (!add_limit(elsewhere, panel, limit)) {
-            report_error(log, "out of memory");
-            return false;
-        }
+        if (!add_limit(elsewhere, panel, limit))
+            return report_error(log, "out of memory");
     return true;
 }
 
@@ -84,10 +82,8 @@ static bool add_outputs(struct worker *worker, const struct rows *rows, uint32_t
         uint64_t own;
         if (!worker_read(worker, row->resource, row->mip, &bytes))
             return false;
-        if (!fingerprint(&rows->pipeline->resources[row->resource], &bytes, &own)) {
-            report_error(&worker->info.session.console->log, "out of memory");
-            return false;
-        }
+        if (!fingerprint(&rows->pipeline->resources[row->resource], &bytes, &own))
+            return report_error(&worker->info.session.console->log, "out of memory");
         hash_bytes(hash, &own, sizeof own);
     }
     return true;

@@ -43,8 +43,7 @@ static const struct dt_pass *guilty_pass(const struct evidence *evidence)
 
 static bool writing_out_of_memory(const struct writing *writing)
 {
-    report_error(writing->log, "out of memory");
-    return false;
+    return report_error(writing->log, "out of memory");
 }
 
 /* ---- The spec and what it is made of --------------------------------------------------------- */

@@ -19,16 +19,14 @@ static const struct dt_log *log_of(const struct evidence_case *evidence)
 
 static bool case_out_of_memory(const struct evidence_case *evidence)
 {
-    report_error(log_of(evidence), "out of memory");
-    return false;
+    return report_error(log_of(evidence), "out of memory");
 }
 
 static bool manifest_error(const struct evidence_case *evidence, const char *key)
 {
-    report_error(log_of(evidence),
-                 "%s/manifest.json: \"%s\" is missing or wrong: the folder is damaged",
-                 evidence->folder, key);
-    return false;
+    return report_error(log_of(evidence),
+                        "%s/manifest.json: \"%s\" is missing or wrong: the folder is damaged",
+                        evidence->folder, key);
 }
 
 /* ---- The manifest ---------------------------------------------------------------------------- */
@@ -169,12 +167,10 @@ static bool read_list(const struct evidence_case *evidence, const char *list, co
     for (uint32_t i = first[0]; i < first[1]; i++) {
         const struct row *row = &rows->list[i];
         const cJSON *entry = dump_reader_find(&reader, list, NULL, row);
-        if (!entry) {
-            report_error(log_of(evidence),
-                         "%s/manifest.json: lists no %s under \"%s\", and the pass %s it",
-                         evidence->folder, row->name, list, list[0] == 'i' ? "finds" : "writes");
-            return false;
-        }
+        if (!entry)
+            return report_error(
+                log_of(evidence), "%s/manifest.json: lists no %s under \"%s\", and the pass %s it",
+                evidence->folder, row->name, list, list[0] == 'i' ? "finds" : "writes");
         if (!dump_reader_load(&reader, entry, key, row, rows == &evidence->rows.inputs,
                               &(*bytes)[i - first[0]]))
             return false;
@@ -271,11 +267,9 @@ bool evidence_read(struct evidence_case *evidence, struct console *console, cons
     evidence->setup.set_count = 0;
     evidence->root = realpath(folder, NULL);
     evidence->setup.root = evidence->root;
-    if (!evidence->root) {
-        report_error(log_of(evidence), "%s/manifest.json: cannot be read: %s", folder,
-                     strerror(errno));
-        return false;
-    }
+    if (!evidence->root)
+        return report_error(log_of(evidence), "%s/manifest.json: cannot be read: %s", folder,
+                            strerror(errno));
     if (!read_case_manifest(evidence) || !read_setup(evidence))
         return false;
     struct pipeline *pipeline = &evidence->pipeline;

@@ -95,10 +95,8 @@ static bool find_unwritten(struct lone_pass *alone)
             return false;
         bool surely;
         if (!unwritten_describe(row, alone->sheet.rows[i].resource, copies, &output->unwritten,
-                                &surely)) {
-            report_error(&alone->console->log, "out of memory");
-            return false;
-        }
+                                &surely))
+            return report_error(&alone->console->log, "out of memory");
         if (surely) /* else perhaps a race */
             alone->sheet.rows[i].text = output->unwritten;
     }
@@ -131,10 +129,8 @@ static bool compare_outputs(struct lone_pass *alone)
         if (!alone->outputs ||
             !difference_measure(&shown->difference, shown->resource, shown->frame, expected) ||
             !is_as_expected(shown->resource, actual, &alone->outputs[i].recorded) ||
-            !keep(&alone->outputs[i].found, &found)) {
-            report_error(log, "out of memory");
-            return false;
-        }
+            !keep(&alone->outputs[i].found, &found))
+            return report_error(log, "out of memory");
     }
     return true;
 }

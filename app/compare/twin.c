@@ -57,10 +57,8 @@ static bool weigh(void *user, uint32_t index, const struct dt_bytes copies[2])
         resource.contract.outliers /= 2;
     }
     if (!row->errors || !difference_measure(&row->difference, &resource, judging->frame, copies) ||
-        !errors_add(&row->errors->exact, &resource, copies)) {
-        report_error(judging->log, "out of memory");
-        return false;
-    }
+        !errors_add(&row->errors->exact, &resource, copies))
+        return report_error(judging->log, "out of memory");
     if (!twin->broken && difference_verdict(&row->difference) == VERDICT_DIFFERS)
         twin->broken = row;
     return true;

@@ -234,11 +234,9 @@ bool console_open(struct console *console)
     int error = pthread_sigmask(SIG_BLOCK, &set, NULL);
     if (!error)
         error = pthread_create(&console->watcher, NULL, watch, console);
-    if (error) {
-        report_error(&console->log, "cannot start the thread that waits for signals: %s",
-                     strerror(error));
-        return false;
-    }
+    if (error)
+        return report_error(&console->log, "cannot start the thread that waits for signals: %s",
+                            strerror(error));
     console->watching = true;
     return true;
 }

@@ -54,13 +54,11 @@ static bool may_replace(const struct folder *folder)
     struct stat info;
     if (lstat(folder->place, &info) != 0 && errno == ENOENT)
         return true;
-    if (S_ISDIR(info.st_mode) &&
-        (is_marked(folder->place, folder->mark) || folder_is_empty(folder->place)))
-        return true;
-    report_error(&folder->console->log,
-                 "%s %s: exists and was not written by an earlier %s; name another folder",
-                 folder->option, folder->place, folder->option);
-    return false;
+    return (S_ISDIR(info.st_mode) &&
+            (is_marked(folder->place, folder->mark) || folder_is_empty(folder->place))) ||
+           report_error(&folder->console->log,
+                        "%s %s: exists and was not written by an earlier %s; name another folder",
+                        folder->option, folder->place, folder->option);
 }
 
 static char *without_slash(const char *place)
@@ -94,10 +92,8 @@ bool folder_begin(struct folder *folder, struct console *console, const char *op
     char *temporary = folder->place ? temporary_path(folder->place) : NULL;
     if (temporary)
         temporary_sweep(folder->place, remove_left_over);
-    if (!temporary) {
-        report_error(&console->log, "out of memory");
-        return false;
-    }
+    if (!temporary)
+        return report_error(&console->log, "out of memory");
     if (!may_replace(folder) || !file_make_folders(temporary, &console->log)) {
         free(temporary);
         return false;

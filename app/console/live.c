@@ -75,18 +75,14 @@ bool live_set(const struct dt_pipeline *info, void *live, const struct dt_param 
     uint32_t count = type_components(param->type);
     double values[16];
     if (count > 4 || param->offset + count * 4 > info->live_size ||
-        !read_live_values(value, count, values)) {
-        report_error(log, "--set %s=%s: must be %s%s", param->name, value,
-                     count > 1 ? "a list like [1, 2] of type " : "of type ",
-                     type_info(param->type)->name);
-        return false;
-    }
+        !read_live_values(value, count, values))
+        return report_error(log, "--set %s=%s: must be %s%s", param->name, value,
+                            count > 1 ? "a list like [1, 2] of type " : "of type ",
+                            type_info(param->type)->name);
     for (uint32_t i = 0; i < count; i++) {
-        if (!fits(param, scalar, values[i])) {
-            report_error(log, "--set %s=%s: must be of type %s, from %g to %g", param->name, value,
-                         type_info(param->type)->name, param->min, param->max);
-            return false;
-        }
+        if (!fits(param, scalar, values[i]))
+            return report_error(log, "--set %s=%s: must be of type %s, from %g to %g", param->name,
+                                value, type_info(param->type)->name, param->min, param->max);
     }
     for (uint32_t i = 0; i < count; i++)
         write_scalar((uint8_t *)live + param->offset + i * 4, scalar, values[i]);

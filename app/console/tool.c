@@ -71,10 +71,8 @@ static int start_child(pid_t *child, char *const argv[], const struct streams *s
 static bool judge_tool(int status, const struct tool *tool, const char *name,
                        const struct dt_log *log)
 {
-    if (status < 0) {
-        report_error(log, "%s: cannot be waited for: %s", name, strerror(errno));
-        return false;
-    }
+    if (status < 0)
+        return report_error(log, "%s: cannot be waited for: %s", name, strerror(errno));
     if (WIFEXITED(status) && WEXITSTATUS(status) == 0)
         return true;
     if (WIFSIGNALED(status))
@@ -90,11 +88,9 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
     const struct streams streams = {-1, output, console_capturing(console)};
     pid_t child = -1;
     int error = start_child(&child, argv, &streams);
-    if (error) {
-        report_error(&console->log, "%s: cannot be started: %s; %s", argv[0], strerror(error),
-                     tool->hint);
-        return false;
-    }
+    if (error)
+        return report_error(&console->log, "%s: cannot be started: %s; %s", argv[0],
+                            strerror(error), tool->hint);
     console_adopt(console, child);
     return judge_tool(console_wait(console, child), tool, argv[0], &console->log);
 }

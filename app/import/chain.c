@@ -186,11 +186,9 @@ static bool read_pass(struct chain *chain, uint32_t index)
     const struct preset_entry *shader = preset_find(preset, "shader%u", index);
     const struct preset_entry *alias = preset_find(preset, "alias%u", index);
     const struct preset_entry *period = preset_find(preset, "frame_count_mod%u", index);
-    if (!shader) {
-        report_error(chain_log(chain), "%s:%u: there is no shader%u", preset->entries[0].file,
-                     preset_find(preset, "shaders")->line, index);
-        return false;
-    }
+    if (!shader)
+        return report_error(chain_log(chain), "%s:%u: there is no shader%u",
+                            preset->entries[0].file, preset_find(preset, "shaders")->line, index);
     char *path = slang_path(shader->file, shader->value);
     bool good = path && slang_read(path, &pass->slang, chain_log(chain));
     if (!good)
@@ -226,10 +224,9 @@ static bool read_passes(struct chain *chain)
 {
     const struct preset_entry *shaders = preset_find(&chain->preset, "shaders");
     long count = shaders ? strtol(shaders->value, NULL, 10) : 0;
-    if (!shaders) {
-        report_error(chain_log(chain), "%s: this preset has no `shaders`", chain->import->name);
-        return false;
-    }
+    if (!shaders)
+        return report_error(chain_log(chain), "%s: this preset has no `shaders`",
+                            chain->import->name);
     if (count < 1 || count > MOST_PASSES)
         return refuse_line(chain, shaders, "a preset has 1 to 128 passes");
     chain->pass_count = (uint32_t)count;

@@ -369,13 +369,12 @@ static bool write_reads(const struct writing *writing, uint32_t index)
         char sampler[64];
         if (item->kind != REFLECTED_TEXTURE)
             continue;
-        if (!chain_find(chain, index, item->name, &read)) {
-            report_error(&chain->import->console->log,
-                         "pass %u, %s: the texture `%s` is neither a pass nor a picture of the "
-                         "preset",
-                         index, pass->file, item->name);
-            return false;
-        }
+        if (!chain_find(chain, index, item->name, &read))
+            return report_error(
+                &chain->import->console->log,
+                "pass %u, %s: the texture `%s` is neither a pass nor a picture of the "
+                "preset",
+                index, pass->file, item->name);
         sampler_name(chain, &read, sampler);
         text_add(writing->out, "%s{name: %s, as: %s, sampler: %s",
                  any ? ",\n            " : "    reads: [", read.image, item->name, sampler);

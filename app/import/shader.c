@@ -146,13 +146,11 @@ static bool write_value(struct making *making, const struct reflected *item)
     bool vector = strstr(type, "vec") != NULL;
     bool plain = !strcmp(type, "float") || !strcmp(type, "int") || !strcmp(type, "uint") ||
                  (vector && *type != 'b' && !strchr(type, '['));
-    if (!*type) {
-        report_error(making_log(making),
-                     "%s: the uniform `%s` is a struct or an array of arrays, which "
-                     "has no value in a spec",
-                     making->files[0].path, item->name);
-        return false;
-    }
+    if (!*type)
+        return report_error(making_log(making),
+                            "%s: the uniform `%s` is a struct or an array of arrays, which "
+                            "has no value in a spec",
+                            making->files[0].path, item->name);
     bool real = *type == 'f' || *type == 'v';
     const char *one = real ? "1.0" : "1";
     if (plain && name_is_free(item->name)) {
@@ -216,13 +214,11 @@ static void list(struct text *out, const char *name, const char *sampler)
 
 static bool shape_fits(struct making *making, const struct reflected *item)
 {
-    if (item->shape && name_is_free(item->name))
-        return true;
-    report_error(making_log(making),
-                 item->shape ? "%s: `%s` cannot be the name of an image"
-                             : "%s: `%s` has a shape that images do not have",
-                 making->files[0].path, item->name);
-    return false;
+    return (item->shape && name_is_free(item->name)) ||
+           report_error(making_log(making),
+                        item->shape ? "%s: `%s` cannot be the name of an image"
+                                    : "%s: `%s` has a shape that images do not have",
+                        making->files[0].path, item->name);
 }
 
 /* Plain textures hold the picture, others zeros. */
@@ -287,11 +283,9 @@ static bool write_image(struct making *making, const struct reflected *item)
 static bool write_buffer(struct making *making, const struct reflected *item)
 {
     unsigned words = item->bytes / 4;
-    if (!name_is_free(item->name)) {
-        report_error(making_log(making), "%s: `%s` cannot be the name of a buffer",
-                     making->files[0].path, item->name);
-        return false;
-    }
+    if (!name_is_free(item->name))
+        return report_error(making_log(making), "%s: `%s` cannot be the name of a buffer",
+                            making->files[0].path, item->name);
     text_add(&making->buffers, "  %s: {of: %s, count: %u%s}  # the count is a guess%s\n",
              item->name, *item->type ? item->type : "uint", words > 65536 ? words : 65536,
              item->reads ? ", history: true" : "",
@@ -427,13 +421,11 @@ static bool check_stages(const struct making *making)
 {
     bool pair = making->count == 2 && making->files[0].stage == REFLECT_VERTEX &&
                 making->files[1].stage == REFLECT_FRAGMENT;
-    if (pair || (making->count == 1 && making->files[0].stage != REFLECT_VERTEX))
-        return true;
-    report_error(making_log(making),
-                 "%s: give a compute shader, a fragment shader, or a vertex shader "
-                 "and a fragment shader",
-                 making->files[0].path);
-    return false;
+    return pair || (making->count == 1 && making->files[0].stage != REFLECT_VERTEX) ||
+           report_error(making_log(making),
+                        "%s: give a compute shader, a fragment shader, or a vertex shader "
+                        "and a fragment shader",
+                        making->files[0].path);
 }
 
 bool import_shaders(struct import *import, const char *const *paths)

@@ -40,11 +40,9 @@ bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
                                      .quiet = timing};
     struct worker_place place;
     lane->info = programme->pipeline.info;
-    if (!lane_allocate(lane, bench->frames, timing)) {
-        report_error(&bench->console->log, "out of memory for the times of %u frames",
-                     bench->frames);
-        return false;
-    }
+    if (!lane_allocate(lane, bench->frames, timing))
+        return report_error(&bench->console->log, "out of memory for the times of %u frames",
+                            bench->frames);
     return worker_start(&lane->worker, &info) && worker_wait(&lane->worker, &place);
 }
 
@@ -195,10 +193,8 @@ static bool bench_prepare(struct bench *bench)
     bench->list = calloc(bench->sides.count, sizeof *bench->list);
     bench->copy_ms = calloc(bench->frames, sizeof *bench->copy_ms);
     bench->original = malloc(2 * (size_t)COPY_BYTES);
-    if (!bench->list || !bench->copy_ms || !bench->original) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!bench->list || !bench->copy_ms || !bench->original)
+        return report_error(log, "out of memory");
     memset(bench->original, 1, 2 * (size_t)COPY_BYTES); /* touches all pages before timing */
     return load_programmes(bench) &&
            session_load_scene(&bench->scene, bench->console, bench->subject.pipeline.info,

@@ -34,11 +34,9 @@ static bool read_limit(const char *text, double *limit, const struct dt_log *log
 {
     char *end;
     *limit = strtod(text ? text : "5", &end) / 100;
-    if ((!text || end != text) && (!*end || strcmp(end, "%") == 0) && isfinite(*limit) &&
-        *limit >= 0)
-        return true;
-    report_error(log, "--limit %s: must be a percentage, like 5%%", text);
-    return false;
+    return ((!text || end != text) && (!*end || strcmp(end, "%") == 0) && isfinite(*limit) &&
+            *limit >= 0) ||
+           report_error(log, "--limit %s: must be a percentage, like 5%%", text);
 }
 
 /* The next name of a list with commas, or NULL at its end. */
@@ -55,19 +53,15 @@ static bool check_gpus(const struct options *options, const struct dt_log *log)
     const char *at = options->gpu ? options->gpu : "", *name;
     size_t length;
     uint32_t count = 0;
-    if (options->gpu && options->setup.device) {
-        report_error(log, "--gpu and --device: name a chip, or a device that is there");
-        return false;
-    }
+    if (options->gpu && options->setup.device)
+        return report_error(log, "--gpu and --device: name a chip, or a device that is there");
     while ((name = next_name(&at, &length))) {
         if (!cost_chip(name, length, log))
             return false;
         count++;
     }
-    if (count > MAX_GPUS) {
-        report_error(log, "--gpu: must name at most %d chips", MAX_GPUS);
-        return false;
-    }
+    if (count > MAX_GPUS)
+        return report_error(log, "--gpu: must name at most %d chips", MAX_GPUS);
     return options->setup.device || cost_has_radv(log);
 }
 

@@ -174,10 +174,8 @@ bool cost_count(struct cost_frame *frame, const struct pipeline *pipeline,
                                      .size = {size[0], size[1]},
                                      .vertex_count = scene ? scene->data.vertex_count : 0,
                                      .index_count = scene ? scene->data.index_count : 0};
-    if (!frame->passes || !recording.panel->record(&recording)) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!frame->passes || !recording.panel->record(&recording))
+        return report_error(log, "out of memory");
     for (uint32_t i = 0; i < info->pass_count; i++) {
         struct work work = work_of(&bytes, i);
         frame->passes[i].bytes = work.read + work.written;

@@ -100,10 +100,8 @@ bool dump_add(struct dump *dump, uint32_t pass, uint32_t resource, uint32_t mip,
               struct dt_bytes *bytes)
 {
     const struct dt_resource *what = &dump->pipeline->resources[resource];
-    if (!resource_clear_padding(what, bytes)) {
-        report_error(&dump->console->log, "out of memory");
-        return false;
-    }
+    if (!resource_clear_padding(what, bytes))
+        return report_error(&dump->console->log, "out of memory");
     char *file = file_name(dump, pass, what->name, mip);
     bool good = file && add_manifest_entry(dump, pass, what, mip, file, bytes);
     if (good)

@@ -112,12 +112,10 @@ bool dump_reader_load(const struct dump_reader *reader, const cJSON *entry, cons
     *bytes = (struct dt_bytes){0};
     resource_extent(reader->pipeline, row->resource, reader->size, row->mip, bytes->extent);
     bytes->size = resource_elements(resource, bytes->extent) * resource_stride(resource);
-    if (!name) {
-        report_error(reader->log, "%s/manifest.json: names no file for %s %s pass %s",
-                     reader->folder, row->name, before ? "before" : "after",
-                     reader->pipeline->passes[row->pass].name);
-        return false;
-    }
+    if (!name)
+        return report_error(reader->log, "%s/manifest.json: names no file for %s %s pass %s",
+                            reader->folder, row->name, before ? "before" : "after",
+                            reader->pipeline->passes[row->pass].name);
     if (!check_entry(reader, entry, row, bytes->extent))
         return false;
     bytes->data = foreign_read_exactly(reader->folder, name, bytes->size, reader->log);

@@ -240,13 +240,12 @@ static bool find_number(const cJSON *manifest, const char *folder, const char *k
 {
     const cJSON *item = cJSON_GetObjectItem(manifest, key);
     double value = cJSON_IsNumber(item) ? cJSON_GetNumberValue(item) : -1;
-    if (!(value >= 0 && value <= most) || value != (uint32_t)value) {
-        report_error(log,
-                     "%s/manifest.json: \"%s\" is missing or no whole number; make the dump again "
-                     "with this diptych",
-                     folder, key);
-        return false;
-    }
+    if (!(value >= 0 && value <= most) || value != (uint32_t)value)
+        return report_error(
+            log,
+            "%s/manifest.json: \"%s\" is missing or no whole number; make the dump again "
+            "with this diptych",
+            folder, key);
     *number = (uint32_t)value;
     return true;
 }
@@ -259,21 +258,15 @@ bool identity_take_frame(const cJSON *manifest, const char *folder, struct setup
         !find_number(manifest, folder, "height", OPTIONS_MAX_SIZE, &height, log) ||
         !find_number(manifest, folder, "frame", OPTIONS_MAX_COUNT - 1, &frame, log))
         return false;
-    if (setup->size[0] && (setup->size[0] != width || setup->size[1] != height)) {
-        report_error(log, "--size %ux%u: %s holds a frame of %ux%u", setup->size[0], setup->size[1],
-                     folder, width, height);
-        return false;
-    }
-    if (setup->frames && setup->frames != frame + 1) {
-        report_error(log, "--frames %u: %s holds the last of %u frames", setup->frames, folder,
-                     frame + 1);
-        return false;
-    }
-    if (!setup->frames && frame >= MOST_UNASKED_FRAMES) {
-        report_error(log, "%s: holds the last of %u frames; ask for as many: --frames %u", folder,
-                     frame + 1, frame + 1);
-        return false;
-    }
+    if (setup->size[0] && (setup->size[0] != width || setup->size[1] != height))
+        return report_error(log, "--size %ux%u: %s holds a frame of %ux%u", setup->size[0],
+                            setup->size[1], folder, width, height);
+    if (setup->frames && setup->frames != frame + 1)
+        return report_error(log, "--frames %u: %s holds the last of %u frames", setup->frames,
+                            folder, frame + 1);
+    if (!setup->frames && frame >= MOST_UNASKED_FRAMES)
+        return report_error(log, "%s: holds the last of %u frames; ask for as many: --frames %u",
+                            folder, frame + 1, frame + 1);
     setup->size[0] = width;
     setup->size[1] = height;
     setup->frames = frame + 1;
@@ -486,12 +479,10 @@ bool identity_check(const cJSON *manifest, const char *folder, const struct iden
         !hash_scene_file(file, identity->scene, log))
         return false;
     hash_scene_data(data, identity);
-    if (strcmp(file, wanted_file) != 0) {
-        report_error(log, "--against %s: was made of %s, and %s has other content%s", folder, name,
-                     identity->setup->scene ? identity->setup->scene : "no scene",
-                     identity->scene->motion ? ", or its motion has" : "");
-        return false;
-    }
+    if (strcmp(file, wanted_file) != 0)
+        return report_error(log, "--against %s: was made of %s, and %s has other content%s", folder,
+                            name, identity->setup->scene ? identity->setup->scene : "no scene",
+                            identity->scene->motion ? ", or its motion has" : "");
     if (strcmp(data, wanted_data) != 0)
         report_message(log, DT_WARNING,
                        "--against %s: mesh, textures or camera have other bits there, though the "

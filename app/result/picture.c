@@ -27,17 +27,14 @@ static struct sheet plan_sheet(const uint32_t extent[3])
 static bool check_texels(const struct dt_resource *resource, const struct dt_bytes *bytes,
                          const struct dt_log *log)
 {
-    if (resource->kind != DT_IMAGE) {
-        report_error(log, "%s is a buffer; a picture can only be made of an image", resource->name);
-        return false;
-    }
+    if (resource->kind != DT_IMAGE)
+        return report_error(log, "%s is a buffer; a picture can only be made of an image",
+                            resource->name);
     size_t texels = (size_t)bytes->extent[0] * bytes->extent[1] * bytes->extent[2];
-    if (!texels || bytes->size < texels * format_info(resource->format)->bytes) {
-        report_error(log, "%s: %zu bytes were read back, too few for %ux%u texels in %u layers",
-                     resource->name, bytes->size, bytes->extent[0], bytes->extent[1],
-                     bytes->extent[2]);
-        return false;
-    }
+    if (!texels || bytes->size < texels * format_info(resource->format)->bytes)
+        return report_error(
+            log, "%s: %zu bytes were read back, too few for %ux%u texels in %u layers",
+            resource->name, bytes->size, bytes->extent[0], bytes->extent[1], bytes->extent[2]);
     return true;
 }
 
@@ -94,11 +91,9 @@ static bool make_numbers(struct picture *picture, const struct dt_resource *reso
     picture->width = sheet.width;
     picture->height = sheet.height;
     picture->linear = calloc((size_t)sheet.width * sheet.height * 3, sizeof *picture->linear);
-    if (!picture->linear) {
-        report_error(log, "%s: out of memory for a picture of %ux%u", resource->name, sheet.width,
-                     sheet.height);
-        return false;
-    }
+    if (!picture->linear)
+        return report_error(log, "%s: out of memory for a picture of %ux%u", resource->name,
+                            sheet.width, sheet.height);
     uint32_t texel_size = format_info(resource->format)->bytes;
     const uint8_t *texel = bytes->data;
     for (uint32_t layer = 0; layer < extent[2]; layer++) {

@@ -191,10 +191,8 @@ static bool paint_copies(struct picture *picture, const struct pair *pair, const
         .data = calloc(2, size ? size : 1),
         .size = 2 * size,
         .extent = {pair->width, pair->height, 2}};
-    if (!both.data) {
-        report_error(log, "%s: out of memory for a picture", pair->resource->name);
-        return false;
-    }
+    if (!both.data)
+        return report_error(log, "%s: out of memory for a picture", pair->resource->name);
     for (int i = 0; i < 2; i++)
         memcpy(both.data + i * size, pair->layers[i], size);
     bool good = picture_codes(picture, pair->resource, &both, log);
@@ -253,11 +251,9 @@ static bool write_panels(const char *path, const struct pair *pair, const struct
                             .height = pair->height * scale,
                             .scale = scale};
     canvas.codes = allocate_codes(canvas.width, canvas.height);
-    if (!canvas.codes) {
-        report_error(log, "%s: out of memory for a picture of %ux%u", pair->resource->name,
-                     canvas.width, canvas.height);
-        return false;
-    }
+    if (!canvas.codes)
+        return report_error(log, "%s: out of memory for a picture of %ux%u", pair->resource->name,
+                            canvas.width, canvas.height);
     memset(canvas.codes, SEPARATOR_GREY, (size_t)canvas.width * canvas.height * 3);
     for (uint32_t i = 0; i < 2; i++)
         place_panel(&canvas, i * (panel + SEPARATOR), copies->codes, i * pair->width, copies->width,
@@ -274,16 +270,13 @@ static bool check_copies(const struct dt_resource *resource, const struct dt_byt
                          const struct dt_log *log)
 {
     const uint32_t *extent = copies[0].extent;
-    if (resource->kind != DT_IMAGE) {
-        report_error(log, "%s is a buffer; a picture can only be made of an image", resource->name);
-        return false;
-    }
+    if (resource->kind != DT_IMAGE)
+        return report_error(log, "%s is a buffer; a picture can only be made of an image",
+                            resource->name);
     size_t size = (size_t)extent[0] * extent[1] * extent[2] * format_info(resource->format)->bytes;
     bool same = memcmp(extent, copies[1].extent, sizeof copies[0].extent) == 0;
-    if (!same || !size || copies[0].size < size || copies[1].size < size) {
-        report_error(log, "%s: the two copies are not images of one size", resource->name);
-        return false;
-    }
+    if (!same || !size || copies[0].size < size || copies[1].size < size)
+        return report_error(log, "%s: the two copies are not images of one size", resource->name);
     return true;
 }
 
@@ -293,10 +286,8 @@ static bool write_columns(const char *path, const struct pair *pair, const uint8
 {
     struct canvas canvas = {.width = pair->width, .height = pair->height, .scale = 1};
     canvas.codes = allocate_codes(canvas.width, canvas.height);
-    if (!canvas.codes) {
-        report_error(log, "%s: out of memory for a picture", pair->resource->name);
-        return false;
-    }
+    if (!canvas.codes)
+        return report_error(log, "%s: out of memory for a picture", pair->resource->name);
     place_panel(&canvas, 0, codes, first_column, row_columns, pair->width);
     bool good = image_write_png(path, canvas.width, canvas.height, 3, canvas.codes, log);
     free(canvas.codes);

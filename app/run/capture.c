@@ -60,10 +60,9 @@ bool capture_load(const struct dt_log *log)
     if (find_api())
         return true;
     void *library = dlopen(library_name, RTLD_NOW);
-    if (!library || dlinfo(library, RTLD_DI_LINKMAP, &map) != 0) {
-        report_error(log, "--capture: %s; install RenderDoc (Debian 12: librenderdoc)", dlerror());
-        return false;
-    }
+    if (!library || dlinfo(library, RTLD_DI_LINKMAP, &map) != 0)
+        return report_error(log, "--capture: %s; install RenderDoc (Debian 12: librenderdoc)",
+                            dlerror());
     const char *before = getenv("LD_PRELOAD");
     if (before && strstr(before, map->l_name)) { /* it would start again for ever */
         report_error(log, "--capture: %s is loaded, but has no API of version 1.0", map->l_name);
@@ -86,11 +85,9 @@ bool capture_begin(const char *path, const struct dt_log *log)
     const struct renderdoc *api = find_api();
     api->set_path(path);
     api->start(NULL, NULL);
-    if (api->is_capturing())
-        return true;
-    report_error(log, "--capture: RenderDoc captures no frame of this device; its log in "
-                      "/tmp/RenderDoc may say why");
-    return false;
+    return api->is_capturing() ||
+           report_error(log, "--capture: RenderDoc captures no frame of this device; its log in "
+                             "/tmp/RenderDoc may say why");
 }
 
 /* RenderDoc looks for a window, for a thumbnail; without one it leaves an error of OpenGL. Those of the

@@ -64,10 +64,8 @@ static bool open_all(struct comparison *comparison)
     comparison->dumps = calloc(count, sizeof *comparison->dumps);
     comparison->folders = calloc(count, sizeof *comparison->folders);
     comparison->versions = calloc(comparison->sides, sizeof *comparison->versions);
-    if (!comparison->dumps || !comparison->folders || !comparison->versions) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!comparison->dumps || !comparison->folders || !comparison->versions)
+        return report_error(log, "out of memory");
     for (uint32_t side = 0; side < comparison->sides; side++) {
         char **folders = &comparison->folders[side * runs];
         if (options->repeats && !list_runs(comparison, options->dumps.items[side], folders))
@@ -148,10 +146,8 @@ static bool read_contracts(struct comparison *comparison)
     for (uint32_t i = 0; i < comparison->pair_count; i++)
         all += 2 * comparison->pairs[i].count;
     comparison->names = calloc(all, sizeof *comparison->names);
-    if (!comparison->names) {
-        report_error(&comparison->console->log, "out of memory");
-        return false;
-    }
+    if (!comparison->names)
+        return report_error(&comparison->console->log, "out of memory");
     comparison->names[count++] = "default";
     for (uint32_t i = 0; i < comparison->pair_count; i++)
         for (uint32_t k = 0; k < comparison->pairs[i].count; k++) {
@@ -170,10 +166,8 @@ static bool pair_up(struct comparison *comparison)
     uint32_t count = comparison->sides - 1, runs = comparison->runs;
     comparison->pairs = calloc(comparison->sides, sizeof *comparison->pairs);
     comparison->sheets = calloc(comparison->sides, sizeof *comparison->sheets);
-    if (!comparison->pairs || !comparison->sheets) {
-        report_error(&comparison->console->log, "out of memory");
-        return false;
-    }
+    if (!comparison->pairs || !comparison->sheets)
+        return report_error(&comparison->console->log, "out of memory");
     comparison->pair_count = count;
     for (uint32_t i = 0; i < count; i++) {
         struct dumps *dumps = &comparison->pairs[i];

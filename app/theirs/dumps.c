@@ -136,10 +136,8 @@ bool dumps_load(const struct theirs *const sides[2], struct match *match, struct
     *same = dumps_convert(match, copies);
     if (!*same && match->note)
         return true;
-    if (!*same || !level(match, copies)) {
-        report_error(sides[0]->log, "out of memory");
-        return false;
-    }
+    if (!*same || !level(match, copies))
+        return report_error(sides[0]->log, "out of memory");
     return true;
 }
 

@@ -38,9 +38,8 @@ static const char *their_text(const cJSON *object, const char *key)
 static bool wrong(const struct theirs *theirs, const struct their_entry *entry, const char *key,
                   const char *what)
 {
-    report_error(theirs->log, "%s/manifest.json: entry %td: \"%s\" %s", theirs->folder,
-                 entry - theirs->entries, key, what);
-    return false;
+    return report_error(theirs->log, "%s/manifest.json: entry %td: \"%s\" %s", theirs->folder,
+                        entry - theirs->entries, key, what);
 }
 
 /* A whole number from `least` to `most`, or `otherwise` where the key is missing. */
@@ -171,18 +170,14 @@ static bool take_manifest(struct theirs *theirs)
 {
     const cJSON *entries = cJSON_GetObjectItem(theirs->manifest, "entries"), *item;
     const cJSON *version = cJSON_GetObjectItem(theirs->manifest, "version");
-    if (!cJSON_IsArray(entries) || cJSON_GetArraySize(entries) > MOST_ENTRIES) {
-        report_error(theirs->log,
-                     "%s/manifest.json: is no manifest of a dump: it has no list \"entries\"",
-                     theirs->folder);
-        return false;
-    }
-    if (version && cJSON_GetNumberValue(version) != 1) {
-        report_error(theirs->log,
-                     "%s/manifest.json: \"version\" is not 1; a newer diptych may read it",
-                     theirs->folder);
-        return false;
-    }
+    if (!cJSON_IsArray(entries) || cJSON_GetArraySize(entries) > MOST_ENTRIES)
+        return report_error(
+            theirs->log, "%s/manifest.json: is no manifest of a dump: it has no list \"entries\"",
+            theirs->folder);
+    if (version && cJSON_GetNumberValue(version) != 1)
+        return report_error(theirs->log,
+                            "%s/manifest.json: \"version\" is not 1; a newer diptych may read it",
+                            theirs->folder);
     cJSON_ArrayForEach(item, entries)
     {
         if (!take_entry(theirs, item))
@@ -335,10 +330,9 @@ bool theirs_load(const struct theirs *theirs, struct their_entry *entry, struct 
                             ? entry->extent[0]
                             : (uint64_t)entry->extent[0] * entry->extent[1];
     uint64_t size = elements * resource_stride(&entry->what);
-    if (size > MOST_BYTES || size * entry->extent[2] > MOST_BYTES) {
-        report_error(theirs->log, "%s/%s: would have more than 4 GiB", theirs->folder, entry->file);
-        return false;
-    }
+    if (size > MOST_BYTES || size * entry->extent[2] > MOST_BYTES)
+        return report_error(theirs->log, "%s/%s: would have more than 4 GiB", theirs->folder,
+                            entry->file);
     bytes->size = size * entry->extent[2];
     bytes->data = foreign_read_exactly(theirs->folder, entry->file, bytes->size, theirs->log);
     return bytes->data;

@@ -42,8 +42,7 @@ struct array {
 static bool refuse_file(const struct theirs *theirs, const struct their_entry *entry,
                         const char *why)
 {
-    report_error(theirs->log, "%s/%s: %s", theirs->folder, entry->file, why);
-    return false;
+    return report_error(theirs->log, "%s/%s: %s", theirs->folder, entry->file, why);
 }
 
 /* The dictionary in the header is Python's: {'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), } */

@@ -36,11 +36,10 @@ static bool check_patterns(const struct flicker *flicker)
     const char *const names[] = {"--test", "--reference"};
     for (int i = 0; i < 2; i++) {
         bool good = true;
-        if (paths[i] && !is_numbered(paths[i], names[i], &good, log)) {
-            report_error(log, "%s %s: names one picture; put %%04d in place of the frame number",
-                         names[i], paths[i]);
-            return false;
-        }
+        if (paths[i] && !is_numbered(paths[i], names[i], &good, log))
+            return report_error(log,
+                                "%s %s: names one picture; put %%04d in place of the frame number",
+                                names[i], paths[i]);
         if (!good)
             return false;
     }
@@ -114,10 +113,8 @@ static bool flicker_prepare(struct flicker *flicker)
     if (!session_load_scene(&flicker->scene, flicker->console, NULL, &options->setup))
         return false;
     flicker->frames = session_frames(&options->setup, &flicker->scene);
-    if (flicker->frames < 2) {
-        report_error(log, "one frame has no change; give --frames 2 or more, or a --motion");
-        return false;
-    }
+    if (flicker->frames < 2)
+        return report_error(log, "one frame has no change; give --frames 2 or more, or a --motion");
     flicker->rays = ray_scene_open(&flicker->scene.data, log);
     return flicker->rays;
 }

@@ -157,11 +157,9 @@ static bool build_scene(struct ray_scene *rays)
 {
     uint32_t count = rays->data->index_count / 3;
     rays->device = rtcNewDevice("threads=1");
-    if (!rays->device) {
-        report_error(rays->log, "Embree cannot start on this machine (error %d)",
-                     (int)rtcGetDeviceError(NULL));
-        return false;
-    }
+    if (!rays->device)
+        return report_error(rays->log, "Embree cannot start on this machine (error %d)",
+                            (int)rtcGetDeviceError(NULL));
     rtcSetDeviceErrorFunction(rays->device, embree_error, rays);
     rays->scene = rtcNewScene(rays->device);
     rtcSetSceneFlags(rays->scene, RTC_SCENE_FLAG_ROBUST); /* no ray slips between two triangles */

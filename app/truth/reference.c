@@ -64,17 +64,14 @@ static bool check_bounces(struct reference *reference)
     struct tracer_info *info = &reference->info;
     info->last_bounce = TRACER_UNLIMITED;
     if (strcmp(options->bounces, "unlimited") != 0 &&
-        !read_bounces(options->bounces, &info->last_bounce)) {
-        report_error(log, "--bounces %s: must be a whole number from 0 to %d, or unlimited",
-                     options->bounces, MAX_BOUNCES);
-        return false;
-    }
+        !read_bounces(options->bounces, &info->last_bounce))
+        return report_error(log, "--bounces %s: must be a whole number from 0 to %d, or unlimited",
+                            options->bounces, MAX_BOUNCES);
     if (!read_bounces(options->from_bounce, &info->first_bounce) ||
-        info->first_bounce > info->last_bounce) {
-        report_error(log, "--from-bounce %s: must be a whole number from 0 to that of --bounces",
-                     options->from_bounce);
-        return false;
-    }
+        info->first_bounce > info->last_bounce)
+        return report_error(log,
+                            "--from-bounce %s: must be a whole number from 0 to that of --bounces",
+                            options->from_bounce);
     return true;
 }
 
@@ -87,11 +84,9 @@ static bool check_goal(struct reference *reference)
         return true;
     char *end;
     reference->noise = strtod(options->noise, &end);
-    if (end != options->noise && !*end && reference->noise > 0 && reference->noise < 1)
-        return true;
-    report_error(&reference->console->log,
-                 "--noise %s: must be a number between 0 and 1, like 0.01", options->noise);
-    return false;
+    return (end != options->noise && !*end && reference->noise > 0 && reference->noise < 1) ||
+           report_error(&reference->console->log,
+                        "--noise %s: must be a number between 0 and 1, like 0.01", options->noise);
 }
 
 static bool check_reference_options(struct reference *reference)
@@ -99,10 +94,8 @@ static bool check_reference_options(struct reference *reference)
     const struct options *options = reference->options;
     const struct dt_log *log = &reference->console->log;
     size_t length = strlen(options->output);
-    if (length < 4 || strcasecmp(options->output + length - 4, ".exr") != 0) {
-        report_error(log, "-o %s: must end in .exr: the picture is linear", options->output);
-        return false;
-    }
+    if (length < 4 || strcasecmp(options->output + length - 4, ".exr") != 0)
+        return report_error(log, "-o %s: must end in .exr: the picture is linear", options->output);
     reference->info = (struct tracer_info){
         .scene = &reference->scene.data,
         .frame = &reference->frame,
@@ -116,10 +109,8 @@ static bool check_reference_options(struct reference *reference)
         .seed = options->seed,
         .threads = options->threads,
     };
-    if (options->frame && !options->setup.motion) {
-        report_error(log, "--frame %u: needs a --motion", options->frame);
-        return false;
-    }
+    if (options->frame && !options->setup.motion)
+        return report_error(log, "--frame %u: needs a --motion", options->frame);
     return check_bounces(reference) && check_goal(reference);
 }
 
@@ -157,11 +148,9 @@ static bool resume(struct reference *reference)
     if (!film_load(&reference->film, path, reference->settings, log))
         return false;
     reference->resumed = reference->film.samples;
-    if (reference->resumed > reference->samples) {
-        report_error(log, "%s: already has %u samples per pixel; give more than --spp %u", path,
-                     reference->resumed, reference->samples);
-        return false;
-    }
+    if (reference->resumed > reference->samples)
+        return report_error(log, "%s: already has %u samples per pixel; give more than --spp %u",
+                            path, reference->resumed, reference->samples);
     report_message(log, DT_INFO, "continuing from %u samples per pixel in %s", reference->resumed,
                    path);
     return true;
@@ -285,10 +274,8 @@ static bool write_results(const struct reference *reference)
         snprintf(noise, sizeof noise, "%.2g %%", 100 * film_noise(film));
     size_t pixels = (size_t)film->width * film->height;
     float *texels = malloc(pixels * 3 * sizeof *texels);
-    if (!texels) {
-        report_error(&reference->console->log, "out of memory for a picture");
-        return false;
-    }
+    if (!texels)
+        return report_error(&reference->console->log, "out of memory for a picture");
     film_mean(film, texels);
     for (size_t i = 0; i < pixels * 3; i++)
         mean[i % 3] += texels[i] / (double)pixels;
@@ -334,10 +321,8 @@ static bool reference_prepare(struct reference *reference)
     reference->frame.height = options->setup.size[1];
     reference->info.box_filter = filters_pixel(reference);
     reference->settings = describe_settings(reference);
-    if (!reference->settings) {
-        report_error(log, "out of memory");
-        return false;
-    }
+    if (!reference->settings)
+        return report_error(log, "out of memory");
     if (!film_create(&reference->film, options->setup.size[0], options->setup.size[1], log) ||
         !resume(reference))
         return false;

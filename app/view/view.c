@@ -27,14 +27,12 @@ static bool read_sides(struct view *view)
     if (!sides_read_each(&view->sides, &options.setup, log))
         return false;
     struct side *first = &view->sides.list[0];
-    if (view->sides.count > VIEW_SIDES) {
-        report_error(log, "--backend %s: a window shows at most %d backends", given, VIEW_SIDES);
-        return false;
-    }
-    if (first->context) {
-        report_error(log, "--backend %s: only gl and vk can draw into a window", first->label);
-        return false;
-    }
+    if (view->sides.count > VIEW_SIDES)
+        return report_error(log, "--backend %s: a window shows at most %d backends", given,
+                            VIEW_SIDES);
+    if (first->context)
+        return report_error(log, "--backend %s: only gl and vk can draw into a window",
+                            first->label);
     view->side_count = view->sides.count;
     return true;
 }
@@ -66,10 +64,9 @@ static void set_fonts(struct view *view)
 static bool open_overlay(struct view *view)
 {
     view->overlay = overlay_open(view->window);
-    if (!view->overlay) {
-        report_error(&view->console->log, "the overlay does not open: out of memory, or no libGL");
-        return false;
-    }
+    if (!view->overlay)
+        return report_error(&view->console->log,
+                            "the overlay does not open: out of memory, or no libGL");
     set_fonts(view);
     return true;
 }

@@ -22,10 +22,8 @@ bool view_times_create(struct view *view)
         view_times_free(times);
         times->passes = passes;
         times->pass_ms = calloc((size_t)passes * VIEW_TIMED_FRAMES, sizeof *times->pass_ms);
-        if (!times->pass_ms) {
-            report_error(&view->console->log, "out of memory for times");
-            return false;
-        }
+        if (!times->pass_ms)
+            return report_error(&view->console->log, "out of memory for times");
     }
     return true;
 }

@@ -54,8 +54,7 @@ bool view_params_create(struct view *view)
     if (!params->list || !params->kept || !params->other) {
         view_params_free(params);
         view->params = old;
-        report_error(&view->console->log, "out of memory");
-        return false;
+        return report_error(&view->console->log, "out of memory");
     }
     for (uint32_t i = 0; i < info->param_count; i++) {
         if (type_components(info->params[i].type) > 4)

@@ -31,10 +31,8 @@ bool view_find_home(struct view *view)
     for (uint32_t i = 0; i < info->resource_count && output < 0; i++)
         if (info->resources[i].kind == DT_IMAGE && view_can_show(info, i))
             output = (int)i;
-    if (output < 0) {
-        report_error(&view->console->log, "%s has no image that could be shown", info->name);
-        return false;
-    }
+    if (output < 0)
+        return report_error(&view->console->log, "%s has no image that could be shown", info->name);
     view->home = (uint32_t)output;
     view_show(view, view->home);
     return true;
@@ -213,10 +211,8 @@ static bool upload(const struct view *view, uint32_t index)
     const struct picture *picture = &view->side[index].picture;
     size_t count = (size_t)picture->width * picture->height;
     uint8_t *pixels = malloc(count * 4 + 1);
-    if (!pixels) {
-        report_error(&view->console->log, "window: out of memory for a picture");
-        return false;
-    }
+    if (!pixels)
+        return report_error(&view->console->log, "window: out of memory for a picture");
     for (size_t i = 0; i < count; i++) {
         memcpy(pixels + 4 * i, picture->codes + 3 * i, 3);
         pixels[4 * i + 3] = 255;
@@ -269,10 +265,8 @@ bool view_write_png(struct view *view, const char *path)
     const struct picture *picture = &view->side[0].picture;
     uint32_t width = picture->width * (curtain ? 1 : count - first), left = 0;
     uint8_t *out = calloc((size_t)width * picture->height + 1, 3);
-    if (!out) {
-        report_error(log, "%s: out of memory for a picture", path);
-        return false;
-    }
+    if (!out)
+        return report_error(log, "%s: out of memory for a picture", path);
     for (uint32_t i = first; i < count; i++) {
         uint32_t from = curtain ? picture->width * i / count : 0;
         uint32_t to = curtain ? picture->width * (i + 1) / count : picture->width;

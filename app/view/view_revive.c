@@ -64,12 +64,11 @@ static bool has_patience(struct view *view)
     view->paused = view->gave_up = true;
     view->settings.hidden = false;
     view->step = false;
-    if (hopeless || view->options->run_frames) {
-        report_error(&view->console->log,
-                     "the device was lost again at once: the window ends; try a smaller --size, or "
-                     "another --device");
-        return false;
-    }
+    if (hopeless || view->options->run_frames)
+        return report_error(
+            &view->console->log,
+            "the device was lost again at once: the window ends; try a smaller --size, or "
+            "another --device");
     report_error(&view->console->log,
                  "the device was lost again within %d frames: paused; Space, or "
                  "a change of the pipeline, tries once more",

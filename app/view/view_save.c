@@ -122,10 +122,8 @@ bool view_photograph(struct view *view, const char *path)
     struct dt_bytes photo = {0};
     if (!view_present(view, &photo))
         return false;
-    if (!photo.data) {
-        report_error(log, "--present %s: the window shows nothing", path);
-        return false;
-    }
+    if (!photo.data)
+        return report_error(log, "--present %s: the window shows nothing", path);
     size_t count = photo.size / 4;
     for (size_t i = 0; i < count; i++) /* RGBA to RGB, in place */
         memmove(photo.data + 3 * i, photo.data + 4 * i, 3);

@@ -24,10 +24,7 @@ bool view_verdict_create(struct view *view)
     verdict->kept = calloc(count + 1, sizeof *verdict->kept);
     verdict->marks = calloc(count + 1, sizeof *verdict->marks);
     verdict->first = count;
-    if (verdict->kept && verdict->marks)
-        return true;
-    report_error(log, "out of memory");
-    return false;
+    return (verdict->kept && verdict->marks) || report_error(log, "out of memory");
 }
 
 static void forget(struct view_verdict *verdict)
