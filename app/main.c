@@ -63,11 +63,9 @@ static const struct verb verbs[] = {
      verb_flicker, EXIT_FAILED},
     {"bench", VERB_BENCH, "time every pass of one or more backends, frame by frame in turn",
      "Times are the device's, in milliseconds: medians with the 5th and 95th percentile. Rates "
-     "count every\nresource of a pass whole and once, and the least float operations: of the "
-     "cheapest branches, of\nloops as often as constants and parameters say, of other loops once. "
-     "The device's best rates are\nmeasured by templates/machine.yaml. A pass with a `limit` is "
-     "also compared with that C on this processor.\nExit status: 0 done, 1 it failed (the reason "
-     "is on stderr), 2 wrong usage.",
+     "count every\nresource of a pass whole and once. The device's best rates are measured by "
+     "templates/machine.yaml.\nExit status: 0 done, 1 it failed (the reason is on stderr), 2 wrong "
+     "usage.",
      verb_bench, EXIT_FAILED},
     {"cost", VERB_COST, "what a frame costs on a GPU, by its compiler, without the GPU",
      "Compiles every pass for chips of AMD with RADV on its null hardware, and prints registers, "

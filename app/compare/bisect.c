@@ -17,7 +17,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/texels.h"
+#include "picture/texels.h"
 
 struct gathering {
     const struct dt_log *log;

@@ -26,7 +26,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "result/edges.h"
+#include "picture/edges.h"
 
 /* ---- The second run -------------------------------------------------------------------------- */
 

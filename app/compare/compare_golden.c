@@ -9,7 +9,7 @@
 #include "base/files.h"
 #include "base/foreign.h"
 #include "compare/compare.h"
-#include "result/picture.h"
+#include "picture/picture.h"
 #include "scenes/image.h"
 
 enum { HASH_TEXT = 17 };

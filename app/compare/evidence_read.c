@@ -8,7 +8,7 @@
 
 #include "base/files.h"
 #include "base/foreign.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "compare/evidence.h"
 #include "result/dump_reader.h"
 

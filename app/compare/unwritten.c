@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 
 static bool has_fill(const uint8_t *bytes, uint32_t size, int fill)
 {

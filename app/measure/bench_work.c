@@ -1,7 +1,7 @@
 /* Bytes of a pass; see bench_work.h. */
 #include "measure/bench_work.h"
 
-#include "console/texels.h"
+#include "picture/texels.h"
 
 static double bytes_of(const struct work_frame *frame, uint32_t resource, uint32_t mips)
 {

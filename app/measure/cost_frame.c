@@ -3,7 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "measure/bench_work.h"
 #include "measure/cost.h"
 #include "panel.h"

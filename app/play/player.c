@@ -7,8 +7,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "console/live.h"
-#include "console/texels.h"
+#include "result/live.h"
+#include "picture/texels.h"
 #include "spec/inputs.h"
 #include "spec/list.h"
 #include "result/difference.h"

@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_DIFFERENCE_H
 #define DIPTYCH_DIFFERENCE_H
 
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "diptych.h"
 
 struct cJSON;

@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,
                 const char *folder)

@@ -8,7 +8,7 @@
 #include "console/console.h"
 #include "base/files.h"
 #include "base/foreign.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "result/dump.h"
 
 static const char *manifest_text(const cJSON *object, const char *key)

@@ -8,8 +8,8 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/live.h"
-#include "console/texels.h"
+#include "result/live.h"
+#include "picture/texels.h"
 #include "scenes/motion.h"
 
 enum { HASH_TEXT = 17, MOST_UNASKED_FRAMES = 1000 };

@@ -7,7 +7,7 @@
 
 #include "console/console.h"
 #include "base/files.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "result/difference.h"
 
 enum { AXES = 3 };

@@ -7,7 +7,7 @@
 
 #include "console/console.h"
 #include "base/files.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 
 static bool append_row(struct row_list *rows, const struct dt_pipeline *pipeline, struct row row)
 {

@@ -6,7 +6,7 @@
 #include "console/console.h"
 #include "result/contracts.h"
 #include "result/difference.h"
-#include "result/strip.h"
+#include "picture/strip.h"
 
 struct cJSON;
 

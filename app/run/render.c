@@ -4,14 +4,14 @@
 #include <strings.h>
 
 #include "base/files.h"
-#include "console/hdr.h"
+#include "picture/hdr.h"
 #include "console/numbered.h"
 #include "console/options.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "spec/inputs.h"
 #include "result/dump.h"
 #include "result/identity.h"
-#include "result/picture.h"
+#include "picture/picture.h"
 #include "run/capture.h"
 #include "run/session.h"
 #include "run/timings.h"

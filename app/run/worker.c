@@ -14,7 +14,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 
 enum { MOST_NOTE = 256 };
 

@@ -9,8 +9,8 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/hdr.h"
-#include "console/texels.h"
+#include "picture/hdr.h"
+#include "picture/texels.h"
 #include "result/identity.h"
 #include "base/nearest.h"
 #include "scenes/child.h"

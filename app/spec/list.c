@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/live.h"
+#include "result/live.h"
 #include "console/options.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "result/dump.h"
 #include "verbs.h"
 

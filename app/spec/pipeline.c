@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "console/live.h"
+#include "result/live.h"
 #include "console/tool.h"
 #include "gen/plan/sanitize.h"
 #include "result/contracts.h"

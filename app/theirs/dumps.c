@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "result/edges.h"
+#include "picture/edges.h"
 #include "formats.h"
 
 /* ---- Matching ---------------------------------------------------------------------------------- */

@@ -5,7 +5,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "diptych.h"
 
 enum their_origin { ORIGIN_UNKNOWN, ORIGIN_TOP, ORIGIN_BOTTOM }; /* where row 0 is */

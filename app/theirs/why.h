@@ -3,7 +3,7 @@
 #ifndef DIPTYCH_WHY_H
 #define DIPTYCH_WHY_H
 
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "diptych.h"
 
 struct cJSON;

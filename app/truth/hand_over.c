@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "console/hdr.h"
+#include "picture/hdr.h"
 
 bool hand_over_picture(FILE *stream, const char *path, const char *name, uint32_t size[2],
                        const struct dt_log *log)

@@ -11,7 +11,7 @@
 
 #include "base/files.h"
 #include "result/identity.h"
-#include "console/hdr.h"
+#include "picture/hdr.h"
 #include "console/options.h"
 #include "run/session.h"
 #include "truth/tracer.h"

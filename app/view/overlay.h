@@ -5,7 +5,7 @@
 #define DIPTYCH_OVERLAY_H
 
 #include "diptych.h"
-#include "result/picture.h"
+#include "picture/picture.h"
 #include "result/rows.h"
 
 #ifdef __cplusplus

@@ -5,7 +5,7 @@
 #include <imgui/imgui.h>
 
 extern "C" {
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "result/difference.h"
 }
 #include "view/overlay.h"

@@ -9,12 +9,12 @@
 #include "console/options.h"
 #include "spec/reload.h"
 #include "result/difference.h"
-#include "result/picture.h"
+#include "picture/picture.h"
 #include "run/session.h"
 #include "run/undefined.h"
 #include "runtime_gl/window.h"
 #include "view/overlay.h"
-#include "result/points.h"
+#include "picture/points.h"
 
 enum {
     VIEW_SIDES = OVERLAY_SIDES,

@@ -12,7 +12,7 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "console/live.h"
+#include "result/live.h"
 #include "base/yaml_file.h"
 
 /* NULL where the key is not there, or holds something else. */

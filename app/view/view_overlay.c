@@ -9,7 +9,7 @@
 
 #include "base/files.h"
 #include "console/spread.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "scenes/motion.h"
 
 /* ---- Times ----------------------------------------------------------------------------------- */

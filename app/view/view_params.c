@@ -6,8 +6,8 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "console/live.h"
-#include "console/texels.h"
+#include "result/live.h"
+#include "picture/texels.h"
 
 static bool is_edited(const struct overlay_param *param)
 {

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "scenes/image.h"
 
 uint32_t view_last_writer(const struct dt_pipeline *info, uint32_t resource, uint32_t mip)

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/live.h"
-#include "console/texels.h"
+#include "result/live.h"
+#include "picture/texels.h"
 #include "spec/inputs.h"
 
 void view_set_live(struct view *view, const struct dt_param *param, const double values[4])

@@ -10,9 +10,9 @@
 
 #include "base/files.h"
 #include "compare/apart.h"
-#include "console/hdr.h"
+#include "picture/hdr.h"
 #include "console/settings.h"
-#include "result/array.h"
+#include "picture/array.h"
 #include "run/camera.h"
 
 /* diptych-NNN with that ending, of the first free number; free(). */

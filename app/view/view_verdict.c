@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "theirs/why.h"
 
 /* Least milliseconds between two checks: after a change, and while only time goes on. */

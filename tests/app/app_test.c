@@ -17,13 +17,13 @@
 
 #include "app/console/console.h"
 #include "base/files.h"
-#include "app/console/hdr.h"
-#include "app/console/live.h"
+#include "app/picture/hdr.h"
+#include "app/result/live.h"
 #include "app/console/options.h"
-#include "app/console/texels.h"
+#include "app/picture/texels.h"
 #include "app/console/fill.h"
 #include "app/result/dump.h"
-#include "app/result/picture.h"
+#include "app/picture/picture.h"
 #include "base/nearest.h"
 
 /* ---- Log ------------------------------------------------------------------------------------- */

@@ -13,7 +13,7 @@
 #include <cjson/cJSON.h>
 
 #include "app/result/difference.h"
-#include "app/result/edges.h"
+#include "app/picture/edges.h"
 
 static const char *const labels[2] = {"gl", "vk"};
 

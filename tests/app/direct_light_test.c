@@ -14,7 +14,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
-#include "app/console/hdr.h"
+#include "app/picture/hdr.h"
 
 enum { SIDE = 64, CHANNELS = 4 };
 

@@ -14,7 +14,7 @@
 #include <cmocka.h>
 
 #include "base/files.h"
-#include "app/result/strip.h"
+#include "app/picture/strip.h"
 #include "scenes/image.h"
 
 enum { SEPARATOR = 4, READABLE = 256 };

@@ -20,7 +20,7 @@
 #include "base/log.h"
 #include "compare/twin.h"
 #include "compare/unwritten.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "drop.h"
 #include "panel.h"
 #include "run/session.h"

@@ -11,7 +11,7 @@
 #include <string.h>
 
 #include "app/console/console.h"
-#include "app/console/live.h"
+#include "app/result/live.h"
 #include "app/console/options.h"
 #include "app/spec/pipeline.h"
 #include "drop.h"

@@ -7,7 +7,7 @@ import sys
 
 # A room of the generator or of the application may include itself and all rooms of the steps before its own.
 GEN = [["model"], ["read"], ["check"], ["plan"], ["glsl"], ["spirv"], ["lower"], ["print"]]
-APP = [["console"], ["result"], ["theirs", "import"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["view", "bundle"]]
+APP = [["console"], ["picture"], ["result"], ["theirs", "import"], ["spec"], ["run"], ["compare", "play", "truth"], ["measure"], ["view", "bundle"]]
 # A folder may include itself and these.
 BELOW = {
     "templates": [],

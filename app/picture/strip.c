@@ -1,13 +1,13 @@
 /* Strips of two copies and their difference; see strip.h. */
-#include "result/strip.h"
+#include "picture/strip.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "console/console.h"
-#include "console/texels.h"
-#include "result/picture.h"
+#include "picture/texels.h"
+#include "picture/picture.h"
 #include "scenes/image.h"
 
 enum {

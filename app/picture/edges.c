@@ -1,11 +1,11 @@
 /* Edges of draws; see edges.h. */
-#include "result/edges.h"
+#include "picture/edges.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/texels.h"
+#include "picture/texels.h"
 
 static bool is_depth(const struct dt_resource *resource)
 {

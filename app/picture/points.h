@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_POINTS_H
 #define DIPTYCH_POINTS_H
 
-#include "result/picture.h"
+#include "picture/picture.h"
 
 enum point_label {
     POINT_UNLABELLED,

@@ -1,5 +1,5 @@
 /* Types and formats as tables; see texels.h. */
-#include "console/texels.h"
+#include "picture/texels.h"
 
 #include <float.h>
 #include <math.h>

@@ -1,13 +1,13 @@
 /* Image resources as pictures; see picture.h. Row 0 of a resource is NDC y = -1, the bottom
  * unless the spec has `origin: top`: rows are flipped here, and nowhere else. */
-#include "result/picture.h"
+#include "picture/picture.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "console/console.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 #include "scenes/srgb.h"
 
 /* Layout of a layered image: a sheet of layers, as square as possible. */

@@ -1,10 +1,10 @@
 /* Draws points; see points.h. */
-#include "result/points.h"
+#include "picture/points.h"
 
 #include <math.h>
 #include <string.h>
 
-#include "console/texels.h"
+#include "picture/texels.h"
 
 struct dots {
     const struct picture *picture;

@@ -1,5 +1,5 @@
 /* Implements hdr.h. No exception leaves this file. */
-#include "console/hdr.h"
+#include "picture/hdr.h"
 
 #include <OpenEXR/ImfChannelList.h>
 #include <OpenEXR/ImfFrameBuffer.h>

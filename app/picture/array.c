@@ -1,12 +1,12 @@
 /* Writes resources as .npy; see array.h. */
-#include "result/array.h"
+#include "picture/array.h"
 
 #include <stdlib.h>
 
 #include "base/files.h"
 #include "base/text.h"
 #include "console/console.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 
 /* The elements of a buffer with its fields, without padding. */
 static void add_fields(struct text *type, const struct dt_resource *resource)

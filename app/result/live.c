@@ -1,5 +1,5 @@
 /* Live parameters by name and as text; see live.h. */
-#include "console/live.h"
+#include "result/live.h"
 
 #include <float.h>
 #include <math.h>
@@ -7,7 +7,7 @@
 #include <string.h>
 
 #include "base/log.h"
-#include "console/texels.h"
+#include "picture/texels.h"
 
 const struct dt_param *live_param(const struct dt_pipeline *info, const char *name)
 {
