@@ -10,7 +10,7 @@ import tempfile
 import numpy as np
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-sys.path[:0] = [ROOT + "/app/play", ROOT + "/tests/gen"]
+sys.path[:0] = [ROOT + "/app/python", ROOT + "/tests/gen"]
 import bodies  # noqa: E402: from the paths above
 import diptych  # noqa: E402
 

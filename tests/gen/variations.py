@@ -46,7 +46,7 @@ class Draw:
     """One attempt. `sets` are the overrides so far, `kinds` what was drawn."""
 
     def __init__(self, specs, spec, number, attempt):
-        self.specs, self.spec = specs, spec
+        self.specs, self.spec, self.attempt = specs, spec, attempt
         self.random = random.Random(f"{specs.seed} {spec} {number} {attempt}")
         self.sets, self.kinds = [], collections.Counter()
         if spec not in specs.trees:
@@ -67,7 +67,7 @@ class Draw:
         """The model with the overrides so far; None: it is refused."""
         path = f"{self.specs.work}/list.json"
         size = [] if self.spec in self.specs.given_sizes else ["--size", f"{self.size[0]}x{self.size[1]}"]
-        run = self.specs.run("diptych", "list", "--spec", self.spec, *size, *self.options(), "--json", path)
+        run = self.specs.run("diptych", "list", "--spec", self.spec, *size, *self.specs.inputs, *self.options(), "--json", path)
         if run.returncode:
             return None
         with open(path, encoding="utf-8") as file:
@@ -85,8 +85,11 @@ class Draw:
         self.kinds["one texel wide"] += 1 in sides
 
     def number(self, param, former):
-        """The minimum, the maximum, one between, or the former."""
+        """The minimum, the maximum, one between, or the former; the more often a draw was refused, which takes too much memory
+        nearly always, the more minima."""
         least, most = param["min"], param["max"]
+        if self.random.randrange(1 + self.attempt):
+            return least
         between = (self.random.uniform(least, most) if param["type"] in ("float", "vec2", "vec3", "vec4")
                    else min(int(most), int(least) + self.random.randrange(1 << self.random.randint(0, 24))))
         return self.random.choice((least, most, between, former))
@@ -129,7 +132,7 @@ class Draw:
     def pass_details(self, entry, name):
         if "dispatch" in entry and "local" not in entry and self.one_in(3):
             width, height = self.random.choice((1, 3, 8, 16, 32, 64, 128)), self.random.choice((1, 2, 3, 4, 8))
-            plane = entry["dispatch"] in self.tree.get("images", {}) or isinstance(entry["dispatch"], list)
+            plane = isinstance(entry["dispatch"], list) or entry["dispatch"] in self.tree.get("images", {})
             self.add("local", f"passes.{name}.local", f"[{width},{height}]" if plane else width)
         for part in entry.get("ranges", {}):
             for key in ("storage", "loop"):
