@@ -57,7 +57,10 @@ static char *brought_along(const char *in_project, const char *installed, const 
     if (!path)
         return NULL;
     int levels = levels_to_prefix(path);
-    for (int i = 0; i < (levels ? levels : 1); i++) {
+    char *beside = format_string("%s/..%s", path, in_project);
+    int up = levels ? levels : beside && access(beside, R_OK) == 0 ? 1 : 2; /* of build/asan */
+    free(beside);
+    for (int i = 0; i < up; i++) {
         char *slash = strrchr(path, '/');
         *(slash == path ? slash + 1 : slash) = 0;
     }

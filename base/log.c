@@ -29,7 +29,7 @@ void report_message(const struct dt_log *log, enum dt_level level, const char *f
     va_end(arguments);
 }
 
-bool report_error(const struct dt_log *log, const char *format, ...)
+bool log_error(const struct dt_log *log, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);

@@ -282,7 +282,7 @@ bool vk_image_bind(struct dt_vk_runtime *rt, struct vk_image *image,
 
 /* Of struct dt_backend; a sampler is a VkSampler. */
 bool vk_sampler_create(struct dt_core *core, void *sampler, const struct dt_sampler *info);
-void vk_sampler_destroy(struct dt_core *core, void *sampler);
+void vk_sampler_destroy(struct dt_core *core, void *made);
 
 /* At least `size` bytes of staging memory; NULL after an error that names `name`. Invalidates
  * earlier pointers. */

@@ -216,7 +216,7 @@ static const struct number {
     bool is_signed;
     float most;
 } numbers[] = {
-    [BYTE - BYTE] = {1, true, INT8_MAX},
+    [0] = {1, true, INT8_MAX},
     [UNSIGNED_BYTE - BYTE] = {1, false, UINT8_MAX},
     [SHORT - BYTE] = {2, true, INT16_MAX},
     [UNSIGNED_SHORT - BYTE] = {2, false, UINT16_MAX},
@@ -242,9 +242,11 @@ static bool find_bytes(struct gltf *gltf, struct gltf_item item, struct layout *
 {
     size_t element = component_bytes(layout->type) * layout->components;
     int32_t view = gltf_index(gltf, item, "bufferView", GLTF_VIEWS);
-    if (element == 0)
-        return gltf_error(gltf, item, "componentType", "%u, with this `type`, is not supported",
-                          layout->type);
+    if (element == 0) {
+        gltf_error(gltf, item, "componentType", "%u, with this `type`, is not supported",
+                   layout->type);
+        return false;
+    }
     if (view < 0)
         return !gltf->failed;
     struct gltf_item from = gltf_item(gltf, GLTF_VIEWS, (uint32_t)view);
@@ -318,8 +320,10 @@ static bool find_sparse(struct gltf *gltf, struct gltf_item item, const struct l
         .count = count, .type = gltf_whole(gltf, indices, "componentType", 0), .components = 1};
     if (!find_bytes(gltf, indices, &sparse->indices) || !find_bytes(gltf, values, &sparse->values))
         return false;
-    if (count && (!sparse->indices.bytes.data || !sparse->values.bytes.data))
-        return gltf_error(gltf, item, "sparse", "has no `bufferView`");
+    if (count && (!sparse->indices.bytes.data || !sparse->values.bytes.data)) {
+        gltf_error(gltf, item, "sparse", "has no `bufferView`");
+        return false;
+    }
     for (uint32_t i = 0; i < count; i++) {
         uint32_t index = bits_at(&sparse->indices, i, 0);
         if (index >= layout->count || (i > 0 && index <= bits_at(&sparse->indices, i - 1, 0)))

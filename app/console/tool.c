@@ -113,7 +113,7 @@ bool tool_quiet(char *const argv[], struct console *console)
 int tool_status(char *const argv[], struct console *console)
 {
     const struct streams streams = {-1, STDOUT_FILENO, -1};
-    pid_t child;
+    pid_t child = -1;
     int error = start_child(&child, argv, &streams), status = -1;
     if (!error) {
         console_adopt(console, child);

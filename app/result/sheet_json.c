@@ -323,7 +323,8 @@ cJSON *sheet_suite(cJSON *suites, const char *pipeline, const char *title)
 static void count_up(cJSON *suite, const char *key, int more)
 {
     cJSON *item = cJSON_GetObjectItem(suite, key);
-    cJSON_SetNumberValue(item, item->valuedouble + more);
+    if (item)
+        cJSON_SetNumberValue(item, item->valuedouble + more);
 }
 
 void sheet_case(cJSON *suite, const char *pass, const char *name, const char *failure)

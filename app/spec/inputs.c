@@ -126,7 +126,9 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
     }
     if (result)
         fclose(result);
-    return good || refuse_input(loading, "%s", heard.reason);
+    if (!good)
+        refuse_input(loading, "%s", heard.reason);
+    return good;
 }
 
 static size_t row_from_top(const struct loading *loading, const struct picture_level *level,
@@ -243,7 +245,9 @@ static bool load_image(const struct loading *loading)
     bool good = fits_image(loading, &level) && read_picture(loading, &level) &&
                 decode(loading, &level) && encode_input(loading, &level, 0);
     for (uint32_t mip = 1; good && mip < loading->input->mips; mip++) {
-        good = shrink_input(&level, &next) || refuse_input(loading, "out of memory");
+        good = shrink_input(&level, &next);
+        if (!good)
+            refuse_input(loading, "out of memory");
         free(level.texels);
         level = next;
         good = good && encode_input(loading, &level, mip);

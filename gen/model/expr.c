@@ -840,7 +840,7 @@ static void emit_pattern(const struct expr *expr, enum language language, const 
     for (; *pattern; pattern++) {
         const struct expr *operand =
             strchr("$#~", *pattern) ? expr->operand[pattern[1] - '0'] : NULL;
-        if (*pattern == '~')
+        if (operand && *pattern == '~')
             emit_condition(operand, language, out);
         else if (operand)
             emit(operand, language, *pattern == '$', out);

@@ -128,7 +128,7 @@ void c_add(const struct c_output *c, const char *text, ...)
     va_list arguments;
     va_start(arguments, text);
     for (const char *slot; (slot = strchr(text, '@')); text = slot + 2) {
-        const char *word = strchr("swUqc", slot[1]) ? va_arg(arguments, const char *) : NULL;
+        const char *word = strchr("swUqc", slot[1]) ? va_arg(arguments, const char *) : "";
         text_add_bytes(c->out, text, (size_t)(slot - text));
         switch (slot[1]) {
         case 'n':

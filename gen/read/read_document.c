@@ -300,11 +300,12 @@ static void report_unknown_setting(struct reader *reader, const struct setting *
 {
     const char *names[MOST_NAMES + 64];
     size_t count = add_keys(reader, map, names, 0);
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    const struct document *at = &reader->spec;
+    do {
         struct fy_node *other = section_of(at, table_sections[section].path);
         if (other != map)
             count = add_keys(reader, other, names, count);
-    }
+    } while ((at = at->next));
     for (const struct key *key = table_section(section); key->name; key++)
         if (count < DT_ARRAY_COUNT(names) && strcmp(key->name, "*"))
             names[count++] = key->name;
@@ -335,13 +336,14 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
         if (text && !strcmp(text, setting->segment))
             return item;
     }
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    const struct document *at = &reader->spec;
+    do {
         struct fy_node *passes = section_of(at, "passes");
         iterator = NULL;
         while (count < MOST_NAMES && (item = next_item(passes, &iterator)))
             if (element_name(reader, item) && !is_use(item))
                 names[count++] = declared_name(reader, item, element_name(reader, item));
-    }
+    } while ((at = at->next));
     report_path(reader, setting, "the list", names, count);
     return NULL;
 }

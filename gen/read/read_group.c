@@ -445,7 +445,10 @@ static struct fy_node *find_group(struct use *use)
     struct reader *reader = use->reader;
     const char *name = field_text(reader, &use->fields, "group"), *names[64];
     size_t count = 0;
-    for (const struct document *at = &reader->spec; name && at; at = at->next) {
+    const struct document *at = &reader->spec;
+    if (!name)
+        return NULL;
+    do {
         struct fy_node *groups = section_of(at, "groups");
         struct fy_node *group = map_value(groups, name);
         struct fy_node_pair *pair;
@@ -455,9 +458,7 @@ static struct fy_node *find_group(struct use *use)
         while (count < DT_ARRAY_COUNT(names) && (pair = next_pair(groups, &iterator)))
             if (pair_name(reader, pair))
                 names[count++] = pair_name(reader, pair);
-    }
-    if (!name)
-        return NULL;
+    } while ((at = at->next));
     key_error(reader, &use->fields, "group", "unknown group `%s`%s", name,
               name_hint('`', name, names, count, "").text);
     return NULL;

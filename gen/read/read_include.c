@@ -36,7 +36,8 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
                           size_t ends[3])
 {
     struct fy_node *found = NULL, *first = NULL;
-    for (const struct document *at = &reader->spec; at; at = at->next) {
+    const struct document *at = &reader->spec;
+    do {
         struct fy_node *root = fy_document_root(at->yaml), *item;
         struct fy_node *value = map_value(root, section);
         struct fy_node_pair *pair;
@@ -49,7 +50,7 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
         while ((item = next_item(value, &iterator)))
             if (has_own_name(item) && begins(reader, root, element_name(reader, item), path, ends))
                 found = root;
-    }
+    } while ((at = at->next));
     return found ? found : first ? first : fy_document_root(reader->spec.yaml);
 }
 
@@ -198,14 +199,15 @@ const struct fields *documents_fields(struct reader *reader)
 {
     struct document *spec = &reader->spec;
     bool has_passes = false;
-    for (struct document *at = spec; at; at = at->next) {
+    struct document *at = spec;
+    do {
         struct loc start = {.source = at->source, .line = 1, .column = 1, .length = 1};
         fields_read(reader, fy_document_root(at->yaml), SECTION_TOP, start, &at->fields);
         at->fields.next = at->next ? &at->next->fields : NULL;
         has_passes |= field_given(&at->fields, "passes");
         if (at != spec && !at->scope)
             refuse_spec_keys(reader, at);
-    }
+    } while ((at = at->next));
     if (!field_given(&spec->fields, "pipeline"))
         diag_error(reader->diag, spec->fields.loc, "the spec needs the key `pipeline`");
     if (!has_passes)

@@ -99,7 +99,7 @@ uint32_t spirv_parameter_index(const struct spirv *module, uint32_t parameter, u
  * the type of a part. The scalars of a type. */
 uint32_t spirv_parts(const struct spirv *module, const uint32_t *type);
 uint32_t spirv_part(const uint32_t *type, uint32_t part);
-uint32_t spirv_scalars(const struct spirv *module, uint32_t type);
+uint32_t spirv_scalars(const struct spirv *module, uint32_t id);
 
 /* ---- Edits ----------------------------------------------------------------------------------- */
 

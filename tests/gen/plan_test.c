@@ -631,13 +631,13 @@ static void test_uniform_blocks_are_few(void **state)
         struct text resources = {0}, passes = {0};
         uint32_t blocks = 0;
         text_add(&resources, "buffers: {shown: {of: uint, count: 8}");
-        for (char name = 'a'; name <= 'k'; name++)
+        for (int name = 'a'; name <= 'k'; name++)
             text_add(&resources, ", %c: {of: vec4, count: 300}", name);
         text_add(&resources, "}");
         text_add(&passes,
                  "w, dispatch: 8, writes: [a, b, c, d, e, f, g, h, i, j, k]\n"
                  "p, dispatch: 8, reads: [a, b, c, d, e, f, g, h, i, j, k], writes: [shown]");
-        for (char name = 'a'; ranged && name <= 'k'; name++)
+        for (int name = 'a'; ranged && name <= 'k'; name++)
             text_add(&passes, "%sr_%c: {of: %c, count: 300}", name == 'a' ? ", ranges: {" : ", ",
                      name, name);
         text_add(&passes, ranged ? "}" : "");

@@ -2,7 +2,7 @@
 import json, os, sys
 import numpy as np
 
-sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "app", "play"))
+sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "app", "python"))
 import diptych
 
 dump, folder = sys.argv[1:]
