@@ -1,5 +1,5 @@
 /* One program: shader modules, descriptor set and its layout, compute or graphics pipeline. panel.c
- * creates one for every pass, present.c for the window; vk_program_bind then sets the resources. */
+ * creates one for every pass; vk_program_bind then sets the resources. */
 #include "internal.h"
 
 #include <stdlib.h>
