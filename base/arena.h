@@ -1,6 +1,5 @@
 /* An allocator for what lives and ends together: blocks, freed at once. */
-#ifndef DIPTYCH_ARENA_H
-#define DIPTYCH_ARENA_H
+#pragma once
 
 #include <stddef.h>
 
@@ -12,5 +11,3 @@ char *arena_printf(struct arena *arena, const char *format, ...)
 char *arena_strndup(struct arena *arena, const char *text, size_t length);
 struct arena *arena_create(void);
 void arena_free(struct arena *arena);
-
-#endif

@@ -1,7 +1,6 @@
 /* Command lines from tables: the parser, --help, and the input for manual pages and completion. The
  * tables are in gen/main.c (diptych-gen) and app/console/options.c (diptych). */
-#ifndef DIPTYCH_COMMAND_H
-#define DIPTYCH_COMMAND_H
+#pragma once
 
 #include "diptych.h"
 
@@ -69,5 +68,3 @@ void command_describe(const struct command_line *command);
 
 /* Reads WIDTHxHEIGHT, the value of --size; logs an error. */
 bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);
-
-#endif

@@ -1,8 +1,7 @@
 /* Diagnostics: what is wrong in files, as data. Every reader reports here, so that a wrong file gets
  * all its errors in one run. They are printed in one form, `file:line:column: error: text` with the line
  * and a caret, which editors follow, and written in one form of JSON. */
-#ifndef DIPTYCH_DIAG_H
-#define DIPTYCH_DIAG_H
+#pragma once
 
 #include <stdio.h>
 
@@ -62,5 +61,3 @@ void diag_report(const struct diag *diag, const struct dt_log *log);
 /* One error at a place. */
 void report_at(const struct dt_log *log, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-
-#endif

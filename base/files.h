@@ -1,7 +1,6 @@
 /* Files for the command line: read whole, write whole or not at all, folders, and a content hash.
  * Functions that return bool or a pointer and take a log have logged the error when they fail. */
-#ifndef DIPTYCH_FILES_H
-#define DIPTYCH_FILES_H
+#pragma once
 
 #include <stdio.h>
 
@@ -45,5 +44,3 @@ bool file_remove_tree(const char *path); /* true when there was nothing to remov
 #define FILE_HASH_START UINT64_C(0)
 void hash_bytes(uint64_t *hash, const void *data, size_t size);
 bool hash_file(uint64_t *hash, const char *path); /* silent: false when it cannot be read */
-
-#endif

@@ -1,7 +1,6 @@
 /* Folders that others made: dumps, goldens, evidence, results of a bundle. They name files inside
  * themselves only, and through no symbolic link; texts of theirs may be shown anywhere. */
-#ifndef DIPTYCH_FOREIGN_H
-#define DIPTYCH_FOREIGN_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -22,5 +21,3 @@ bool foreign_has(const char *folder, const char *name); /* also a link */
 /* Whether `path`, links followed, lies in the folder of `file`, at any depth; a path without a file does,
  * since nothing can be read there. */
 bool foreign_is_beside(const char *path, const char *file);
-
-#endif

@@ -1,7 +1,6 @@
 /* Reads files that a user names: regular files alone, so that no device and no pipe makes a
  * program wait. */
-#ifndef DIPTYCH_INPUT_H
-#define DIPTYCH_INPUT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -23,5 +22,3 @@ const char *input_seen(const char *path);
 
 /* For a library that opens the file by its name. False: *reason, as above. */
 bool input_check(const char *path, size_t most, const char **reason);
-
-#endif

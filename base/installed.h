@@ -1,6 +1,5 @@
 /* Files that came with the executable: in the project, beside build/, or below the prefix of an installation. */
-#ifndef DIPTYCH_INSTALLED_H
-#define DIPTYCH_INSTALLED_H
+#pragma once
 
 #include "diptych.h"
 
@@ -21,5 +20,3 @@ char *python_folder(const struct dt_log *log); /* that has the package diptych *
 char *find_spec(const char *path, const struct dt_log *log);
 char *find_scene(const char *path, const struct dt_log *log);
 char *find_in(const char *path, const char *folder); /* the same, in any folder; NULL: none */
-
-#endif

@@ -1,6 +1,5 @@
 /* Messages into a struct dt_log. */
-#ifndef DIPTYCH_LOG_H
-#define DIPTYCH_LOG_H
+#pragma once
 
 #include "diptych.h"
 
@@ -24,5 +23,3 @@ struct log_source {
     const char *name;
 };
 struct dt_log log_from(struct log_source *source);
-
-#endif

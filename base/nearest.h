@@ -1,6 +1,5 @@
 /* "Did you mean": the name that a misspelled word most likely stands for. */
-#ifndef DIPTYCH_NEAREST_H
-#define DIPTYCH_NEAREST_H
+#pragma once
 
 #include <stddef.h>
 
@@ -16,5 +15,3 @@ struct name_hint {
 };
 struct name_hint name_hint(char quote, const char *word, const char *const *names, size_t count,
                            const char *otherwise);
-
-#endif

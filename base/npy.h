@@ -1,7 +1,6 @@
 /* Arrays in NumPy's .npy files, versions 1.0 to 3.0: 32-bit numbers, little-endian, in C order,
  * plain or in a structured dtype; all else is refused. */
-#ifndef DIPTYCH_NPY_H
-#define DIPTYCH_NPY_H
+#pragma once
 
 #include "diptych.h"
 
@@ -32,5 +31,3 @@ void *npy_read(const char *path, struct npy *array, const char **reason);
  * (3), of vec3[2] (2, 3), of mat4 (4, 4), by columns. NULL: it has; else what is wrong, valid until
  * the next call in this thread. */
 const char *npy_misfit(const struct npy *array, const struct dt_field *fields, uint32_t count);
-
-#endif

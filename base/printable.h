@@ -1,6 +1,5 @@
 /* Text for terminals, JSON, XML and pages: no control characters, and UTF-8. */
-#ifndef DIPTYCH_PRINTABLE_H
-#define DIPTYCH_PRINTABLE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -15,5 +14,3 @@ char *text_printable(const char *text);
 
 /* A copy in which U+FFFD stands for them: for JSON, where a backslash has a meaning. free(). */
 char *text_replaced(const char *text);
-
-#endif

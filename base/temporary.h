@@ -1,6 +1,5 @@
 /* Names of files and folders that are written beside their final place and renamed there. */
-#ifndef DIPTYCH_TEMPORARY_H
-#define DIPTYCH_TEMPORARY_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -16,5 +15,3 @@ void temporary_sweep(const char *path, int (*remove)(const char *path));
 
 /* write(2) until all is written; false: errno. */
 bool write_all(int descriptor, const void *bytes, size_t length);
-
-#endif

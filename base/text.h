@@ -1,6 +1,5 @@
 /* A growing text buffer, and numbers as text. */
-#ifndef DIPTYCH_TEXT_H
-#define DIPTYCH_TEXT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -39,5 +38,3 @@ char *format_string(const char *format, ...) __attribute__((format(printf, 1, 2)
 bool memory_was_lost(void);
 void memory_lost(void); /* for the allocators, and for what another thread lost */
 void memory_forget(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* YAML documents and the places of their nodes: one parser setting and one set of limits for specs,
  * scenes, motions, contracts and outlines. */
-#ifndef DIPTYCH_YAML_H
-#define DIPTYCH_YAML_H
+#pragma once
 
 #include <libfyaml.h>
 
@@ -25,5 +24,3 @@ struct fy_node_pair *yaml_pair(struct fy_node *map, const char *name, size_t len
 /* The place of a scalar; of a mapping or a sequence: the start of its first scalar. Line 0 where
  * there is none. */
 struct loc yaml_loc(const struct source *source, struct fy_node *node);
-
-#endif

@@ -1,7 +1,6 @@
 /* A YAML file that is a mapping with known keys: scenes, motions, contracts, outlines. All its errors are
  * reported in one run. Specs have a table of keys of their own (gen/read/table.h). */
-#ifndef DIPTYCH_YAML_FILE_H
-#define DIPTYCH_YAML_FILE_H
+#pragma once
 
 #include "base/diag.h"
 
@@ -56,5 +55,3 @@ void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_no
 
 /* Reports, at the key's node, numbers that are out of the key's range. */
 bool reader_range(struct reader *reader, const struct key *key);
-
-#endif

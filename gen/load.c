@@ -1,7 +1,6 @@
 /* From a spec to tables; see load.h. */
 #include "load.h"
 
-#include <errno.h>
 #include <string.h>
 
 #include "check/check.h"

@@ -1,7 +1,6 @@
 /* All stages from a spec to tables in one call: for main.c, which writes the tables as
  * C, and for the app, which executes them. */
-#ifndef DIPTYCH_GEN_LOAD_H
-#define DIPTYCH_GEN_LOAD_H
+#pragma once
 
 #include "lower/lower.h"
 
@@ -30,5 +29,3 @@ struct spec {
 bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
                struct diag *diag);
 void spec_free(struct spec *spec);
-
-#endif

@@ -3,8 +3,7 @@
  * pipeline. All state is in struct dt_gl_runtime, including the table of OpenGL functions, so several
  * contexts can coexist. A bool function logs the error before it returns false. Every destroy
  * function accepts a zeroed struct, and zeroes its argument. */
-#ifndef DIPTYCH_RUNTIME_GL_INTERNAL_H
-#define DIPTYCH_RUNTIME_GL_INTERNAL_H
+#pragma once
 
 #include <glad/gl.h>
 
@@ -230,5 +229,3 @@ bool gl_write(struct dt_core *core, uint32_t resource, uint32_t mip, const struc
 /* ---- runtime.c ------------------------------------------------------------------------------- */
 
 extern const struct dt_runtime runtime_gl;
-
-#endif

@@ -1,7 +1,6 @@
 /* A window with an OpenGL context of its own, whatever renders its pictures. It holds the pictures as
  * textures; Dear ImGui draws them and the overlay between begin and end. For `diptych view`. */
-#ifndef DIPTYCH_GL_WINDOW_H
-#define DIPTYCH_GL_WINDOW_H
+#pragma once
 
 #include "diptych.h"
 
@@ -29,5 +28,3 @@ bool gl_window_end(struct gl_window *window, struct dt_bytes *photo);
 /* Whether a call has failed because the context was lost: then only close works. */
 bool gl_window_is_lost(const struct gl_window *window);
 uint32_t gl_window_messages(const struct gl_window *window); /* of KHR_debug so far; must be 0 */
-
-#endif

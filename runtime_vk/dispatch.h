@@ -1,8 +1,7 @@
 /* Pointers to the Vulkan functions that the runtime calls, per device. They are pointers because a
  * host may use its own loader. Filled by context.c for the app's own device, by host.c for a
  * host's. */
-#ifndef DIPTYCH_RUNTIME_VK_DISPATCH_H
-#define DIPTYCH_RUNTIME_VK_DISPATCH_H
+#pragma once
 
 #include <vulkan/vulkan.h>
 
@@ -88,5 +87,3 @@ struct vk_dispatch {
     VK_DEVICE_FUNCTIONS(VK_FUNCTION)
 #undef VK_FUNCTION
 };
-
-#endif

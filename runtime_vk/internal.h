@@ -1,7 +1,6 @@
 /* Shared by the files of the Vulkan runtime: the runtime's state, the VK macro for results, memory,
  * and immediate commands. Private to this folder and its tests. */
-#ifndef DIPTYCH_RUNTIME_VK_INTERNAL_H
-#define DIPTYCH_RUNTIME_VK_INTERNAL_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -382,5 +381,3 @@ bool vk_scene_attributes(struct dt_vk_runtime *rt,
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene,
                      const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS]);
 void vk_scene_destroy(struct dt_vk_runtime *rt);
-
-#endif

@@ -1,8 +1,7 @@
 /* What the compiler of a Vulkan driver tells of a pipeline's programs, by
  * VK_KHR_pipeline_executable_properties. Makes pipelines and nothing else: no memory, no commands. So
  * it also works on the null hardware of Mesa's RADV, which has neither. */
-#ifndef DIPTYCH_RUNTIME_VK_STATISTICS_H
-#define DIPTYCH_RUNTIME_VK_STATISTICS_H
+#pragma once
 
 #include "diptych.h"
 
@@ -32,5 +31,3 @@ struct vk_statistics {
  * to free. free(found->list). */
 bool vk_statistics_find(const struct dt_runtime_options *options, const struct dt_shaders *shaders,
                         struct vk_statistics *found);
-
-#endif

@@ -1,6 +1,5 @@
 /* Keys of a camera and of a light: names, ranges, rules, and conversion to the scene's structs. */
-#ifndef DIPTYCH_SCENES_CAMERA_LIGHT_H
-#define DIPTYCH_SCENES_CAMERA_LIGHT_H
+#pragma once
 
 #include "base/yaml_file.h"
 #include "scene.h"
@@ -27,5 +26,3 @@ void light_take(struct reader *reader, int errors, int kind, const struct key ke
 /* Convert a camera or light to keys. */
 void camera_tell(const struct scene_camera *camera, struct key keys[CAMERA_KEYS]);
 void light_tell(const struct scene_light *light, struct key keys[LIGHT_KEYS]);
-
-#endif

@@ -1,7 +1,6 @@
 /* Work that reads files of strangers, in a child process: libraries may crash, hang or take all
  * memory there. */
-#ifndef DIPTYCH_SCENES_CHILD_H
-#define DIPTYCH_SCENES_CHILD_H
+#pragma once
 
 #include "diptych.h"
 
@@ -28,5 +27,3 @@ void child_limit_time(unsigned seconds);
 
 /* The file that the work opens next. Does nothing outside a child. */
 void child_opens(const char *path);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * The first error is logged and sets `failed`; every later call answers with a fallback. Errors
  * name the file, the place in its JSON and the number that is wrong. */
-#ifndef DIPTYCH_SCENES_GLTF_H
-#define DIPTYCH_SCENES_GLTF_H
+#pragma once
 
 #include "base/arena.h"
 #include "mesh.h"
@@ -144,5 +143,3 @@ bool gltf_views(struct gltf *gltf, struct mesh *mesh, float scale);
 bool gltf_is(const char *path);
 /* As mesh_import; the mesh has its paths. */
 bool gltf_import(struct mesh *mesh, float scale, const struct dt_log *log);
-
-#endif

@@ -11,14 +11,12 @@
 #include "picture_size.h"
 
 #include <dlfcn.h>
-#include <errno.h>
 #include <limits.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #define SHIM             "libdiptych_image.so"

@@ -1,8 +1,7 @@
 /* C interface to image files. libpng writes PNG, and reads PNG of up to 8 bits. OpenImageIO reads
  * everything else; it is loaded on first use, from a shared object beside the executable, since
  * its 260 libraries cost a quarter of a second. */
-#ifndef DIPTYCH_IMAGE_H
-#define DIPTYCH_IMAGE_H
+#pragma once
 
 #include "diptych.h"
 
@@ -42,6 +41,4 @@ bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

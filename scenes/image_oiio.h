@@ -1,8 +1,7 @@
 /* C interface of the OpenImageIO shim, image_oiio.cpp, which becomes build/libdiptych_image.so.
  * image.c loads the shim with dlopen and finds these functions by name. All return false with a
  * reason in `error`. */
-#ifndef DIPTYCH_IMAGE_OIIO_H
-#define DIPTYCH_IMAGE_OIIO_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -39,6 +38,4 @@ image_oiio_yee_fn image_oiio_yee;
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

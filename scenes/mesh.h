@@ -1,8 +1,7 @@
 /* Shared by the files of this folder: a triangle mesh under construction, and the textures of its
  * materials. scene.c imports (mesh.c), fills the texture array (texture.c) and moves the
  * arrays into the scene. */
-#ifndef DIPTYCH_MESH_H
-#define DIPTYCH_MESH_H
+#pragma once
 
 #include "scene.h"
 
@@ -122,5 +121,3 @@ bool texture_array(struct dt_scene *scene, struct mesh *mesh, uint32_t size,
 /* In double: the float inverse of cglm loses digits that position reconstruction needs. A singular
  * matrix yields infinities or NaN. */
 void invert(const double m[4][4], float out[4][4]);
-
-#endif

@@ -1,6 +1,5 @@
 /* Camera and light that move from frame to frame, read from a file of keyframes. */
-#ifndef DIPTYCH_MOTION_H
-#define DIPTYCH_MOTION_H
+#pragma once
 
 #include "scene.h"
 
@@ -19,5 +18,3 @@ const char *motion_path(const struct motion *motion);
 /* Camera and light in a frame, counted from 0; constant after the last keyframe. */
 void motion_at(const struct motion *motion, uint32_t frame, struct scene_camera *camera,
                struct scene_light *light);
-
-#endif

@@ -1,7 +1,6 @@
 /* What the header of a picture says, without an image library: its size, which a spec needs to
  * know, its colour space, and kinds that no reader here reads right. */
-#ifndef DIPTYCH_SCENES_PICTURE_SIZE_H
-#define DIPTYCH_SCENES_PICTURE_SIZE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -28,5 +27,3 @@ void picture_profile(const uint8_t *profile, size_t size, char space[PICTURE_SPA
  * file says nothing. Of a JPEG file, and of the EXIF data of any file. */
 uint32_t picture_turn(const char *path);
 uint32_t picture_exif_turn(const uint8_t *exif, size_t size);
-
-#endif

@@ -1,8 +1,7 @@
 /* Scene files, meshes, materials, cameras and lights as plain arrays: what the app loads and
  * hands to a runtime. A leaf: no graphics API, no pipeline. Images are read and written through
  * image.h. */
-#ifndef DIPTYCH_SCENE_H
-#define DIPTYCH_SCENE_H
+#pragma once
 
 #include "diptych.h"
 
@@ -59,5 +58,3 @@ void scene_frame(const struct scene *scene, uint32_t width, uint32_t height,
  * previous_camera. Without a motion a second has 60 frames. */
 void scene_frame_at(const struct scene *scene, uint32_t index, uint32_t width, uint32_t height,
                     struct dt_frame *frame);
-
-#endif

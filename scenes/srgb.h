@@ -1,6 +1,5 @@
 /* sRGB codes from 0 to 1 and linear light (IEC 61966-2-1). */
-#ifndef DIPTYCH_SRGB_H
-#define DIPTYCH_SRGB_H
+#pragma once
 
 #include <math.h>
 
@@ -31,5 +30,3 @@ static inline void srgb_decode_table(float light[256])
     for (int i = 0; i < 256; i++)
         light[i] = (float)srgb_light(i / 255.0);
 }
-
-#endif

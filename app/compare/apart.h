@@ -1,6 +1,5 @@
 /* Other verbs in a process of its own, for a window whose drivers are open: they stand no fork. */
-#ifndef DIPTYCH_APART_H
-#define DIPTYCH_APART_H
+#pragma once
 
 #include "console/console.h"
 #include "console/setup.h"
@@ -18,5 +17,3 @@ int compare_apart(struct console *console, const struct compare_apart *apart);
 /* `list --gpu`, without a word; `edits` as above. Waits for its end. Whether it has written its JSON into the file. */
 bool list_apart(struct console *console, const struct setup *setup, const char *edits,
                 const char *gpu, const char *json);
-
-#endif

@@ -1,7 +1,6 @@
 /* compare --bisect: runs the guilty pass on both sides again, finds the region that differs, and
  * writes a folder with all that `replay` needs to run the pass alone. */
-#ifndef DIPTYCH_BISECT_H
-#define DIPTYCH_BISECT_H
+#pragma once
 
 #include "compare/blame.h"
 #include "compare/evidence.h"
@@ -11,5 +10,3 @@
  * the error logged. */
 char *bisect(const struct replay *replay, uint32_t guilty, const char *const devices[2],
              const char *folder, struct region *region);
-
-#endif

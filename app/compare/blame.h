@@ -1,8 +1,7 @@
 /* Finds the pass that causes a difference. In a second run, the second side gets the first side's
  * inputs before every pass: whatever it then writes differently is the pass's own error; other
  * differences are inherited. */
-#ifndef DIPTYCH_BLAME_H
-#define DIPTYCH_BLAME_H
+#pragma once
 
 #include "result/sheet.h"
 #include "run/source.h"
@@ -59,5 +58,3 @@ struct blame {
 bool blame_find(struct blame *blame, const struct replay *replay, struct sheet *sheet,
                 struct sheet_row *broken);
 void blame_free(struct blame *blame); /* takes a zeroed one */
-
-#endif

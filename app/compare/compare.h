@@ -1,7 +1,6 @@
 /* Results of `diptych compare`: compare.c fills them, compare_table.c prints them,
  * compare_json.c writes them as JSON, page and XML. */
-#ifndef DIPTYCH_COMPARE_H
-#define DIPTYCH_COMPARE_H
+#pragma once
 
 #include "console/folder.h"
 #include "console/options.h"
@@ -92,5 +91,3 @@ struct cJSON *compare_json(const struct compare *compare); /* for --json */
 /* --html and --junit; log their errors. */
 bool compare_write_html(const struct compare *compare);
 bool compare_write_junit(const struct compare *compare);
-
-#endif

@@ -1,6 +1,5 @@
 /* The table that `compare` prints; see compare.h. */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "compare/compare.h"
 

@@ -1,7 +1,6 @@
 /* What would break elsewhere though all sides agree here: limits that other devices may not have, barriers
  * that are missing, and results that vary from run to run. With the findings of --sanitize they are one list behind the verdict. */
-#ifndef DIPTYCH_ELSEWHERE_H
-#define DIPTYCH_ELSEWHERE_H
+#pragma once
 
 #include "result/rows.h"
 #include "run/worker.h"
@@ -28,5 +27,3 @@ bool elsewhere_repeat(struct elsewhere *elsewhere, const struct worker_info *wor
 
 void elsewhere_print(const struct elsewhere *elsewhere); /* on stdout, a line each */
 void elsewhere_free(struct elsewhere *elsewhere);        /* takes a zeroed one */
-
-#endif

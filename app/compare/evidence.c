@@ -9,7 +9,6 @@
  *   scene/                      for a pass that uses the scene */
 #include "compare/evidence.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>

@@ -1,8 +1,7 @@
 /* A folder with one pass of one frame and all that is needed to run it alone, on any machine.
  * compare --bisect writes it, replay reads it. Its manifest.json names every other file, and
  * describes resources with the keys of a dump. */
-#ifndef DIPTYCH_EVIDENCE_H
-#define DIPTYCH_EVIDENCE_H
+#pragma once
 
 #include "console/setup.h"
 #include "spec/pipeline.h"
@@ -61,5 +60,3 @@ struct evidence_case {
 bool evidence_read(struct evidence_case *evidence, struct console *console, const char *folder,
                    const struct setup *setup);
 void evidence_free(struct evidence_case *evidence); /* takes a zeroed one */
-
-#endif

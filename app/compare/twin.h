@@ -1,7 +1,6 @@
 /* How far passes that their `exactness` leaves free are from exact arithmetic: each runs beside its exact
  * twin, on the same device and the same inputs. */
-#ifndef DIPTYCH_TWIN_H
-#define DIPTYCH_TWIN_H
+#pragma once
 
 #include "compare/blame.h"
 
@@ -22,5 +21,3 @@ bool twin_load(struct pipeline *exact, const struct pipeline *pipeline, struct c
 bool twin_judge(struct twin *twin, const struct worker_info *worker, const struct pipeline *exact,
                 const struct rows *rows, const struct sheet_row *results, uint32_t frame);
 void twin_free(struct twin *twin); /* takes a zeroed one */
-
-#endif

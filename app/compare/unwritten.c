@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "picture/texels.h"
 
 static bool has_fill(const uint8_t *bytes, uint32_t size, int fill)

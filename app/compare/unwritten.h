@@ -1,7 +1,6 @@
 /* Memory that no pass has written. Runtimes fill discarded memory before its first use in a frame. What differs between two runs
  * of one side that differ in nothing but the fill was not written, or depends on what was not. */
-#ifndef DIPTYCH_UNWRITTEN_H
-#define DIPTYCH_UNWRITTEN_H
+#pragma once
 
 #include "result/rows.h"
 #include "run/worker.h"
@@ -18,5 +17,3 @@ bool unwritten_describe(const struct row *row, const struct dt_resource *resourc
 /* The same of a row of a side's outputs, by runs up to that frame. False with the error logged. */
 bool unwritten_find(const struct worker_info *worker, const struct row *row, uint32_t frame,
                     char **text);
-
-#endif

@@ -1,7 +1,6 @@
 /* Log lines and progress on stderr, and the clean-up on SIGINT. main makes one console and hands it
  * to every verb. */
-#ifndef DIPTYCH_CONSOLE_H
-#define DIPTYCH_CONSOLE_H
+#pragma once
 
 #include <pthread.h>
 #include <stdatomic.h>
@@ -92,5 +91,3 @@ double milliseconds_now(void); /* monotonic */
 /* Brackets a short write that a signal must not cut in half. */
 void console_hold(struct console *console);
 void console_release(struct console *console);
-
-#endif

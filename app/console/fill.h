@@ -10,8 +10,7 @@
  *
  * A name is looked up in the innermost object that has it. A section's tag that stands alone on its line leaves
  * no line. */
-#ifndef DIPTYCH_FILL_H
-#define DIPTYCH_FILL_H
+#pragma once
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -24,5 +23,3 @@ bool fill_template(FILE *out, const char *path, const cJSON *data, const struct 
 
 /* Fills the page `name` of the templates folder, and writes it as file_write does. Logs its error. */
 bool fill_page(struct console *console, const char *name, const char *path, const cJSON *data);
-
-#endif

@@ -1,7 +1,6 @@
 /* A folder that appears whole or not at all: written under another name beside its place and
  * renamed. */
-#ifndef DIPTYCH_FOLDER_H
-#define DIPTYCH_FOLDER_H
+#pragma once
 
 #include "console/console.h"
 
@@ -31,5 +30,3 @@ bool folder_write_json(const struct folder *folder, const char *name, const stru
 
 /* Puts it in its place, or throws it away. Takes a zeroed one. */
 bool folder_end(struct folder *folder, bool keep);
-
-#endif

@@ -1,6 +1,5 @@
 /* File names of a sequence: frame_%04d.exr gives frame_0007.exr for frame 7. */
-#ifndef DIPTYCH_NUMBERED_H
-#define DIPTYCH_NUMBERED_H
+#pragma once
 
 #include "diptych.h"
 
@@ -10,5 +9,3 @@ bool is_numbered(const char *path, const char *option, bool *good, const struct 
 
 /* The name for a number, of a valid pattern; free(). */
 char *numbered_path(const char *pattern, uint32_t number);
-
-#endif

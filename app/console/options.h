@@ -1,6 +1,5 @@
 /* The options of all verbs in one table, read by base/command.h. */
-#ifndef DIPTYCH_OPTIONS_H
-#define DIPTYCH_OPTIONS_H
+#pragma once
 
 #include "console/console.h"
 #include "console/setup.h"
@@ -125,5 +124,3 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
 void options_free(struct options *options);
 void options_help(const struct verb *verb);     /* on stdout */
 void options_describe(const struct verb *verb); /* see command_describe */
-
-#endif

@@ -1,6 +1,5 @@
 /* Verbs that Python does: the package app/python/diptych, whose modules have the verbs' names. */
-#ifndef DIPTYCH_PYTHON_H
-#define DIPTYCH_PYTHON_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -15,5 +14,3 @@ cJSON *options_json(const struct options *options, enum verb_id verb);
  * of this executable, "version", and "errors", what was told until now. Returns only when Python
  * cannot be started: EXIT_USAGE, logged. */
 int python_verb(struct console *console, const char *verb, cJSON *request);
-
-#endif

@@ -1,7 +1,6 @@
 /* What a user has set and wants to find again: lines `NAME: NUMBER` in a file of $XDG_CONFIG_HOME/diptych,
  * or of ~/.config/diptych. */
-#ifndef DIPTYCH_SETTINGS_H
-#define DIPTYCH_SETTINGS_H
+#pragma once
 
 #include "diptych.h"
 
@@ -19,5 +18,3 @@ void settings_read(const char *name, const struct setting *list, uint32_t count)
 /* Makes the folder; logs its error. */
 bool settings_write(const char *name, const struct setting *list, uint32_t count,
                     const struct dt_log *log);
-
-#endif

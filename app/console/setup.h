@@ -1,7 +1,6 @@
 /* What is run, on what: the part of a verb's options that the rooms below the verbs take. A library's
  * player fills one itself. */
-#ifndef DIPTYCH_SETUP_H
-#define DIPTYCH_SETUP_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -50,5 +49,3 @@ static inline bool setup_sets(const struct setup *setup, const char *path)
             return true;
     return false;
 }
-
-#endif

@@ -1,6 +1,5 @@
 /* Median and spread of measurements. */
-#ifndef DIPTYCH_SPREAD_H
-#define DIPTYCH_SPREAD_H
+#pragma once
 
 #include <stdint.h>
 
@@ -11,5 +10,3 @@ struct spread {
 
 /* Of values[0], values[step], ..., `count` of them, leaving out NAN. */
 struct spread spread_of(const double *values, uint32_t count, uint32_t step);
-
-#endif

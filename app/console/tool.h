@@ -1,6 +1,5 @@
 /* Programs that the command line runs: the generator, compilers, git. Each process has 16 GiB of memory. */
-#ifndef DIPTYCH_TOOL_H
-#define DIPTYCH_TOOL_H
+#pragma once
 
 #include <sys/types.h>
 
@@ -25,5 +24,3 @@ int tool_status(char *const argv[], struct console *console);
 
 /* Whether there is a program of that name in a folder of PATH. */
 bool tool_is_there(const char *name);
-
-#endif

@@ -1,6 +1,5 @@
 /* Vectors of three floats for the path tracer: rays.c and tracer.c. */
-#ifndef DIPTYCH_VECTOR_H
-#define DIPTYCH_VECTOR_H
+#pragma once
 
 #include <math.h>
 
@@ -54,5 +53,3 @@ static inline struct vec3 unit_or(struct vec3 v, struct vec3 otherwise)
     float square = dot(v, v);
     return square > 1e-24f ? scale(v, 1 / sqrtf(square)) : otherwise;
 }
-
-#endif

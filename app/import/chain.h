@@ -1,6 +1,5 @@
 /* A preset while it becomes a spec; chain.c reads it, chain_spec.c writes it. */
-#ifndef DIPTYCH_CHAIN_H
-#define DIPTYCH_CHAIN_H
+#pragma once
 
 #include "import/import.h"
 #include "import/slang.h"
@@ -52,5 +51,3 @@ bool chain_size(const struct chain *chain, uint32_t pass, const char *name, char
 
 /* The spec. False: logged. */
 bool chain_write(const struct chain *chain, const char *picture, struct text *out);
-
-#endif

@@ -1,7 +1,6 @@
 /* Specs from RetroArch's presets and from single shaders. The text of a shader stays
  * as it is; what a spec says about it comes from reflection. */
-#ifndef DIPTYCH_IMPORT_H
-#define DIPTYCH_IMPORT_H
+#pragma once
 
 #include "console/folder.h"
 #include "import/reflect.h"
@@ -26,5 +25,3 @@ bool import_copy(struct import *import, const char *from, const char *name);
 const char *import_picture(struct import *import);
 /* The text as an identifier that a spec may declare; `size` bytes. */
 void import_identifier(const char *text, char *out, size_t size);
-
-#endif

@@ -1,7 +1,6 @@
 /* What a shader declares: its text goes through glslang as gen does it, the module through
  * SPIRV-Cross's reflection. What main does not reach is left out. */
-#ifndef DIPTYCH_REFLECT_H
-#define DIPTYCH_REFLECT_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -48,5 +47,3 @@ bool reflect(const char *text, int stage,
                              struct glslang_file *file),
              const void *user, struct reflection *reflection, char **why);
 void reflect_free(struct reflection *reflection);
-
-#endif

@@ -1,7 +1,6 @@
 /* RetroArch's files: shaders in Vulkan's GLSL with #pragma lines (.slang), and presets that chain them
  * (.slangp). https://docs.libretro.com/development/shader/slang-shaders describes both. */
-#ifndef DIPTYCH_SLANG_H
-#define DIPTYCH_SLANG_H
+#pragma once
 
 #include <stdbool.h>
 #include <stdint.h>
@@ -44,5 +43,3 @@ const struct preset_entry *preset_find(const struct preset *preset, const char *
 
 /* NAME beside the file `from`, or `name` itself if absolute; free(). */
 char *slang_path(const char *from, const char *name);
-
-#endif

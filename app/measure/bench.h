@@ -1,7 +1,6 @@
 /* Shared by the files of `diptych bench`: lanes, which run one frame per turn, and the times that
  * they measured. bench.c runs them; bench_table.c and bench_json.c report. */
-#ifndef DIPTYCH_BENCH_H
-#define DIPTYCH_BENCH_H
+#pragma once
 
 #include "console/options.h"
 #include "console/spread.h"
@@ -71,5 +70,3 @@ double bench_floor_ms(const struct work *work, const struct ceiling *ceiling);
 void bench_print(const struct bench *bench);                                 /* on stdout */
 struct cJSON *bench_json(const struct bench *bench);                         /* for --json */
 void bench_add_number(struct cJSON *parent, const char *name, double value); /* NAN: null */
-
-#endif

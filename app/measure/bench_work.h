@@ -1,6 +1,5 @@
 /* Bytes of a pass, estimated from the pipeline's reflection. */
-#ifndef DIPTYCH_BENCH_WORK_H
-#define DIPTYCH_BENCH_WORK_H
+#pragma once
 
 #include "diptych.h"
 
@@ -18,5 +17,3 @@ struct work {
 /* Counts every resource of the pass whole and once, and the vertices and indices of a scene that it
  * draws; textures count nothing. */
 struct work work_of(const struct work_frame *frame, uint32_t index);
-
-#endif

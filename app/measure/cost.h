@@ -1,8 +1,7 @@
 /* Shared by the files of `diptych cost`: what a GPU's compiler says of each pass, and what follows for a frame by
  * arithmetic. cost_chips.c has the constants of chips, cost_run.c asks the compiler, cost_frame.c
  * counts and computes, cost_print.c and cost_json.c report. */
-#ifndef DIPTYCH_COST_H
-#define DIPTYCH_COST_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -133,5 +132,3 @@ bool cost_measured(struct cost_gpu *gpu, const struct dt_pipeline *info, const c
  * beyond it. False: the file is none, logged. */
 bool cost_against(const cJSON *now, const char *path, double limit, uint32_t *worse,
                   const struct dt_log *log);
-
-#endif

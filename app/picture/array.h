@@ -1,6 +1,5 @@
 /* Resources as arrays in NumPy's .npy files. */
-#ifndef DIPTYCH_ARRAY_H
-#define DIPTYCH_ARRAY_H
+#pragma once
 
 #include "diptych.h"
 
@@ -9,5 +8,3 @@
  * codes, numbers that are packed become float. Writes the whole file or nothing; logs its error. */
 bool array_write(const char *path, const struct dt_resource *resource, const struct dt_bytes *bytes,
                  const struct dt_log *log);
-
-#endif

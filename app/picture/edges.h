@@ -1,6 +1,5 @@
 /* Edges of what a draw of triangles left: where another rasterizer may see another triangle. */
-#ifndef DIPTYCH_EDGES_H
-#define DIPTYCH_EDGES_H
+#pragma once
 
 #include "diptych.h"
 
@@ -19,5 +18,3 @@ bool edges_find(bool **edges, const struct dt_resource *resource, const struct d
  * larger than 3x3 texels. Adds to `edges`, of copies of the same size, the texels whose depths are no
  * farther apart than the first copy's depth from that of one of the 3x3 around it. */
 void edges_add_coincident(bool *edges, const struct dt_bytes depths[2]);
-
-#endif

@@ -1,7 +1,6 @@
 /* Pictures of linear light in files. OpenEXR, which loads in a millisecond, writes and reads EXR;
  * scenes/image.h reads everything else. */
-#ifndef DIPTYCH_HDR_H
-#define DIPTYCH_HDR_H
+#pragma once
 
 #include "scenes/image.h"
 
@@ -18,6 +17,4 @@ bool hdr_read(const char *path, uint32_t *width, uint32_t *height, float **rgba,
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

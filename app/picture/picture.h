@@ -1,6 +1,5 @@
 /* Pictures of image resources: what -o and --show write. */
-#ifndef DIPTYCH_PICTURE_H
-#define DIPTYCH_PICTURE_H
+#pragma once
 
 #include "diptych.h"
 
@@ -56,6 +55,4 @@ void picture_free(struct picture *picture);
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

@@ -1,6 +1,5 @@
 /* Elements of buffers as points over a picture. */
-#ifndef DIPTYCH_POINTS_H
-#define DIPTYCH_POINTS_H
+#pragma once
 
 #include "picture/picture.h"
 
@@ -25,5 +24,3 @@ struct point_source {
 void points_draw(const struct picture *picture, const struct dt_view *camera,
                  const struct dt_pipeline *info, const struct point_source *source,
                  const struct dt_bytes *elements, const struct dt_bytes *labels);
-
-#endif

@@ -1,6 +1,5 @@
 /* A picture of a difference: first copy, second copy and their difference, side by side. */
-#ifndef DIPTYCH_STRIP_H
-#define DIPTYCH_STRIP_H
+#pragma once
 
 #include "diptych.h"
 
@@ -27,5 +26,3 @@ bool strip_write(struct strip *strip, const char *path, const struct dt_resource
 bool strip_write_apart(struct strip *strip, const char *const paths[3],
                        const struct dt_resource *resource, const struct dt_bytes copies[2],
                        const struct dt_log *log);
-
-#endif

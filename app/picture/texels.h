@@ -1,6 +1,5 @@
 /* What lies in the bytes of a resource: names, sizes and numbers of types and formats. */
-#ifndef DIPTYCH_TEXELS_H
-#define DIPTYCH_TEXELS_H
+#pragma once
 
 #include "formats.h"
 
@@ -51,5 +50,3 @@ uint32_t resource_components(const struct dt_resource *resource, struct componen
 /* Zeroes the padding between the numbers, whose content is undefined, so that equal content gives
  * equal bytes. False when out of memory. */
 bool resource_clear_padding(const struct dt_resource *resource, struct dt_bytes *bytes);
-
-#endif

@@ -10,8 +10,7 @@
  *
  * --write-contracts adds `measured: RUNS`, and to contracts the largest errors that it measured, in the contract's
  * own measure: `noise` of a side, `drift` between versions of one backend, difference of `backends`. */
-#ifndef DIPTYCH_CONTRACTS_H
-#define DIPTYCH_CONTRACTS_H
+#pragma once
 
 #include "diptych.h"
 
@@ -40,5 +39,3 @@ void contracts_free(struct contracts *contracts); /* takes a zeroed one */
 
 /* The field of a buffer that a margin names, as contract.margin_field; -1: it is no float of it. */
 int16_t contracts_margin(const struct kept_contract *kept, const struct dt_resource *buffer);
-
-#endif

@@ -1,6 +1,5 @@
 /* Difference of two copies of a resource under its contract, as text and as JSON. */
-#ifndef DIPTYCH_DIFFERENCE_H
-#define DIPTYCH_DIFFERENCE_H
+#pragma once
 
 #include "picture/texels.h"
 #include "diptych.h"
@@ -130,5 +129,3 @@ void difference_write_used(const struct difference *difference, char text[16]);
  * and with the contract `flips` the list of them. */
 void difference_json(struct cJSON *root, const struct difference *difference,
                      const struct dt_resource *resource, const char *const labels[2]);
-
-#endif

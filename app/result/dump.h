@@ -1,6 +1,5 @@
 /* --dump: what every pass produced, as raw little-endian files and a manifest.json. */
-#ifndef DIPTYCH_DUMP_H
-#define DIPTYCH_DUMP_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -34,5 +33,3 @@ void dump_describe(cJSON *entry, const struct dt_resource *resource, uint32_t mi
 /* Writes the manifest and puts the folder in its place; keep false throws it away. Takes a zeroed
  * dump. */
 bool dump_end(struct dump *dump, bool keep);
-
-#endif

@@ -1,6 +1,5 @@
 /* Reads rows of folders of render --dump, and of evidence, whose entries have the same keys. */
-#ifndef DIPTYCH_DUMP_READER_H
-#define DIPTYCH_DUMP_READER_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -32,5 +31,3 @@ const cJSON *dump_reader_find(const struct dump_reader *reader, const char *list
 bool dump_reader_load(const struct dump_reader *reader, const cJSON *entry, const char *key,
                       const struct row *row, bool before, struct dt_bytes *bytes);
 void dump_reader_close(struct dump_reader *reader); /* takes a zeroed one */
-
-#endif

@@ -2,8 +2,7 @@
  * GLSL, --set, live parameters, the scene, the content of --input, the frame's size and index,
  * diptych's version. What tools make of that (SPIR-V, objects) has no part in it: their versions
  * differ. Written into the manifest of a dump, checked by compare --against. */
-#ifndef DIPTYCH_IDENTITY_H
-#define DIPTYCH_IDENTITY_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -49,5 +48,3 @@ bool identity_check(const cJSON *manifest, const char *folder, const struct iden
                     const struct dt_log *log);
 
 void hash_scene(uint64_t *hash, const struct dt_scene *scene); /* mesh, materials and textures */
-
-#endif

@@ -1,7 +1,6 @@
 /* The live parameters of a pipeline, in a block of dt_pipeline.live_size bytes: found by name,
  * written from text, read as numbers. */
-#ifndef DIPTYCH_LIVE_H
-#define DIPTYCH_LIVE_H
+#pragma once
 
 #include "diptych.h"
 
@@ -14,5 +13,3 @@ bool live_set(const struct dt_pipeline *info, void *live, const struct dt_param 
               const char *value, const struct dt_log *log);
 /* The values in the block; type_components of them, at most four. */
 void live_get(const void *live, const struct dt_param *param, double values[4]);
-
-#endif

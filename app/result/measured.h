@@ -1,7 +1,6 @@
 /* --measure: how far runs of each side, and of both sides, are apart, resource by resource; contracts that are as tight
  * as that; and which of it has grown since contracts were written. */
-#ifndef DIPTYCH_MEASURED_H
-#define DIPTYCH_MEASURED_H
+#pragma once
 
 #include "console/console.h"
 #include "result/sheet.h"
@@ -29,5 +28,3 @@ void measured_grown(const struct sheet *sheet);
 
 /* Whether two runs of both sides break the contract of some row's resource: of one with a single bound, or exact. */
 bool measured_breaks(const struct sheet *sheet);
-
-#endif

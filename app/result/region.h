@@ -1,7 +1,6 @@
 /* Where two copies of a resource break their contract: the number of failing elements, their
  * bounding box, and the smallest failing region, found by halving the box. */
-#ifndef DIPTYCH_REGION_H
-#define DIPTYCH_REGION_H
+#pragma once
 
 #include "diptych.h"
 
@@ -24,5 +23,3 @@ char *region_describe(const struct region *region, const struct dt_resource *res
 
 /* Adds low, high and smallest: lists of the first `axes` coordinates. */
 void region_json(struct cJSON *object, const struct region *region, int axes);
-
-#endif

@@ -1,7 +1,6 @@
 /* Rows of a comparison, in order: for each pass, the resources and mips that it writes, and those
  * that are defined before it. */
-#ifndef DIPTYCH_ROWS_H
-#define DIPTYCH_ROWS_H
+#pragma once
 
 #include "diptych.h"
 
@@ -40,5 +39,3 @@ bool rows_origin(const struct rows *rows, const struct row *input, uint32_t *ind
  * "pass": null. */
 void row_json(struct cJSON *root, const struct dt_pipeline *info, const struct row *row, bool pass);
 void rows_free(struct rows *rows); /* takes a zeroed one */
-
-#endif

@@ -1,7 +1,6 @@
 /* The record of a comparison of two sides, whatever gives their rows. Those who compare fill it; table, JSON, page and
  * JUnit's XML read it. */
-#ifndef DIPTYCH_SHEET_H
-#define DIPTYCH_SHEET_H
+#pragma once
 
 #include "console/console.h"
 #include "result/contracts.h"
@@ -120,5 +119,3 @@ bool sheet_draw(const struct sheet *sheet, struct sheet_row *row, const struct s
 
 /* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
 char *sheet_word(const char *text);
-
-#endif

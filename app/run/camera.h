@@ -1,6 +1,5 @@
 /* Moves the camera of the window, and saves it to the scene file. */
-#ifndef DIPTYCH_CAMERA_H
-#define DIPTYCH_CAMERA_H
+#pragma once
 
 #include "scenes/scene.h"
 
@@ -19,5 +18,3 @@ char *camera_text(const struct scene_camera *camera);
 /* Replaces only the camera's mapping in the scene file. Writes the file whole or leaves it as it
  * was; errors are logged. */
 bool camera_save(const struct scene_camera *camera, const char *path, const struct dt_log *log);
-
-#endif

@@ -1,7 +1,6 @@
 /* `render --capture`: a frame as a file for RenderDoc. RenderDoc must be loaded before OpenGL and
  * Vulkan are, so the program starts again with it. */
-#ifndef DIPTYCH_CAPTURE_H
-#define DIPTYCH_CAPTURE_H
+#pragma once
 
 #include "console/console.h"
 
@@ -13,5 +12,3 @@ bool capture_load(const struct dt_log *log);
  * logged. */
 bool capture_begin(const char *path, const struct dt_log *log);
 bool capture_end(const char *path, const struct dt_log *log);
-
-#endif

@@ -20,7 +20,6 @@
 #include <string.h>
 #include <sys/statvfs.h>
 
-#include "base/files.h"
 #include "console/tool.h"
 #include "spec/inputs.h"
 #include "front.h"

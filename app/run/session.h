@@ -1,6 +1,5 @@
 /* One backend with one pipeline and one scene: open, upload, create, resize, frames, close. */
-#ifndef DIPTYCH_SESSION_H
-#define DIPTYCH_SESSION_H
+#pragma once
 
 #include "console/console.h"
 #include "console/setup.h"
@@ -57,5 +56,3 @@ bool session_load_scene(struct scene *scene, struct console *console,
 bool session_can_lack_scene(const struct dt_pipeline *pipeline, struct console *console);
 /* Number of frames: --frames, else all of the motion, else 1. */
 uint32_t session_frames(const struct setup *setup, const struct scene *scene);
-
-#endif

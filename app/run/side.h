@@ -1,7 +1,6 @@
 /* One side of a comparison: backend, driver and device, or a dump, from --backend, --against and
  * the options that refine them. */
-#ifndef DIPTYCH_SIDE_H
-#define DIPTYCH_SIDE_H
+#pragma once
 
 #include "console/setup.h"
 #include "console/console.h"
@@ -39,5 +38,3 @@ bool sides_read(struct sides *sides, const struct setup *setup, const struct dt_
 /* The sides of --backend, one or more, each on its own. */
 bool sides_read_each(struct sides *sides, const struct setup *setup, const struct dt_log *log);
 void sides_free(struct sides *sides); /* takes a zeroed one */
-
-#endif

@@ -1,7 +1,6 @@
 /* Where the bytes of one side come from while a comparison walks through the passes: a worker that
  * runs them, or a dump in which they lie. */
-#ifndef DIPTYCH_SOURCE_H
-#define DIPTYCH_SOURCE_H
+#pragma once
 
 #include "result/dump_reader.h"
 #include "result/rows.h"
@@ -33,5 +32,3 @@ const char *source_device(const struct row_source *source); /* once WORKER_READY
 
 /* Ends the worker; takes a zeroed source. */
 void source_close(struct row_source *source);
-
-#endif

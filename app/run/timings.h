@@ -1,6 +1,5 @@
 /* Milliseconds per pass over several frames. */
-#ifndef DIPTYCH_TIMINGS_H
-#define DIPTYCH_TIMINGS_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -21,5 +20,3 @@ void timings_free(struct timings *timings);
 /* Medians, as {"backend", "device", "software", "pipeline", "scene", "width", "height", "frames",
  * "frame_ms", "sum_ms", "passes": [{"pass", "ms"}]}; a pass that never ran has null. */
 bool timings_write(const struct timings *timings, const struct session *session, const char *path);
-
-#endif

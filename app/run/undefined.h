@@ -1,6 +1,5 @@
 /* What --sanitize found: undefined behaviour of shaders, at places in the author's files. */
-#ifndef DIPTYCH_UNDEFINED_H
-#define DIPTYCH_UNDEFINED_H
+#pragma once
 
 #include "spec/pipeline.h"
 #include "diptych.h"
@@ -29,5 +28,3 @@ struct cJSON *undefined_json(const struct undefined *undefined, const char *cons
                              uint32_t side_count);
 /* Warns of each `allow` of the spec that was of no use to any side. */
 void undefined_warn_idle(const struct pipeline *pipeline, struct console *console);
-
-#endif

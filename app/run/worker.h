@@ -2,8 +2,7 @@
  * disturb another, and may crash alone. The process is forked before any driver is opened and
  * shares pipeline and scene. The parent steps it from stop to stop; bytes go through shared
  * memory. */
-#ifndef DIPTYCH_WORKER_H
-#define DIPTYCH_WORKER_H
+#pragma once
 
 #include "run/session.h"
 
@@ -80,5 +79,3 @@ bool worker_measure(struct worker *worker, struct worker_measure *measure);
 /* Ends the process in any state. At WORKER_FINISHED it closes its device first, and messages from
  * that count. Takes a zeroed worker. */
 void worker_close(struct worker *worker);
-
-#endif

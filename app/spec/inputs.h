@@ -1,7 +1,6 @@
 /* Content from outside: the pictures and arrays that the spec (`file`) or --input names, as the
  * bytes that a runtime takes. */
-#ifndef DIPTYCH_INPUTS_H
-#define DIPTYCH_INPUTS_H
+#pragma once
 
 #include "spec/pipeline.h"
 #include "panel.h"
@@ -24,5 +23,3 @@ bool inputs_find_size(struct pipeline *pipeline, struct setup *setup, const stru
  * replay writes what its pass reads. */
 bool inputs_write(const struct pipeline *pipeline, const struct dt_runtime *runtime, void *handle,
                   const uint32_t size[2]);
-
-#endif

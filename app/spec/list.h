@@ -1,6 +1,5 @@
 /* The parameters, resources and passes of a pipeline, for people and as JSON. */
-#ifndef DIPTYCH_LIST_H
-#define DIPTYCH_LIST_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -14,5 +13,3 @@ cJSON *list_json(const struct pipeline *pipeline, const uint32_t size[2]);
 typedef void list_more(const void *user, uint32_t pass, int width);
 void list_print(const struct pipeline *pipeline, const uint32_t size[2], list_more *more,
                 const void *user);
-
-#endif

@@ -1,6 +1,5 @@
 /* From a spec and its --set overrides to a pipeline in memory, ready for either runtime. */
-#ifndef DIPTYCH_PIPELINE_H
-#define DIPTYCH_PIPELINE_H
+#pragma once
 
 #include "console/console.h"
 #include "console/setup.h"
@@ -46,5 +45,3 @@ bool pipeline_find(const struct dt_pipeline *info, const char *what, const char 
                    uint32_t *resource, const struct dt_log *log);
 const struct dt_param *pipeline_find_live(const struct dt_pipeline *info, const char *what,
                                           const char *name, const struct dt_log *log);
-
-#endif

@@ -1,7 +1,6 @@
 /* A spec, read, checked and planned in this process, ready to be played: the one file of the app's
  * headers that stands for gen/, whose own names stay behind it. */
-#ifndef DIPTYCH_PLAN_BUILD_H
-#define DIPTYCH_PLAN_BUILD_H
+#pragma once
 
 #include "console/console.h"
 
@@ -73,5 +72,3 @@ bool plan_undefined(const struct plan *plan, const void *bytes, uint64_t size,
 
 /* Of all that a frame depends on: equal for a spec saved without a change. 0: out of memory. */
 uint64_t plan_hash(const struct plan *plan);
-
-#endif

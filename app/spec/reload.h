@@ -1,7 +1,6 @@
 /* Watches the files that a pipeline was made from, and makes it anew when one of them is saved: on
  * a thread of its own, so that frames go on meanwhile. */
-#ifndef DIPTYCH_RELOAD_H
-#define DIPTYCH_RELOAD_H
+#pragma once
 
 #include "spec/pipeline.h"
 
@@ -31,5 +30,3 @@ bool reload_again(struct reload *reload, const char *const *sets, uint32_t count
 enum reload_news reload_poll(struct reload *reload, struct reload_result *result);
 /* Waits for a build that is under way; takes NULL. */
 void reload_stop(struct reload *reload);
-
-#endif

@@ -1,10 +1,7 @@
 /* `compare A B`, called by the verb. */
-#ifndef DIPTYCH_COMPARE_DUMPS_H
-#define DIPTYCH_COMPARE_DUMPS_H
+#pragma once
 
 #include "console/options.h"
 
 /* Returns the exit status: they agree, they differ, or it could not run. */
 int compare_dumps(struct console *console, const struct options *options);
-
-#endif

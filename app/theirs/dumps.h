@@ -1,6 +1,5 @@
 /* Results of `compare A B`: dumps of two renderers. dumps.c fills them, dumps_print.c prints them. */
-#ifndef DIPTYCH_DUMPS_H
-#define DIPTYCH_DUMPS_H
+#pragma once
 
 #include "console/console.h"
 #include "console/options.h"
@@ -75,5 +74,3 @@ bool dumps_measure(struct dumps *dumps);
 /* Fills what the sheet tells when all is known. */
 void dumps_conclude(struct dumps *dumps);
 void dumps_print(const struct dumps *dumps); /* on stdout */
-
-#endif

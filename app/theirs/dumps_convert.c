@@ -3,7 +3,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "scenes/srgb.h"
 #include "theirs/dumps.h"
 #include "formats.h"

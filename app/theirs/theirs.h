@@ -1,7 +1,6 @@
 /* Dumps of anybody's renderer: folders with a manifest.json, as `render --dump` and diptych_tap.h
  * write them, or with pictures and arrays alone, named PASS.RESOURCE.png, .exr or .npy. */
-#ifndef DIPTYCH_THEIRS_H
-#define DIPTYCH_THEIRS_H
+#pragma once
 
 #include <cjson/cJSON.h>
 
@@ -46,5 +45,3 @@ void their_store(enum number_kind kind, double value, uint8_t *place);
 /* theirs_files.c: of the file of an entry. */
 bool their_npy(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes);
 bool their_picture(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes);
-
-#endif

@@ -1,7 +1,6 @@
 /* Why two copies of a resource differ: tries what usually is wrong between two renderers. why.c
  * tries, why_at.c, why_map.c and why_where.c have the faults. */
-#ifndef DIPTYCH_WHY_H
-#define DIPTYCH_WHY_H
+#pragma once
 
 #include "picture/texels.h"
 #include "diptych.h"
@@ -43,5 +42,3 @@ bool why_find(struct why *why, const struct why_question *question);
 /* Adds the list "why" to an object: name, text, before, after. */
 void why_json(struct cJSON *root, const struct why *why);
 void why_free(struct why *why); /* takes a zeroed one */
-
-#endif

@@ -1,7 +1,6 @@
 /* The faults of why.c: what one renderer does and the other does not. Each predicts one copy, `to`, from
  * the other, `from`. */
-#ifndef DIPTYCH_WHY_FAULT_H
-#define DIPTYCH_WHY_FAULT_H
+#pragma once
 
 #include "theirs/why.h"
 
@@ -75,5 +74,3 @@ double same_from(const struct asked *asked, struct place place, uint32_t compone
 double to_number(const struct asked *asked, struct place place);
 double from_at(const struct asked *asked, struct place place, int64_t x, int64_t y, int64_t z,
                uint32_t component);
-
-#endif

@@ -1,7 +1,6 @@
 /* Sums of the path tracer per pixel, in double, in order of the samples; their noise; and the
  * checkpoint file from which a later run continues. */
-#ifndef DIPTYCH_FILM_H
-#define DIPTYCH_FILM_H
+#pragma once
 
 #include "diptych.h"
 
@@ -37,5 +36,3 @@ double film_noise(const struct film *film);
 bool film_save(const struct film *film, const char *path, const char *settings,
                const struct dt_log *log);
 bool film_load(struct film *film, const char *path, const char *settings, const struct dt_log *log);
-
-#endif

@@ -1,6 +1,5 @@
 /* Pictures for the verbs that Python measures: app/python/diptych/stream.py reads them. */
-#ifndef DIPTYCH_HAND_OVER_H
-#define DIPTYCH_HAND_OVER_H
+#pragma once
 
 #include <stdio.h>
 
@@ -15,5 +14,3 @@ int hand_over_stream(struct console *console, const char *verb, cJSON *request,
  * large: `name` is what the error calls it. False: logged. */
 bool hand_over_picture(FILE *stream, const char *path, const char *name, uint32_t size[2],
                        const struct dt_log *log);
-
-#endif

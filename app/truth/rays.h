@@ -1,7 +1,6 @@
 /* Ray queries on a scene's triangles, by Embree (version 3 or 4): closest hits with materials, and
  * shadows. */
-#ifndef DIPTYCH_RAYS_H
-#define DIPTYCH_RAYS_H
+#pragma once
 
 #include "console/vector.h"
 #include "diptych.h"
@@ -39,5 +38,3 @@ bool ray_blocked(const struct ray_scene *rays, struct vec3 origin, struct vec3 d
 /* Origin of a ray that leaves the hit on the side of `geometric`: moved off the surface by
  * `clearance`, so that the ray does not hit it again. */
 struct vec3 ray_origin(const struct ray_hit *hit);
-
-#endif

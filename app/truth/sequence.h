@@ -1,7 +1,6 @@
 /* Random numbers of the path tracer: a function of seed, pixel, sample and dimension only, so that
  * threads and order of work do not change them. */
-#ifndef DIPTYCH_SEQUENCE_H
-#define DIPTYCH_SEQUENCE_H
+#pragma once
 
 #include <stdint.h>
 
@@ -21,5 +20,3 @@ uint32_t sequence_seed(uint32_t seed, uint32_t pixel);
 
 /* Two numbers in [0, 1): dimensions 2 pair and 2 pair + 1 of the sample. */
 void sequence_pair(const struct sequence *sequence, uint32_t pair, float out[2]);
-
-#endif

@@ -7,8 +7,7 @@
  * as in the shipped pipelines; no light passes from behind the triangle itself. Light comes as the
  * pipelines have it, equal in falloff and in the border of a directional light's map; a spot is a
  * point. Nothing lies outside the scene: rays that leave it bring no light. */
-#ifndef DIPTYCH_TRACER_H
-#define DIPTYCH_TRACER_H
+#pragma once
 
 #include "diptych.h"
 #include "truth/film.h"
@@ -55,5 +54,3 @@ void tracer_camera_ray(const struct dt_frame *frame, double x, double y, float o
                        float direction[3]);
 
 uint64_t tracer_rays(const struct tracer *tracer); /* traced so far, shadow rays among them */
-
-#endif

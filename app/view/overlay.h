@@ -1,8 +1,7 @@
 /* The window's panes: the verdict, passes and resources, the picture, parameters, errors and log. C
  * interface to Dear ImGui: build describes all of it anew in every frame, and the window's runtime
  * draws its triangles. */
-#ifndef DIPTYCH_OVERLAY_H
-#define DIPTYCH_OVERLAY_H
+#pragma once
 
 #include "diptych.h"
 #include "picture/picture.h"
@@ -153,6 +152,4 @@ bool overlay_is_pointing(const struct overlay *overlay); /* at a texel of the pi
 
 #ifdef __cplusplus
 }
-#endif
-
 #endif

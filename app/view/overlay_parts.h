@@ -1,6 +1,5 @@
 /* Shared by the files that describe the window to Dear ImGui; see overlay.h. */
-#ifndef DIPTYCH_OVERLAY_PARTS_H
-#define DIPTYCH_OVERLAY_PARTS_H
+#pragma once
 
 #include <imgui/imgui.h>
 
@@ -54,5 +53,3 @@ void picture_pane(struct overlay *overlay, struct overlay_model *model, struct b
 /* The picture alone. */
 void picture_alone(struct overlay *overlay, struct overlay_model *model, struct box box);
 void params_pane(struct overlay *overlay, struct overlay_model *model, struct box box, bool narrow);
-
-#endif

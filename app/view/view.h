@@ -1,6 +1,5 @@
 /* Shared by the files of `diptych view`: the window and its state. view.c runs the frames. */
-#ifndef DIPTYCH_VIEW_H
-#define DIPTYCH_VIEW_H
+#pragma once
 
 #include <GLFW/glfw3.h>
 #include <pthread.h>
@@ -279,5 +278,3 @@ struct dt_bytes view_layer(const struct view *view, const struct view_side *side
 bool view_pictures(struct view *view);
 /* Writes the picture, without what is around it, as PNG. */
 bool view_write_png(struct view *view, const char *path);
-
-#endif

@@ -1,6 +1,5 @@
 /* All checks that need no plan. */
-#ifndef DIPTYCH_GEN_CHECK_H
-#define DIPTYCH_GEN_CHECK_H
+#pragma once
 
 #include "model/source.h"
 
@@ -9,5 +8,3 @@
 bool check_model(struct model *model, const char *templates_dir, struct diag *diag);
 /* check_names.c: whether a parameter or a resource can have the name. */
 bool name_is_free(const char *name);
-
-#endif

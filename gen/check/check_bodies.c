@@ -6,7 +6,6 @@
 
 #include "read/body_files.h"
 #include "checks.h"
-#include "model/limits.h"
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 

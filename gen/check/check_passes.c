@@ -5,7 +5,6 @@
 
 #include "checks.h"
 #include "formats.h"
-#include "model/limits.h"
 
 enum { MOST_TARGETS = 8, MOST_GROUPS = 65535 };
 

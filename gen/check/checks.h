@@ -1,6 +1,5 @@
 /* What the files of the check stage share. Internal to check*.c. */
-#ifndef DIPTYCH_GEN_CHECKS_H
-#define DIPTYCH_GEN_CHECKS_H
+#pragma once
 
 #include "model/expr.h"
 #include "model/names.h"
@@ -80,5 +79,3 @@ void check_contracts(struct checker *c);
 /* check_bodies.c */
 void check_bodies(struct checker *c); /* files exist and use only names that the pass lists */
 void check_unused(struct checker *c); /* warnings */
-
-#endif

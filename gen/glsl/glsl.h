@@ -5,8 +5,7 @@
  * A stage is written from its end to its beginning: the body first, then the declarations that the
  * body uses, then those that these use. So each declaration can check whether later text uses it,
  * and unused ones are left out. */
-#ifndef DIPTYCH_GEN_GLSL_H
-#define DIPTYCH_GEN_GLSL_H
+#pragma once
 
 #include <stdio.h>
 #include <string.h>
@@ -126,5 +125,3 @@ bool sanitize_library(struct glsl *glsl, const char *name, const char *const *wo
 const char *sanitize_layout(const struct glsl *glsl, const char *resource);
 /* shadow_glsl.c */
 bool shadow_glsl(struct glsl *glsl);
-
-#endif

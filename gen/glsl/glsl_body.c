@@ -3,7 +3,6 @@
  * first, since glsl_range.c must see its loops. */
 #include "glsl.h"
 
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,8 +1,7 @@
 /* glslang's C++ interface, and spirv-val, behind C functions that throw nothing. glslang's C
  * interface reads every shader twice: it cannot parse what it has not preprocessed into text
  * before. */
-#ifndef DIPTYCH_GEN_GLSLANG_H
-#define DIPTYCH_GEN_GLSLANG_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -43,5 +42,3 @@ char *glslang_preprocess(const struct glslang_job *job, char **log);
  * tests/gen/golden_test.sh holds the modules to both APIs. why, NULL: names for messages take most of
  * the time; free(). */
 bool glslang_valid(const uint32_t *words, size_t count, char **why);
-
-#endif

@@ -1,6 +1,5 @@
 /* One stage of one pass: its GLSL, which this room writes, and its SPIR-V, which spirv/ makes of it. */
-#ifndef DIPTYCH_GEN_SHADER_H
-#define DIPTYCH_GEN_SHADER_H
+#pragma once
 
 #include "base/text.h"
 #include "model/source.h"
@@ -42,5 +41,3 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
                 const char *log);
 /* The same file: reports the messages. */
 void glsl_report(struct model *model, const struct pass *pass, const char *log, struct diag *diag);
-
-#endif

@@ -1,8 +1,7 @@
 /* The planned model as the tables that runtimes take (templates/c/panel.h), and what each pass
  * does as steps: calls of verbs. emit_panel.c and emit_pipeline.c print both as C; app/spec/play.c
  * executes them; graph and needs read the steps. */
-#ifndef DIPTYCH_GEN_LOWER_H
-#define DIPTYCH_GEN_LOWER_H
+#pragma once
 
 #include "spirv/shaders.h"
 #include "verbs.h"
@@ -77,5 +76,3 @@ struct amount pass_runs(const struct pass *pass, int axis);
 struct steps pass_steps(const struct pass *pass, struct arena *arena);
 /* The step that draws or dispatches. */
 const struct step *steps_work(const struct steps *steps);
-
-#endif

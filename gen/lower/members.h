@@ -1,7 +1,6 @@
 /* The structs of panel.h and diptych.h that tables are made of, member by member. emit_members.c
  * prints them as C; tests compare them. A new member of a table is one line in members.c. */
-#ifndef DIPTYCH_GEN_MEMBERS_H
-#define DIPTYCH_GEN_MEMBERS_H
+#pragma once
 
 #include "lower.h"
 
@@ -61,5 +60,3 @@ void emit_row(const struct c_output *c, const struct members *members, const voi
 void emit_rows(const struct c_output *c, const char *name, const struct members *members,
                const void *rows, uint32_t count,
                void (*label)(const struct c_output *c, uint32_t index));
-
-#endif

@@ -1,6 +1,5 @@
 /* SPIR-V as GLSL text for OpenGL's compilers, by SPIRV-Cross. */
-#ifndef DIPTYCH_GEN_SPIRV_CROSS_H
-#define DIPTYCH_GEN_SPIRV_CROSS_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -17,5 +16,3 @@ bool spirv_is_module(const void *bytes, size_t size);
 /* Any module as a whole shader: push constants become a uniform block; a texture with a sampler of
  * its own becomes a combined one, of the texture's name if it has one sampler. False: as above. */
 bool spirv_cross_whole(const uint32_t *words, size_t count, struct text *out, char **why);
-
-#endif

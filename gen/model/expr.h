@@ -2,8 +2,7 @@
  * of parameters and constants, components (tile.x), frame.width, frame.height; and lut.width,
  * lut.height and kernel.count of resources with a `file`. 64-bit, overflow and division by zero
  * are errors. */
-#ifndef DIPTYCH_GEN_EXPR_H
-#define DIPTYCH_GEN_EXPR_H
+#pragma once
 
 #include "source.h"
 #include "base/text.h"
@@ -61,5 +60,3 @@ void expr_emit_c(const struct expr *expr, struct text *out);
 void expr_emit_c_condition(const struct expr *expr, struct text *out);
 /* GLSL int: frame.width as int(frame.width), live and uniform parameters by name. */
 void expr_emit_glsl(const struct expr *expr, struct text *out);
-
-#endif

@@ -1,6 +1,5 @@
 /* Limits that checks and the plan hold a spec to, whatever the device. */
-#ifndef DIPTYCH_GEN_LIMITS_H
-#define DIPTYCH_GEN_LIMITS_H
+#pragma once
 
 /* The reference frame: its size is used for reported bytes and for packing memory slots. */
 enum { REFERENCE_WIDTH = 1920, REFERENCE_HEIGHT = 1080 };
@@ -14,5 +13,3 @@ enum { SOFTWARE_UNIFORM_LIMIT = 65536 }; /* bytes; on CPU drivers and desktop de
 /* Most elements that a pass unrolls for CPU drivers in all its long ranges together: these drivers
  * take some milliseconds to compile one. */
 enum { UNROLLED_LIMIT = 256 };
-
-#endif

@@ -2,8 +2,7 @@
  * verifies and resolves names, layout and plan add their decisions, the emitters read it const.
  * Every node has its location in the source. All memory is in the model's arena. Arrays are
  * pointer + count. */
-#ifndef DIPTYCH_GEN_MODEL_H
-#define DIPTYCH_GEN_MODEL_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -394,5 +393,3 @@ struct model {
 /* format.c: the number nearest to `value` that the channel, 0 to 3, of the format can hold. Drivers
  * round others to either side. */
 float format_round(enum dt_format format, int channel, double value);
-
-#endif

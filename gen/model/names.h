@@ -1,7 +1,6 @@
 /* What a pipeline declares, of all kinds in one order: parameters, constants, structs, resources, samplers,
  * metrics, interleaves, passes. The reader, the checks and expressions find names here. */
-#ifndef DIPTYCH_GEN_NAMES_H
-#define DIPTYCH_GEN_NAMES_H
+#pragma once
 
 #include "model.h"
 #include "base/nearest.h"
@@ -43,5 +42,3 @@ void *declared_find(const struct pipeline *pipeline, unsigned kinds, const char 
 struct name_hint declared_hint(const struct pipeline *pipeline, unsigned kinds, const char *name,
                                const char *otherwise);
 const char *declared_word(enum declared_kind kind); /* of one kind: "parameter" */
-
-#endif

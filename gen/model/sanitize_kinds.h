@@ -1,6 +1,5 @@
 /* Kinds of undefined behaviour that --sanitize looks for and `allow` of a pass silences. */
-#ifndef DIPTYCH_GEN_SANITIZE_KINDS_H
-#define DIPTYCH_GEN_SANITIZE_KINDS_H
+#pragma once
 
 enum sanitize_kind { /* masks */
                      SANITIZE_INDEX = 1 << 0,
@@ -22,5 +21,3 @@ unsigned sanitize_kinds(const char *list, const char **end);
 extern const char sanitize_names[]; /* "index,arithmetic,..." */
 /* Of a mask with one kind. */
 const char *sanitize_kind_name(unsigned kind);
-
-#endif

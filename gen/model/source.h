@@ -1,6 +1,5 @@
 /* The files of a spec: found, read once, and held in the arena of the model. */
-#ifndef DIPTYCH_GEN_SOURCE_H
-#define DIPTYCH_GEN_SOURCE_H
+#pragma once
 
 #include "model.h"
 #include "base/arena.h"
@@ -19,5 +18,3 @@ const struct source *source_read(struct model *model, const char *path, const ch
 /* Lists a file in model->inputs without reading it. Returns its path in the arena; NULL: *reason,
  * as above. */
 const char *source_list(struct model *model, const char *path, const char **reason);
-
-#endif

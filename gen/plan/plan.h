@@ -1,6 +1,5 @@
 /* The plan: what both backends share, decided once: layouts, order, bindings, lifetimes, memory, barriers. */
-#ifndef DIPTYCH_GEN_PLAN_H
-#define DIPTYCH_GEN_PLAN_H
+#pragma once
 
 #include "model/source.h"
 #include "model/limits.h"
@@ -66,5 +65,3 @@ void plan_barriers(struct model *model); /* barrier.c: pass->barriers */
 /* The layout of an image while a pass uses it with these kinds of access (mask of enum
  * dt_access). */
 enum dt_layout layout_of(unsigned kind); /* barrier.c */
-
-#endif

@@ -3,7 +3,6 @@
 #include "sanitize.h"
 #include "shadow.h"
 
-#include <ctype.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>

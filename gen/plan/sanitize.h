@@ -1,8 +1,7 @@
 /* --sanitize: the shaders of a pipeline report undefined behaviour into a buffer of the generator's own, which every pass
  * updates. sanitize.c adds the buffer and reads it; glsl/sanitize_glsl.c gives the shaders the
  * checks, spirv/sanitize.c calls them. */
-#ifndef DIPTYCH_GEN_SANITIZE_H
-#define DIPTYCH_GEN_SANITIZE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -60,5 +59,3 @@ bool sanitize_read(const struct model *model, const struct dt_pipeline *pipeline
                    uint64_t size, struct dt_finding **findings, uint32_t *count);
 /* Warns of each `allow` that has silenced nothing in all contents so far, among the kinds that were looked for. */
 void sanitize_warn_idle(const struct model *model, struct diag *diag);
-
-#endif

@@ -5,7 +5,6 @@
  *   it is, and what the former owner of memory left never counts as written.
  * - The cells: what is known of one dispatch. A pass clears those of the next pass before its own work, which needs other
  *   ones: passes take turns with two, and where the last pass meets the first one, with three. */
-#include <stdio.h>
 #include <string.h>
 
 #include "model/expr.h"

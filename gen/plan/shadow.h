@@ -1,7 +1,6 @@
 /* Shadow memory of --sanitize=content,race,flow: internal buffers beside those of the pipeline, which say what was written, and by
  * whom. See shadow.c. */
-#ifndef DIPTYCH_GEN_SHADOW_H
-#define DIPTYCH_GEN_SHADOW_H
+#pragma once
 
 #include "base/text.h"
 #include "model/source.h"
@@ -38,5 +37,3 @@ uint64_t shadow_words(const struct model *model, const struct resource *resource
                       uint32_t height);
 /* The same as an expression in C, of `width` and `height`; false: its count says it. */
 bool shadow_emit_c(const struct model *model, const struct resource *resource, struct text *out);
-
-#endif

@@ -1,8 +1,7 @@
 /* What the emitters of C share: names, literals, expressions. Defined in emit_c.c; used by
  * emit_header.c, emit_pipeline.c, emit_panel.c and emit_shaders.c. Emitters read the model and its
  * tables and never change them. */
-#ifndef DIPTYCH_GEN_EMIT_C_H
-#define DIPTYCH_GEN_EMIT_C_H
+#pragma once
 
 #include "model/expr.h"
 #include "print.h"
@@ -51,5 +50,3 @@ void emit_reflection(const struct c_output *c);
 
 /* emit_sites.c: nothing without --sanitize. */
 void emit_sites(const struct c_output *c);
-
-#endif

@@ -1,6 +1,5 @@
 /* Writes a set of files; an error before the renames changes no file. */
-#ifndef DIPTYCH_GEN_OUTPUT_H
-#define DIPTYCH_GEN_OUTPUT_H
+#pragma once
 
 #include "base/text.h"
 
@@ -11,5 +10,3 @@ void output_add(struct output *output, const char *dir, const char *name,
 /* Writes temporary files, then renames them; unchanged files keep their time stamp. Reports. */
 bool output_commit(struct output *output);
 void output_free(struct output *output);
-
-#endif

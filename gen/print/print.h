@@ -1,6 +1,5 @@
 /* What the generator prints, besides GLSL: C, graphs, tables for people and editors. */
-#ifndef DIPTYCH_GEN_PRINT_H
-#define DIPTYCH_GEN_PRINT_H
+#pragma once
 
 #include "lower/lower.h"
 
@@ -19,5 +18,3 @@ void emit_device_needs(const struct lowered *tables, struct text *out);
 void emit_schema(struct text *out);         /* schema.c */
 void emit_reference(struct text *out);      /* reference.c: Markdown */
 void emit_body_reference(struct text *out); /* reference_body.c: its chapter on pass bodies */
-
-#endif

@@ -2,8 +2,7 @@
  * glslang's decision: a name counts here in whichever branch of #if it stands. So what is asked of
  * these texts may be "yes" too often, never decides what a shader means, and saves work: which
  * declarations to write, what to read again when a file changes. */
-#ifndef DIPTYCH_GEN_BODY_FILES_H
-#define DIPTYCH_GEN_BODY_FILES_H
+#pragma once
 
 #include "model/source.h"
 
@@ -59,5 +58,3 @@ bool glsl_source_add(struct model *model, const struct source *source, uint32_t 
 
 /* First occurrence of `word` as an identifier, not as a member behind a dot; NULL: none. */
 const char *find_word(const char *text, const char *word);
-
-#endif

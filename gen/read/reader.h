@@ -1,7 +1,6 @@
 /* Shared by the files of the reader: the document, locations of its nodes, and maps checked against
  * the table. Internal to this room. */
-#ifndef DIPTYCH_GEN_READER_H
-#define DIPTYCH_GEN_READER_H
+#pragma once
 
 #include "model/expr.h"
 #include "model/names.h"
@@ -210,5 +209,3 @@ uint32_t read_shader_values(struct reader *reader, const struct fields *fields,
                             struct value **values);
 void read_copies(struct reader *reader); /* read_copies.c */
 void read_passes(struct reader *reader, const struct fields *top);
-
-#endif

@@ -1,7 +1,6 @@
 /* The table of all keys of the spec language, from language.def. The reader checks documents against
  * it; --schema and --reference print it. */
-#ifndef DIPTYCH_GEN_TABLE_H
-#define DIPTYCH_GEN_TABLE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -67,4 +66,3 @@ const struct key *table_section(enum section section);
 const struct key *table_find(enum section section, const char *name);
 /* Index of `word` in choices joined by `|`; -1: not found. */
 int table_choice(const char *choices, const char *word);
-#endif

@@ -1,7 +1,6 @@
 /* A whole shader keeps its own declarations: this pass gives its textures, images and buffers the
  * bindings of the plan, and fills its uniforms from functions that stand beside it. */
-#ifndef DIPTYCH_GEN_SPIRV_BIND_H
-#define DIPTYCH_GEN_SPIRV_BIND_H
+#pragma once
 
 #include "module.h"
 
@@ -30,5 +29,3 @@ struct bind_request {
  * inputs become private variables, and the module gets diptych_begin(), which fills them (entry.c).
  * False: *why, free(), says what is missing or does not fit; NULL: out of memory. */
 bool spirv_bind(struct spirv *module, const struct bind_request *request, char **why);
-
-#endif

@@ -1,6 +1,5 @@
 /* The GLSL of one stage becomes SPIR-V: glslang, the passes of this room, spirv-val. */
-#ifndef DIPTYCH_GEN_COMPILE_H
-#define DIPTYCH_GEN_COMPILE_H
+#pragma once
 
 #include "glsl/shader.h"
 
@@ -22,5 +21,3 @@ void spirv_prove(const struct model *model, const struct pass *pass, const struc
 void prove_fixed(const struct pass *pass, const struct shader *fragment, struct diag *diag);
 /* What the proof takes for granted, in one sentence. */
 extern const char prove_assumptions[];
-
-#endif

@@ -1,8 +1,7 @@
 /* Functions of a library module join a module. The library is templates/glsl/exact.glsl, which is
  * compiled when diptych-gen is built; a module gets the functions that it calls, and those that
  * these call. */
-#ifndef DIPTYCH_GEN_SPIRV_LINK_H
-#define DIPTYCH_GEN_SPIRV_LINK_H
+#pragma once
 
 #include "module.h"
 
@@ -25,5 +24,3 @@ bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit);
 uint32_t spirv_link_function(struct spirv_link *link, const char *name);
 /* Copies the functions that were asked for, and those that they call. Frees the link. */
 void spirv_link_end(struct spirv_link *link);
-
-#endif

@@ -4,8 +4,7 @@
  *
  * Instructions are as the specification has them: the first word holds length and opcode, the others
  * operands. Sections follow its "Logical Layout of a Module". */
-#ifndef DIPTYCH_GEN_SPIRV_MODULE_H
-#define DIPTYCH_GEN_SPIRV_MODULE_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -146,5 +145,3 @@ void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name);
  * module has none. Not for structs, whose decorations differ. */
 uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,
                        const uint32_t *operands, size_t count);
-
-#endif

@@ -1,6 +1,5 @@
 /* Small passes over modules; those with files of their own to read have headers of their own. */
-#ifndef DIPTYCH_GEN_SPIRV_PASSES_H
-#define DIPTYCH_GEN_SPIRV_PASSES_H
+#pragma once
 
 #include "module.h"
 
@@ -24,5 +23,3 @@ bool spirv_reach(struct spirv *module);
 /* loops.c: marks long loops DontUnroll, in place: those in no other loop of their function, with
  * many operations per iteration. */
 void spirv_keep_loops(struct spirv *module);
-
-#endif

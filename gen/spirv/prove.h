@@ -1,6 +1,5 @@
 /* The proof that a shader is exact; see prove.c. */
-#ifndef DIPTYCH_GEN_PROVE_H
-#define DIPTYCH_GEN_PROVE_H
+#pragma once
 
 #include "module.h"
 
@@ -21,5 +20,3 @@ bool prove_module(const struct spirv *module,
 /* The word that a body has for an operation that is not exact: `pow`, `+`; NULL: it is exact. glsl: id of
  * GLSL.std.450. */
 const char *prove_word(const uint32_t *instruction, uint32_t glsl);
-
-#endif

@@ -1,6 +1,5 @@
 /* The instrumentation of --sanitize; see sanitize.c. */
-#ifndef DIPTYCH_GEN_SPIRV_SANITIZE_H
-#define DIPTYCH_GEN_SPIRV_SANITIZE_H
+#pragma once
 
 #include "plan/sanitize.h"
 #include "module.h"
@@ -14,5 +13,3 @@ struct sanitize_request {
     void *user;
 };
 bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request);
-
-#endif

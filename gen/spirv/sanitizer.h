@@ -1,6 +1,5 @@
 /* What the files of --sanitize share: sanitize.c walks through a module, assigned.c follows which variables have values. */
-#ifndef DIPTYCH_GEN_SPIRV_SANITIZER_H
-#define DIPTYCH_GEN_SPIRV_SANITIZER_H
+#pragma once
 
 #include "model/model.h"
 #include "sanitize.h"
@@ -142,5 +141,3 @@ void assigned_reset(struct sanitizer *s, const struct spirv_function *function);
 void assigned_before(struct sanitizer *s, const uint32_t *instruction);
 void assigned_after(struct sanitizer *s, const uint32_t *instruction);
 bool assigned_begin(struct sanitizer *s); /* once; false: out of memory */
-
-#endif

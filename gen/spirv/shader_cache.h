@@ -1,6 +1,5 @@
 /* Compiled shaders in a folder, one file each, found by their GLSL. See shader_cache.c. */
-#ifndef DIPTYCH_GEN_SHADER_CACHE_H
-#define DIPTYCH_GEN_SHADER_CACHE_H
+#pragma once
 
 #include "shaders.h"
 
@@ -24,5 +23,3 @@ struct shader *shader_twin(struct pass_shaders *shaders, uint32_t pass, enum sta
 bool shader_cache_find(struct shader_cache *cache, struct shader *shader);
 /* Adds an entry. Failures are ignored: the cache is optional. */
 void shader_cache_add(struct shader_cache *cache, const struct shader *shader);
-
-#endif

@@ -1,6 +1,5 @@
 /* All shaders of a pipeline. */
-#ifndef DIPTYCH_GEN_SHADERS_H
-#define DIPTYCH_GEN_SHADERS_H
+#pragma once
 
 #include "glsl/shader.h"
 
@@ -17,5 +16,3 @@ bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2]);
 /* unused.c: warns about names that passes list and their shaders, Vulkan's, do not use. */
 void check_listed(const struct model *model, const struct pass_shaders *shaders, struct diag *diag);
-
-#endif

@@ -1,6 +1,5 @@
 /* Texels in exact passes: what an image holds, not what a driver makes of it. */
-#ifndef DIPTYCH_GEN_SPIRV_VALUES_H
-#define DIPTYCH_GEN_SPIRV_VALUES_H
+#pragma once
 
 #include "model/model.h"
 #include "module.h"
@@ -11,5 +10,3 @@ bool spirv_values(struct spirv *module, const struct pass *pass, char **why);
 
 /* A hash of all that spirv_values takes of the pass: equal texts with unequal hashes are not the same shader. */
 uint64_t spirv_formats(const struct pass *pass);
-
-#endif

@@ -1,8 +1,7 @@
 /* Ends a command when a spec takes too much processor time or memory, with a message: glslang can
  * neither be interrupted nor be told a limit. Commands start it around spec_load; a library does
  * not, since it never ends its host. shaders.c tells it the passes. */
-#ifndef DIPTYCH_GEN_WATCHDOG_H
-#define DIPTYCH_GEN_WATCHDOG_H
+#pragma once
 
 #include <stdbool.h>
 
@@ -18,5 +17,3 @@ void watchdog_stop(void);
  * stay until the matching end, which is given the same pointer. */
 void watchdog_begin(const char *label);
 void watchdog_end(const char *label);
-
-#endif

@@ -1,8 +1,7 @@
 /* What the tests of the libraries share: their log, a frame, a triangle that covers it, and content for
  * the inputs of tests/specs/outside.yaml. A wrong call gives one message that names the thing, and a
  * right call after it succeeds. */
-#ifndef DIPTYCH_TESTS_LIBRARY_H
-#define DIPTYCH_TESTS_LIBRARY_H
+#pragma once
 
 #include <setjmp.h>
 #include <stdarg.h>
@@ -80,5 +79,3 @@ void is_painted(const uint8_t *texels, const uint8_t color[4]);
 
 /* The last texel of the fog of tests/specs/shapes.yaml: (7/8, 5/6, 4/5, 7 ^ 5 ^ 4 & 1), as halves. */
 void is_last_fog(const uint16_t texel[4]);
-
-#endif

@@ -1,7 +1,6 @@
 /* A host with its own allocator, callbacks, pipeline cache and threads, and with functions between the
  * runtime and Vulkan that count, and that fail or leave out what a test asks for. */
-#ifndef DIPTYCH_TESTS_LIBRARY_OWN_H
-#define DIPTYCH_TESTS_LIBRARY_OWN_H
+#pragma once
 
 #include <stdatomic.h>
 
@@ -26,5 +25,3 @@ VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char 
                       struct dt_vk_memory *out);
 
 struct dt_vk_host own_host(void);
-
-#endif

@@ -1,7 +1,6 @@
 /* A Vulkan device of the tests' own, with validation. Validation stays silent unless a test provokes
  * it, also about synchronization. */
-#ifndef DIPTYCH_TESTS_LIBRARY_VK_H
-#define DIPTYCH_TESTS_LIBRARY_VK_H
+#pragma once
 
 #include "library.h"
 #include "runtime_vk/diptych_vk.h"
@@ -64,5 +63,3 @@ bool vulkan_records(void);
 
 /* Records a frame, and a copy of its picture to `offset` in the geometry's buffer. */
 void record_picture(VkDeviceSize offset);
-
-#endif

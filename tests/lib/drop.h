@@ -1,6 +1,5 @@
 /* Leaves out barriers of frames, to see whether somebody misses them. */
-#ifndef DIPTYCH_TESTS_DROP_H
-#define DIPTYCH_TESTS_DROP_H
+#pragma once
 
 #include "runtime_vk/internal.h"
 
@@ -12,5 +11,3 @@ enum drop {
 /* Changes barrier `number` of the frame that is rendered next; 0: none. They count from 1 in the order of
  * recording; of one command, buffers come first. For one runtime of a process. */
 void drop_next(struct dt_vk_runtime *rt, enum drop drop, uint32_t number);
-
-#endif

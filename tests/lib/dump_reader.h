@@ -1,7 +1,6 @@
 /* Reads the output of `diptych render --dump`, for tests. Fails the running cmocka test on anything
  * that it cannot read, so callers need no checks. */
-#ifndef DIPTYCH_TESTS_DUMP_READER_H
-#define DIPTYCH_TESTS_DUMP_READER_H
+#pragma once
 
 #include <stddef.h>
 #include <stdint.h>
@@ -42,5 +41,3 @@ void dump_texel(const struct dump_entry *entry, size_t x, size_t y, size_t layer
 
 /* Whether the manifest has this mip of the resource after the pass. */
 int dump_has_mip(const struct dump *dump, const char *pass, const char *resource, size_t mip);
-
-#endif

@@ -1,8 +1,7 @@
 /* The synchronization of a command buffer as a tape of accesses and barriers, and the hazards in it
  * by the memory model of the Vulkan specification. Independent of the generator: tape.c writes
  * tapes from calls to Vulkan, hazard_test.c by hand. Called by barrier_audit.c. */
-#ifndef DIPTYCH_TESTS_HAZARD_H
-#define DIPTYCH_TESTS_HAZARD_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -69,5 +68,3 @@ struct hazard {
  * memory runs out. */
 uint32_t hazard_find(const struct tape *tape,
                      void (*found)(void *user, const struct hazard *hazard), void *user);
-
-#endif

@@ -1,7 +1,6 @@
 /* A table of verbs that only notes the calls of a panel's record. Two panels with the same notes do
  * the same. */
-#ifndef RECORDER_H
-#define RECORDER_H
+#pragma once
 
 #include "verbs.h"
 
@@ -33,5 +32,3 @@ void recorder_line(const struct recorder *recorder, uint32_t note, char *line, s
 
 /* Index of the first different or additional note; UINT32_MAX: the notes are the same. */
 uint32_t recorder_difference(const struct recorder *a, const struct recorder *b);
-
-#endif

@@ -1,7 +1,6 @@
 /* How a SPIR-V module uses its descriptors: the bindings that its entry point reads and writes,
  * found by following the reachable code, not the declarations. Called by tape.c. */
-#ifndef DIPTYCH_TESTS_SPIRV_USES_H
-#define DIPTYCH_TESTS_SPIRV_USES_H
+#pragma once
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -13,5 +12,3 @@ enum { SPIRV_READS = 1, SPIRV_WRITES = 2, SPIRV_BINDINGS = 64 };
  * does not support; *problem names it. */
 bool spirv_uses(const uint32_t *words, size_t count, uint8_t uses[SPIRV_BINDINGS],
                 const char **problem);
-
-#endif

@@ -2,8 +2,7 @@
  * arguments and pass the call on. A command buffer becomes a tape (hazard.h) of all barriers and of
  * the accesses by shaders to bound resources, by attachments and by commands. Linked into
  * barrier_audit. */
-#ifndef DIPTYCH_TESTS_TAPE_H
-#define DIPTYCH_TESTS_TAPE_H
+#pragma once
 
 #include "hazard.h"
 
@@ -16,5 +15,3 @@ const char *tape_problem(void);
 /* Names a buffer or an image that was created, and the pass of all that is recorded from here on. */
 void tape_name(uint64_t handle, const char *name);
 void tape_pass(const char *name);
-
-#endif

@@ -1,8 +1,7 @@
 /* A pipeline with an image of every format and shape, and two buffers; its only pass does
  * nothing. Written content must be read back bit for bit, in every format and mip, and no other
  * content may change. For tests of the runtimes. */
-#ifndef FORMATS_H
-#define FORMATS_H
+#pragma once
 
 #include "panel.h"
 
@@ -26,5 +25,3 @@ void formats_prepare(void); /* call before use */
 /* Opens, writes everything, reads everything, before and after a frame; closes. */
 void formats_run(const struct dt_runtime *runtime, const struct dt_runtime_options *options,
                  const struct dt_shaders *shaders, const uint32_t *errors);
-
-#endif

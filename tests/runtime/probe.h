@@ -2,8 +2,7 @@
  * scene; and the expected content of every resource after a frame, which follows from the geometry.
  * For tests of the runtimes. The shaders are tests/runtime/runtime_shaders, compiled to headers of
  * words. */
-#ifndef PROBE_H
-#define PROBE_H
+#pragma once
 
 #include "panel.h"
 
@@ -79,5 +78,3 @@ void probe_check_rest(const struct dt_runtime *runtime, void *rt, uint32_t width
  * counts errors in `errors`, debug, timing and poison 0xab. */
 void probe_run(const struct dt_runtime *runtime, const struct dt_runtime_options *options,
                const struct dt_shaders *shaders, const uint32_t *errors);
-
-#endif

@@ -1,7 +1,6 @@
 /* Declarations that fuzz_gen.c and fuzz_app.c share with fuzz.c. Each kind tries one input: files
  * in fuzz_folder, which fuzz.c empties. */
-#ifndef DIPTYCH_TESTS_FUZZ_H
-#define DIPTYCH_TESTS_FUZZ_H
+#pragma once
 
 #include "diptych.h"
 
@@ -25,5 +24,3 @@ void fuzz_cache(const char *bytes, size_t size);
 void fuzz_scene(const char *bytes, size_t size);
 void fuzz_input(const char *bytes, size_t size);
 void fuzz_evidence(const char *bytes, size_t size);
-
-#endif
