@@ -160,9 +160,7 @@ def holds(condition, picture, age):
 
 
 def play(count):
-    seed = int(os.environ.get("SEED", random.SystemRandom().randrange(1 << 30)))
-    print(f"random input of seed {seed}", file=sys.stderr)
-    chance = random.Random(seed)
+    chance = random.Random(int(os.environ["SEED"]))
     keys = ("Tab shift+Tab Home Up Down Next Prior space period v c plus minus g t r b h f F1 F2 F3 F4 0 1 2 w a s d q e "
             "ctrl+z ctrl+plus ctrl+minus Return BackSpace 7").split()
     for _ in range(count):

@@ -48,9 +48,12 @@ has_ended() {
     ! kill -0 "$window" 2>/dev/null
 }
 ends() { # status: the window has ended with it, and the validation layers are silent
+    local status
     wait_until has_ended || kill "$window"
     wait "$window"
-    [ $? = "$1" ] && ! grep -E 'VUID|SYNC-HAZARD|hazard detected|debug message' view.err
+    status=$?
+    [ $status = "$1" ] || { cat view.err && echo "the window's exit status is $status" && return 1; }
+    ! grep -E 'VUID|SYNC-HAZARD|hazard detected|debug message' view.err
 }
 changed_lines() { # file file: lines of the second that the first lacks
     diff "$1" "$2" | grep '^>'
@@ -465,9 +468,9 @@ check "... in its line" holds_json '": undefined: index 8 of " in d["undefined"]
 
 # Keys, clicks, drags and wheel at random, from a seed; with DIPTYCH_LONG for ten minutes, in the build with sanitizers if there is one.
 survives() { # seconds
-    local end=$((SECONDS + $1))
+    local end=$((SECONDS + $1)) played=$seed
     while [ "$SECONDS" -lt "$end" ] && kill -0 "$window"; do
-        /usr/bin/python3 "$root/tests/app/view.py" --random 40 | xdotool - || return
+        SEED=$((played++)) /usr/bin/python3 "$root/tests/app/view.py" --random 40 | xdotool - || return
     done
     kill -0 "$window" && ! grep -E 'AddressSanitizer|runtime error' view.err
 }
@@ -480,9 +483,9 @@ if [ -n "${DIPTYCH_LONG:-}" ] && [ -x "$root/build/asan/diptych" ]; then
 fi
 open_panes --backend both --window 1280x720
 check "a window for random input" see played.ppm verdict=green
-seconds=5
+seconds=5 seed=${SEED:-$RANDOM}
 [ -z "${DIPTYCH_LONG:-}" ] || seconds=600
-check "random input does no harm" survives $seconds
+check "random input of seed $seed does no harm" survives $seconds
 xdotool mousemove 640 360 key Escape sleep 0.3 key Escape sleep 0.3 key Escape # the first may close a field
 check "... up to the end" ends 0
 echo 'font: 8' >config/diptych/view.yaml
