@@ -106,7 +106,7 @@ static bool copy_as(const struct writing *writing, const char *file, const char 
 {
     size_t size;
     char *text = file_read(file, &size, writing->log);
-    bool good = text && folder_write(&writing->folder, name, text, size);
+    bool good = text && folder_write_at(&writing->folder, name, text, size);
     free(text);
     return good;
 }
@@ -160,7 +160,7 @@ static bool copy_generated(const struct writing *writing)
             format_string("generated/%s/%s.%s", backends[i / 3], pass->name, stages[i % 3]);
         good = name && plan_glsl(pipeline->plan, backends[i / 3],
                                  (uint32_t)(pass - pipeline->info->passes), i % 3, &glsl)
-                   ? !glsl || folder_write(&writing->folder, name, glsl, strlen(glsl))
+                   ? !glsl || folder_write_at(&writing->folder, name, glsl, strlen(glsl))
                    : writing_out_of_memory(writing);
         free(name);
     }
@@ -183,7 +183,7 @@ static bool write_row(const struct writing *writing, const char *folder, const s
         &writing->evidence->pipeline->info->resources[row->resource];
     char *name = raw_name(folder, resource, row->mip);
     bool good = name && cJSON_AddStringToObject(entry, key, name);
-    good = good ? folder_write(&writing->folder, name, bytes->data, bytes->size)
+    good = good ? folder_write_at(&writing->folder, name, bytes->data, bytes->size)
                 : writing_out_of_memory(writing);
     free(name);
     return good;
@@ -234,9 +234,9 @@ static bool write_blocks(const struct writing *writing)
     frame.height = size[1];
     cJSON_AddStringToObject(writing->manifest, "frame_block", "frame.raw");
     cJSON_AddStringToObject(writing->manifest, "live_block", "live.raw");
-    return folder_write(&writing->folder, "frame.raw", &frame, sizeof frame) &&
-           folder_write(&writing->folder, "live.raw", evidence->pipeline->live,
-                        evidence->pipeline->info->live_size);
+    return folder_write_at(&writing->folder, "frame.raw", &frame, sizeof frame) &&
+           folder_write_at(&writing->folder, "live.raw", evidence->pipeline->live,
+                           evidence->pipeline->info->live_size);
 }
 
 static bool write_scene(const struct writing *writing)
@@ -254,22 +254,22 @@ static bool write_scene(const struct writing *writing)
     cJSON_AddNumberToObject(entry, "texture_layers", scene->texture_layers);
     cJSON_AddNumberToObject(entry, "texture_mips", scene->texture_mips);
     const struct folder *folder = &writing->folder;
-    return folder_write(folder, "scene/vertices.raw", scene->vertices,
-                        scene->vertex_count * sizeof *scene->vertices) &&
-           folder_write(folder, "scene/indices.raw", scene->indices,
-                        scene->index_count * sizeof *scene->indices) &&
-           folder_write(folder, "scene/materials.raw", scene->materials,
-                        scene->material_count * sizeof *scene->materials) &&
-           folder_write(folder, "scene/objects.raw", scene->objects,
-                        scene->object_count * sizeof *scene->objects) &&
-           folder_write(folder, "scene/texels.raw", scene->texels, scene_texel_bytes(scene));
+    return folder_write_at(folder, "scene/vertices.raw", scene->vertices,
+                           scene->vertex_count * sizeof *scene->vertices) &&
+           folder_write_at(folder, "scene/indices.raw", scene->indices,
+                           scene->index_count * sizeof *scene->indices) &&
+           folder_write_at(folder, "scene/materials.raw", scene->materials,
+                           scene->material_count * sizeof *scene->materials) &&
+           folder_write_at(folder, "scene/objects.raw", scene->objects,
+                           scene->object_count * sizeof *scene->objects) &&
+           folder_write_at(folder, "scene/texels.raw", scene->texels, scene_texel_bytes(scene));
 }
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
 static bool write_evidence_text(const struct writing *writing, const char *name, char *text)
 {
-    bool good = text ? folder_write(&writing->folder, name, text, strlen(text))
+    bool good = text ? folder_write_at(&writing->folder, name, text, strlen(text))
                      : writing_out_of_memory(writing);
     free(text);
     return good;

@@ -102,33 +102,53 @@ bool folder_begin(struct folder *folder, struct console *console, const char *op
     return true;
 }
 
-/* The path of a file in the folder, whose own folders are made; NULL, logged; free(). */
-static char *begin_file(const struct folder *folder, const char *name)
+bool folder_takes(const char *name)
+{
+    static const char word[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-.";
+    return *name && *name != '.' && !name[strspn(name, word)];
+}
+
+/* Whether the path leads nowhere but down. */
+static bool leads_down(const char *path)
+{
+    for (const char *part = path; part; part = strchr(part, '/')) {
+        part += part > path;
+        size_t length = strcspn(part, "/");
+        if (!length || (*part == '.' && strspn(part, ".") == length))
+            return false;
+    }
+    return true;
+}
+
+bool folder_write_at(const struct folder *folder, const char *path, const void *data, size_t size)
 {
     const struct dt_log *log = &folder->console->log;
-    char *path = format_string("%s/%s", folder->temporary, name);
-    char *parent = path ? strndup(path, (size_t)(strrchr(path, '/') - path)) : NULL;
+    char *whole = format_string("%s/%s", folder->temporary, path);
+    char *parent = whole ? strndup(whole, (size_t)(strrchr(whole, '/') - whole)) : NULL;
+    bool good = false;
     if (!parent)
         report_error(log, "out of memory");
-    bool good = parent && file_make_folders(parent, log);
+    else if (!leads_down(path))
+        report_error(log, "%s: leads out of the folder of %s", path, folder->option);
+    else
+        good = file_make_folders(parent, log) && file_write(whole, data, size, log);
     free(parent);
-    if (good)
-        return path;
-    free(path);
-    return NULL;
+    free(whole);
+    return good;
 }
 
 bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size)
 {
-    char *path = begin_file(folder, name);
-    bool good = path && file_write(path, data, size, &folder->console->log);
-    free(path);
-    return good;
+    return folder_takes(name) ? folder_write_at(folder, name, data, size)
+                              : report_error(&folder->console->log,
+                                             "`%s` cannot be the name of a file: use letters, "
+                                             "digits, `_`, `-` and `.`, which is not first",
+                                             name);
 }
 
 bool folder_write_json(const struct folder *folder, const char *name, const struct cJSON *value)
 {
-    char *path = begin_file(folder, name);
+    char *path = format_string("%s/%s", folder->temporary, name);
     bool good = path && file_write_json(path, value, &folder->console->log);
     free(path);
     return good;

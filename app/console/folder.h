@@ -24,8 +24,12 @@ bool folder_begin(struct folder *folder, struct console *console, const char *op
 bool folder_can_write(struct console *console, const char *option, const char *place,
                       const char *mark);
 
-/* Writes a file, whose name may lead through folders: they are made. */
+/* Letters, digits, `_`, `-` and `.`, which is not first: never a path. */
+bool folder_takes(const char *name);
+/* Writes a file of such a name, which may come from anywhere. */
 bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size);
+/* At a path whose folders are made. It leads down, else an error. */
+bool folder_write_at(const struct folder *folder, const char *path, const void *data, size_t size);
 bool folder_write_json(const struct folder *folder, const char *name, const struct cJSON *value);
 
 /* Puts it in its place, or throws it away. Takes a zeroed one. */

@@ -9,6 +9,7 @@
 #include "base/log.h"
 #include "import/import.h"
 #include "gen/model/cross.h"
+#include "gen/model/spirv_check.h"
 #include "gen/glsl/glslang.h"
 #include "gen/check/check.h"
 
@@ -104,8 +105,9 @@ static bool read_shader(struct making *making, const char *path)
     struct text text = {0};
     if (good && spirv_is_module(bytes, size)) {
         const uint32_t *words = (const uint32_t *)bytes;
-        file->stage = stage_of_module(words, size / 4);
-        good = spirv_cross_whole(words, size / 4, &text, &why);
+        good = spirv_check(words, size / 4, &why);
+        file->stage = good ? stage_of_module(words, size / 4) : REFLECT_FRAGMENT;
+        good = good && spirv_cross_whole(words, size / 4, &text, &why);
         free(bytes);
         bytes = text.data;
     } else {

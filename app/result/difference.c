@@ -31,10 +31,12 @@ static bool numbers_of(struct numbers *numbers, const struct dt_resource *resour
 /* NaN or Inf: all bits of the exponent. */
 static bool not_finite(enum number_kind kind, uint32_t bits)
 {
+    if (!number_is_float(kind))
+        return false;
     uint32_t exponent = kind == NUMBER_FLOAT  ? 0x7f800000
                         : kind == NUMBER_HALF ? 0x7c00
                                               : 0x1fu << (number_width(kind) - 5);
-    return number_is_float(kind) && (bits & exponent) == exponent;
+    return (bits & exponent) == exponent;
 }
 
 /* Whether any of the numbers is NaN or Inf, 8 bytes at a time: the exponent plus one in its last

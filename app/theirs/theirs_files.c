@@ -32,8 +32,27 @@ void their_store(enum number_kind kind, double value, uint8_t *place)
 
 /* ---- Arrays ------------------------------------------------------------------------------------ */
 
+/* Types of numbers, and the formats of images of 1, 2, and 3 or 4 channels. */
+struct array_type {
+    char name[3]; /* as in the header, behind `<` or `|` */
+    enum dt_format formats[3];
+};
+static const struct array_type array_types[] = {
+    {"f2", {DT_FORMAT_R16F, DT_FORMAT_RG16F, DT_FORMAT_RGBA16F}},
+    {"f4", {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
+    {"f8", {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
+    {"u1", {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8}},
+    {"b1", {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8UI}},
+    {"u2", {DT_FORMAT_R16UI, DT_FORMAT_RG16UI, DT_FORMAT_RGBA16UI}},
+    {"u4", {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
+    {"u8", {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
+    {"i1", {DT_FORMAT_R8I, DT_FORMAT_RG8I, DT_FORMAT_RGBA8I}},
+    {"i2", {DT_FORMAT_R16I, DT_FORMAT_RG16I, DT_FORMAT_RGBA16I}},
+    {"i4", {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}},
+    {"i8", {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}}};
+
 struct array {
-    char type[3]; /* like f4 */
+    const struct array_type *type;
     uint32_t shape[MOST_SHAPE], dimensions;
     const uint8_t *data;
     uint32_t size; /* bytes of a number */
@@ -55,11 +74,12 @@ static const char *read_header(struct array *array, const char *header)
     descr += 8 + strspn(descr + 8, " ");
     if (descr[0] != '\'' || descr[1] == '>' || !descr[2] || !descr[3] || descr[4] != '\'')
         return "has a dtype that is not one plain little-endian number";
-    memcpy(array->type, descr + 2, 2);
-    if (!strchr("fuib", array->type[0]) || !strchr("1248", array->type[1]) ||
-        !strcmp(array->type, "f1"))
+    for (size_t i = 0; i < DT_ARRAY_COUNT(array_types); i++)
+        if (!memcmp(descr + 2, array_types[i].name, 2))
+            array->type = &array_types[i];
+    if (!array->type)
         return "has a dtype that is not float16 to 64, int8 to 64, uint8 to 64 or bool";
-    array->size = (uint32_t)(array->type[1] - '0');
+    array->size = (uint32_t)(array->type->name[1] - '0');
     if (!strncmp(order + 16 + strspn(order + 16, " "), "True", 4))
         return "is in Fortran's order; save numpy.ascontiguousarray of it";
     for (shape = strchr(shape, '('); shape && *shape && *shape != ')';) {
@@ -106,15 +126,16 @@ static double number_at(const struct array *array, uint64_t index)
     const uint8_t *place = array->data + index * array->size;
     int64_t whole = 0;
     double number;
-    if (!strcmp(array->type, "f8")) {
+    const char kind = array->type->name[0];
+    if (kind == 'f' && array->size == 8) {
         memcpy(&number, place, sizeof number);
         return number;
     }
-    if (array->type[0] == 'f')
+    if (kind == 'f')
         return number_value(array->size == 2 ? NUMBER_HALF : NUMBER_FLOAT, place);
     memcpy(&whole, place, array->size);
     int unused = 64 - 8 * (int)array->size;
-    if (array->type[0] == 'i')
+    if (kind == 'i')
         return (double)((int64_t)((uint64_t)whole << unused) >> unused);
     return (double)(uint64_t)whole;
 }
@@ -134,7 +155,8 @@ static bool shape_buffer(struct their_entry *entry, const struct array *array)
         {DT_TYPE_FLOAT, DT_TYPE_VEC2, DT_TYPE_VEC3, DT_TYPE_VEC4},
         {DT_TYPE_INT, DT_TYPE_IVEC2, DT_TYPE_IVEC3, DT_TYPE_IVEC4},
         {DT_TYPE_UINT, DT_TYPE_UVEC2, DT_TYPE_UVEC3, DT_TYPE_UVEC4}};
-    int kind = array->type[0] == 'f' ? 0 : array->type[0] == 'i' ? 1 : 2;
+    const char *name = array->type->name;
+    int kind = *name == 'f' ? 0 : *name == 'i' ? 1 : 2;
     uint32_t numbers = 1;
     for (uint32_t i = 1; i < array->dimensions; i++)
         numbers *= array->shape[i];
@@ -159,26 +181,6 @@ static bool shape_buffer(struct their_entry *entry, const struct array *array)
     return true;
 }
 
-static enum dt_format array_format(const struct array *array, uint32_t channels)
-{
-    static const struct {
-        const char *type;
-        enum dt_format formats[3];
-    } rows[] = {{"f2", {DT_FORMAT_R16F, DT_FORMAT_RG16F, DT_FORMAT_RGBA16F}},
-                {"f", {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
-                {"u1", {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8}},
-                {"b1", {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8UI}},
-                {"u2", {DT_FORMAT_R16UI, DT_FORMAT_RG16UI, DT_FORMAT_RGBA16UI}},
-                {"u", {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
-                {"i1", {DT_FORMAT_R8I, DT_FORMAT_RG8I, DT_FORMAT_RGBA8I}},
-                {"i2", {DT_FORMAT_R16I, DT_FORMAT_RG16I, DT_FORMAT_RGBA16I}},
-                {"i", {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}}};
-    size_t row = 0;
-    while (strncmp(array->type, rows[row].type, strlen(rows[row].type)) != 0)
-        row++;
-    return rows[row].formats[channels > 2 ? 2 : channels - 1];
-}
-
 /* Returns the channels in the file. */
 static uint32_t shape_image(struct their_entry *entry, const struct array *array)
 {
@@ -188,7 +190,7 @@ static uint32_t shape_image(struct their_entry *entry, const struct array *array
     if (channels > 4)
         return 0;
     entry->what.kind = DT_IMAGE;
-    entry->what.format = array_format(array, channels);
+    entry->what.format = array->type->formats[channels > 2 ? 2 : channels - 1];
     entry->what.mips = 1;
     entry->extent[0] = array->shape[sizes - 1];
     entry->extent[1] = array->shape[sizes - 2];
@@ -235,10 +237,9 @@ bool their_npy(const struct theirs *theirs, struct their_entry *entry, struct dt
     if (!reason && !each)
         reason =
             "has no shape (n), (height, width), (height, width, 1 to 4) or with layers in front";
-    if (!strcmp(array.type, "f8"))
-        entry->read_as = "float64 read as float32";
-    else if (!strcmp(array.type, "i8") || !strcmp(array.type, "u8"))
-        entry->read_as = "64-bit integers read as 32";
+    if (array.size == 8)
+        entry->read_as =
+            *array.type->name == 'f' ? "float64 read as float32" : "64-bit integers read as 32";
     bool good = reason ? refuse_file(theirs, entry, reason)
                        : take_numbers(entry, &array, each, bytes) ||
                              refuse_file(theirs, entry, "needs more memory than there is");

@@ -12,7 +12,6 @@ extern "C" {
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
-#include <spirv-tools/libspirv.hpp>
 
 namespace
 {
@@ -169,22 +168,4 @@ try {
 } catch (const std::exception &exception) {
     *log = strdup(exception.what());
     return nullptr;
-}
-
-extern "C" bool glslang_valid(const uint32_t *words, size_t count, char **why)
-try {
-    spvtools::SpirvTools tools(SPV_ENV_UNIVERSAL_1_6);
-    spvtools::ValidatorOptions options;
-    options.SetFriendlyNames(why != nullptr);
-    std::string said;
-    tools.SetMessageConsumer([&said](spv_message_level_t, const char *, const spv_position_t &,
-                                     const char *message) { said = message; });
-    bool valid = tools.Validate(words, count, options);
-    if (why && !valid)
-        *why = strdup(said.c_str());
-    return valid;
-} catch (const std::exception &exception) {
-    if (why)
-        *why = strdup(exception.what());
-    return false;
 }

@@ -1,6 +1,5 @@
-/* glslang's C++ interface, and spirv-val, behind C functions that throw nothing. glslang's C
- * interface reads every shader twice: it cannot parse what it has not preprocessed into text
- * before. */
+/* glslang's C++ interface behind C functions that throw nothing. glslang's C interface reads every
+ * shader twice: it cannot parse what it has not preprocessed into text before. */
 #pragma once
 
 #include <stdbool.h>
@@ -37,8 +36,3 @@ uint32_t *glslang_compile(const struct glslang_job *job, size_t *count, char **l
 
 /* The text behind the preprocessor, with #line; free(). NULL: *log as above. */
 char *glslang_preprocess(const struct glslang_job *job, char **log);
-
-/* Whether a module follows SPIR-V's rules, by spirv-val: those of Vulkan take half as long again, and
- * tests/gen/golden_test.sh holds the modules to both APIs. why, NULL: names for messages take most of
- * the time; free(). */
-bool glslang_valid(const uint32_t *words, size_t count, char **why);

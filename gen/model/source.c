@@ -1,6 +1,7 @@
 /* The files of a spec; see source.h. */
 #include "source.h"
 #include "cross.h"
+#include "spirv_check.h"
 
 #include <errno.h>
 #include <stdlib.h>
@@ -107,7 +108,8 @@ static char *module_text(struct model *model, char *words, size_t *length, const
 {
     struct text text = {0};
     char *why = NULL;
-    bool good = spirv_cross_whole((const uint32_t *)words, *length / 4, &text, &why);
+    bool good = spirv_check((const uint32_t *)words, *length / 4, &why) &&
+                spirv_cross_whole((const uint32_t *)words, *length / 4, &text, &why);
     free(words);
     *reason = good ? NULL : why ? arena_printf(model->arena, "%s", why) : strerror(ENOMEM);
     free(why);

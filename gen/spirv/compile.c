@@ -1,6 +1,7 @@
 /* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Messages of glslang are
  * reported at the line of the original file. */
 #include "model/source.h"
+#include "model/spirv_check.h"
 #include "glsl/glsl.h"
 #include "plan/plan.h"
 #include "compile.h"
@@ -129,10 +130,9 @@ static bool pass_words(const struct model *model, const struct pass *pass, uint3
 static bool validate(const struct pass *pass, const struct shader *shader, struct diag *diag)
 {
     char *why = NULL;
-    bool valid = glslang_valid(shader->words, shader->word_count, diag ? &why : NULL);
+    bool valid = spirv_check(shader->words, shader->word_count, diag ? &why : NULL);
     if (!valid && diag)
-        diag_error(diag, pass->shader_loc, "pass %s: spirv-val says: %s", pass->name,
-                   why ? why : "invalid module");
+        diag_error(diag, pass->shader_loc, "pass %s: %s", pass->name, why ? why : "out of memory");
     free(why);
     return valid;
 }
