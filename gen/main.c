@@ -170,7 +170,8 @@ static void add_shader(struct generation *g, const char *folder, const struct pa
         return;
     struct text words = {0};
     text_add_bytes(&words, (const char *)shader->words, shader->word_count * sizeof *shader->words);
-    output_add(g->output, g->options->out, name, &shader->glsl);
+    output_add(g->output, g->options->out, name,
+               shader->whole.length ? &shader->whole : &shader->glsl);
     output_add(g->output, g->options->out, binary, &words);
 }
 

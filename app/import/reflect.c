@@ -11,6 +11,7 @@
 #include "formats.h"
 #include "gen/glsl/glslang.h"
 #include "gen/spirv/compile.h"
+#include "gen/spirv/stages.h"
 
 struct reflecting {
     spvc_compiler compiler;
@@ -347,8 +348,13 @@ bool reflect(const char *text, int stage,
     spvc_context context = NULL;
     *why = NULL;
     *reflection = (struct reflection){0};
+    struct spirv module = {0};
     uint32_t *words = code && spirv_init() ? glslang_compile(&job, &count, why) : NULL;
-    bool good = words && spvc_context_create(&context) == SPVC_SUCCESS &&
+    bool located = words && spirv_read(&module, words, count) &&
+                   spirv_locate(&module, SpvStorageClassInput) &&
+                   spirv_locate(&module, SpvStorageClassOutput);
+    words = spirv_take(&module, &count);
+    bool good = located && spvc_context_create(&context) == SPVC_SUCCESS &&
                 read_module(context, words, count, reflection);
     if (!good && words && context)
         *why = strdup(spvc_context_get_last_error_string(context));

@@ -128,7 +128,7 @@ try {
         return nullptr;
     }
     program.addShader(&shader);
-    if (!program.link(rules) || (job->whole && !program.mapIO())) {
+    if (!program.link(rules)) {
         *log = strdup(program.getInfoLog());
         return nullptr;
     }

@@ -9,10 +9,12 @@ enum stage { STAGE_IS_COMPUTE, STAGE_IS_VERTEX, STAGE_IS_FRAGMENT };
 
 struct shader { /* one compiled stage of one pass for one backend */
     enum stage stage;
-    struct text glsl; /* complete, readable source; OpenGL's with model->text alone */
-    bool fast;        /* of a pass that is */
-    uint64_t formats; /* hash of the formats that it reads and writes: spirv_formats() */
-    uint64_t hash[2]; /* of all that it is compiled from: shader_hash(); 0: none */
+    struct text glsl;  /* complete, readable source; OpenGL's with model->text alone */
+    struct text whole; /* a whole shader's own text: then the other texts hold what joins it */
+    const struct shader *before; /* of a whole fragment shader: the vertex shader; NULL: none */
+    bool fast;                   /* of a pass that is */
+    uint64_t formats;            /* hash of the formats that it reads and writes: spirv_formats() */
+    uint64_t hash[2];            /* of all that it is compiled from: shader_hash(); 0: none */
     bool own;         /* does something else than the other backend's, not only by other names */
     struct text code; /* OpenGL's if `own`: for glslang, so in Vulkan's GLSL */
     const struct body_files *files; /* that the text may include; NULL: none */

@@ -211,6 +211,21 @@ const struct body_file *body_include(const struct body_files *files, const char 
     return NULL;
 }
 
+uint32_t body_find(const struct body_files *files, const char *word, struct loc *loc)
+{
+    for (uint32_t i = files->count; i-- > 0;) {
+        const struct body_file *file = &files->list[i];
+        const char *at = find_word(file->code, word);
+        if (!at)
+            continue;
+        *loc = (struct loc){file->source, 1, 1, (int)strlen(word)};
+        for (const char *line = file->code; line < at; line++)
+            loc->line += *line == '\n';
+        return file->number;
+    }
+    return 0;
+}
+
 bool body_mentions(const struct body_files *files, const char *word)
 {
     for (uint32_t i = 0; files && i < files->count; i++)

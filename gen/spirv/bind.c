@@ -63,10 +63,9 @@ static const char *name_of(const struct spirv *module, const uint32_t *variable)
     return name ? own_name(name) : "?";
 }
 
-static bool is_generators(const struct spirv *module, const uint32_t *variable)
+static bool is_generators(const struct binder *binder, const uint32_t *variable)
 {
-    const char *name = spirv_name(module, variable[2]);
-    return name && (!strcmp(name, "frame") || !strcmp(name, "diptych_live"));
+    return variable[2] >= binder->request->first;
 }
 
 /* Whether it moves: a block of uniforms, push constants, or an input. */
@@ -74,12 +73,13 @@ static bool has_values(const struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
     uint32_t type = pointee(module, variable);
+    if (is_generators(binder, variable))
+        return false;
     switch (variable[3]) {
     case SpvStorageClassPushConstant:
         return true;
     case SpvStorageClassUniform:
-        return !is_generators(module, variable) &&
-               !is_decorated(module, type, SpvDecorationBufferBlock);
+        return !is_decorated(module, type, SpvDecorationBufferBlock);
     case SpvStorageClassInput:
         return binder->request->inputs &&
                !is_decorated(module, variable[2], SpvDecorationBuiltIn) &&
@@ -91,10 +91,10 @@ static bool has_values(const struct binder *binder, const uint32_t *variable)
 
 static bool is_resource(const struct binder *binder, const uint32_t *variable)
 {
-    return variable[3] == SpvStorageClassUniformConstant ||
-           variable[3] == SpvStorageClassStorageBuffer ||
-           (variable[3] == SpvStorageClassUniform && !has_values(binder, variable) &&
-            !is_generators(binder->module, variable));
+    return !is_generators(binder, variable) &&
+           (variable[3] == SpvStorageClassUniformConstant ||
+            variable[3] == SpvStorageClassStorageBuffer ||
+            (variable[3] == SpvStorageClassUniform && !has_values(binder, variable)));
 }
 
 /* ---- What the entry point reaches ------------------------------------------------------------ */

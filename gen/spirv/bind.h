@@ -22,6 +22,7 @@ struct bind_request {
     const struct bind_constant *constants;
     uint32_t constant_count;
     bool inputs;           /* the stage's inputs get values, too */
+    uint32_t first;        /* of the generator's ids: see join.h */
     const uint32_t *local; /* size of a workgroup; NULL: no compute stage */
 };
 

@@ -8,15 +8,18 @@
 #include "bind.h"
 #include "exact.h"
 #include "glsl/glslang.h"
+#include "join.h"
 #include "link.h"
 #include "passes.h"
 #include "prove.h"
 #include "sanitize.h"
+#include "stages.h"
 #include "values.h"
 
 #include <ctype.h>
 #include <glslang/build_info.h>
 #include <spirv-tools/libspirv.h>
+#include <spirv/unified1/spirv.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -80,7 +83,7 @@ static struct bind_constant constant_of(const struct param *param)
 
 /* Resources and uniforms of a whole shader. */
 static bool bind(const struct model *model, const struct pass *pass, const struct shader *shader,
-                 struct spirv *module, char **log)
+                 uint32_t first, struct spirv *module, char **log)
 {
     const struct pipeline *pipeline = &model->pipeline;
     struct bind_slot *slots = calloc(pass->access_count + 1, sizeof *slots);
@@ -89,6 +92,7 @@ static bool bind(const struct model *model, const struct pass *pass, const struc
                                    .constants = constants,
                                    .inputs =
                                        shader->stage == STAGE_IS_VERTEX || !pass->own_vertices,
+                                   .first = first,
                                    .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
     for (uint32_t i = 0; slots && i < pass->access_count; i++)
         if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
@@ -104,15 +108,11 @@ static bool bind(const struct model *model, const struct pass *pass, const struc
     return good;
 }
 
-/* The passes; takes over `words`. */
-static bool pass_words(const struct model *model, const struct pass *pass, uint32_t *words,
-                       size_t count, struct shader *shader, char **log)
+/* The passes; takes over the module. */
+static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
+                        struct shader *shader, char **log)
 {
-    struct spirv module;
-    bool good = spirv_read(&module, words, count);
-    if (good && files_are_whole(shader->files))
-        good = bind(model, pass, shader, &module, log);
-    good = good && sanitize(model, pass, &module) && spirv_end_entry(&module);
+    bool good = sanitize(model, pass, &module) && spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
@@ -141,10 +141,9 @@ static bool validate(const struct pass *pass, const struct shader *shader, struc
  * 1.5 a vertex shader's layer is a capability of its own, as some devices have it. */
 static int minor_version(const struct shader *shader)
 {
-    const char *code = shader_code(shader)->data;
     if (shader->own && !shader->code.length)
         return 5; /* Vulkan's own */
-    return strstr(code, "\n#extension GL_KHR_shader_subgroup_basic") ? 3 : 0;
+    return strstr(shader_code(shader)->data, "\n#extension GL_KHR_shader_subgroup_basic") ? 3 : 0;
 }
 
 /* OpLine names files, not the numbers that #line has: `#line 12 3` becomes `#line 12 "3"`. */
@@ -164,45 +163,90 @@ static void add_lines(const char *code, struct text *out)
     }
 }
 
-/* `lines`: with OpLine, which makes no valid module of all that follows. */
-static bool compile(const struct model *model, const struct pass *pass, bool lines,
-                    struct shader *shader, char **log)
+/* Text to a module. lines: with OpLine, which makes no valid module of all that follows. */
+static bool read_text(const struct pass *pass, const struct shader *shader, const struct text *text,
+                      bool lines, struct spirv *module, char **log)
 {
-    const struct glslang_job job = {.code = shader_code(shader)->data,
+    struct text lined = {0};
+    if (lines)
+        add_lines(text->data, &lined);
+    const struct glslang_job job = {.code = lines ? lined.data : text->data,
                                     .stage = shader->stage,
                                     .minor = minor_version(shader),
                                     .lines = lines,
-                                    .whole = files_are_whole(shader->files),
+                                    .whole = text == &shader->whole,
                                     .marked = !pass->fast,
                                     .include = glsl_include,
                                     .user = shader->files};
     size_t count;
-    uint32_t *words = glslang_compile(&job, &count, log);
-    return words && pass_words(model, pass, words, count, shader, log);
+    uint32_t *words = lined.failed || !job.code ? NULL : glslang_compile(&job, &count, log);
+    text_free(&lined);
+    *module = (struct spirv){0};
+    return words && spirv_read(module, words, count);
 }
 
-/* The same of text whose lines OpLine can name. */
-static bool compile_lined(const struct model *model, const struct pass *pass, bool lines,
-                          struct shader *shader, char **log)
+/* A fault of two stages, as glslang would write it, at the first place that has the name. */
+static void tell_fault(const struct shader *shader, const struct stage_fault *fault, char **log)
 {
-    struct shader lined = *shader;
     struct text text = {0};
-    add_lines(shader_code(shader)->data, &text);
-    *(shader->code.length ? &lined.code : &lined.glsl) = text;
-    lined.words = NULL;
-    bool good = text.data && !text.failed && compile(model, pass, lines, &lined, log);
-    text_free(&text);
-    shader->words = lined.words;
-    shader->word_count = lined.word_count;
+    struct loc loc = {0};
+    uint32_t number = *fault->name ? body_find(shader->files, fault->name, &loc) : 0;
+    free(*log);
+    if (number)
+        text_add(&text, "ERROR: %u:%d: '%s' : ", number, loc.line, fault->name);
+    text_add(&text, "%s\n", fault->text);
+    *log = *fault->text ? text.data : NULL;
+}
+
+/* The module of a whole shader, its variables between stages with locations. */
+static bool read_whole(const struct pass *pass, const struct shader *shader, bool lines,
+                       struct spirv *module, char **log)
+{
+    return read_text(pass, shader, &shader->whole, lines, module, log) &&
+           spirv_locate(module, SpvStorageClassOutput);
+}
+
+static bool read_stages(const struct pass *pass, const struct shader *shader, bool lines,
+                        struct spirv *module, char **log)
+{
+    struct spirv before = {0};
+    struct stage_fault fault;
+    bool good = read_whole(pass, shader, lines, module, log);
+    if (!good || !shader->before)
+        return good;
+    good = read_whole(pass, shader->before, false, &before, log);
+    if (good && !spirv_locate_inputs(module, &before, &fault)) {
+        tell_fault(shader, &fault, log);
+        good = false;
+    }
+    spirv_free(&before);
     return good;
+}
+
+/* The author's module; of a whole shader it is joined by the generator's and bound. */
+static bool compile(const struct model *model, const struct pass *pass, bool lines,
+                    struct shader *shader, char **log)
+{
+    struct spirv module = {0}, more = {0};
+    bool whole = shader->whole.length;
+    bool good = read_text(pass, shader, shader_code(shader), lines, whole ? &more : &module, log);
+    if (good && whole)
+        good = read_stages(pass, shader, lines, &module, log);
+    uint32_t first = good ? module.words[3] : 0;
+    if (good && whole)
+        good = spirv_join(&module, &more) && bind(model, pass, shader, first, &module, log);
+    spirv_free(&more);
+    if (good)
+        return pass_module(model, pass, module, shader, log);
+    spirv_free(&module);
+    return false;
 }
 
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, char **log, struct diag *diag)
 {
     char *unread = NULL;
-    bool good = (model->sanitize ? compile_lined : compile)(model, pass, model->sanitize, shader,
-                                                            log ? log : &unread) &&
+    bool good = compile(model, pass, model->sanitize, shader, log ? log : &unread) &&
                 validate(pass, shader, diag);
     free(unread);
     return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
@@ -283,20 +327,19 @@ void spirv_prove(const struct model *model, const struct pass *pass, const struc
                  struct diag *diag)
 {
     struct proving proving = {model, pass, diag, draws_numbers(pass), 0};
-    struct shader lined = {.stage = shader->stage, .files = shader->files};
+    struct shader lined = *shader;
     struct model plain = *model; /* checks of --sanitize have no lines */
     char *log = NULL;
     plain.sanitize = 0;
     bool good = prove_words(shader, count_open, &proving);
     if (good && proving.open) {
-        add_lines(shader_code(shader)->data, &lined.glsl);
-        good = lined.glsl.data && !lined.glsl.failed && spirv_init() &&
-               compile(&plain, pass, true, &lined, &log) &&
+        lined.words = NULL;
+        good = spirv_init() && compile(&plain, pass, true, &lined, &log) &&
                prove_words(&lined, report_open, &proving);
     }
     if (!good)
         diag_error(diag, pass->shader_loc, "out of memory");
     free(log);
-    text_free(&lined.glsl);
-    free(lined.words);
+    if (lined.words != shader->words)
+        free(lined.words);
 }

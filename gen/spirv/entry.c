@@ -1,5 +1,5 @@
-/* The entry point becomes a function that calls diptych_begin(), which fills the uniforms of a whole
- * shader (bind.c), the body's main, then diptych_end(), which the generator declares where something
+/* The entry point becomes a function that calls diptych_globals() and diptych_begin(), which fill the generator's
+ * global variables and the uniforms of a whole shader (join.c, bind.c), the body's main, then diptych_end(), which the generator declares where something
  * must run behind the body (glsl_body.c), then diptych_quads() and diptych_flush(), which --sanitize adds. So the body may return
  * where it likes, and its text stays as it is. */
 #include <spirv/unified1/spirv.h>
@@ -23,10 +23,10 @@ static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
 
 bool spirv_end_entry(struct spirv *module)
 {
-    enum { BODY = 1, CALLS = 5 };
+    enum { BODY = 2, CALLS = 6 };
     uint32_t body = spirv_entry(module), calls[CALLS] = {0}, others = 0;
-    const char *const names[CALLS] = {"diptych_begin(", NULL, "diptych_end(", "diptych_quads(",
-                                      "diptych_flush("};
+    const char *const names[CALLS] = {"diptych_globals(", "diptych_begin(", NULL,
+                                      "diptych_end(",     "diptych_quads(", "diptych_flush("};
     for (int i = 0; i < CALLS; i++) {
         const struct spirv_function *function =
             names[i] ? spirv_find_function(module, names[i]) : NULL;

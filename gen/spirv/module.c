@@ -30,6 +30,8 @@ bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
     case SpvOpTypeInt:
     case SpvOpTypeFloat:
     case SpvOpName:
+    case SpvOpString:
+    case SpvOpExtInstImport:
     case SpvOpDecorate:
     case SpvOpMemberName:
     case SpvOpMemberDecorate:
@@ -460,7 +462,7 @@ static uint32_t *find_slot(struct spirv_edit *edit, const uint32_t *instruction)
 }
 
 /* Structs, arrays of layouts and variables are never shared: their decorations may differ. */
-static bool is_kept_once(uint32_t opcode)
+bool spirv_is_shared(uint32_t opcode)
 {
     return opcode != SpvOpTypeStruct && opcode != SpvOpTypeArray &&
            opcode != SpvOpTypeRuntimeArray && opcode != SpvOpVariable && opcode != SpvOpUndef &&
@@ -477,7 +479,7 @@ static void fill_slots(struct spirv_edit *edit, size_t count)
     edit->declared = 0;
     for (size_t at = 0; edit->slots && at < words->count; at += spirv_length(words->data + at)) {
         edit->declared++;
-        if (is_kept_once(spirv_opcode(words->data + at)))
+        if (spirv_is_shared(spirv_opcode(words->data + at)))
             *find_slot(edit, words->data + at) = (uint32_t)at + 1;
     }
 }

@@ -141,6 +141,8 @@ void spirv_append(struct spirv_edit *edit, struct spirv_words *to, const uint32_
 /* Names an id. */
 void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name);
 
+/* Whether spirv_declare may be asked for it. */
+bool spirv_is_shared(uint32_t opcode);
 /* The id of a type (type: 0) or constant with these operands behind the result; declares it if the
  * module has none. Not for structs, whose decorations differ. */
 uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,

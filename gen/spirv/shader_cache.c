@@ -93,6 +93,8 @@ void shader_hash(const struct model *model, enum backend backend, struct shader 
     XXH3_128bits_update(state, &shader->formats, sizeof shader->formats);
     XXH3_128bits_update(state, tools, strlen(tools));
     hash_text(state, shader_code(shader));
+    for (const struct shader *own = shader; own && own->whole.length; own = own->before)
+        hash_text(state, &own->whole);
     for (uint32_t i = 1; shader->files && i < shader->files->count; i++) {
         const struct body_file *file = &shader->files->list[i];
         XXH3_128bits_update(state, file->source->text, file->source->length + 1);

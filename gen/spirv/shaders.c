@@ -114,21 +114,23 @@ static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[
                               struct shader_cache *cache, struct job job, struct jobs *jobs,
                               struct diag *diag)
 {
+    struct shader *list = shaders[job.backend][index].stage;
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
-        struct shader *shader = &shaders[job.backend][index].stage[stage];
+        struct shader *shader = &list[stage];
         shader->stage = stage;
         shader->fast = job.pass->fast;
         shader->formats = spirv_formats(job.pass);
         shader->own = shaders[BACKEND_VK][index].stage[stage].own;
-        if (!has_stage(job.pass, stage))
-            continue;
-        if (!emit_glsl(model, job.pass, job.backend, stage, shader, diag)) {
-            good = false;
-            continue;
-        }
-        if (job.backend == BACKEND_GL && !shader->own)
-            continue; /* derive() makes it */
+        if (has_stage(job.pass, stage))
+            good &= emit_glsl(model, job.pass, job.backend, stage, shader, diag);
+    }
+    if (list[STAGE_IS_VERTEX].whole.length)
+        list[STAGE_IS_FRAGMENT].before = &list[STAGE_IS_VERTEX];
+    for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
+        struct shader *shader = &list[stage];
+        if (!has_stage(job.pass, stage) || (job.backend == BACKEND_GL && !shader->own) || !good)
+            continue; /* derive() makes OpenGL's */
         shader_hash(model, job.backend, shader);
         if (!shader_cache_find(cache, shader)) {
             job.shader = shader;
@@ -167,6 +169,7 @@ static bool compile_again(struct model *model, const struct job *job, struct dia
         if (!again)
             return done;
         text_free(job->backend == BACKEND_VK ? &shader->glsl : &shader->code);
+        text_free(&shader->whole);
         if (!emit_glsl(model, job->pass, job->backend, shader->stage, shader, diag))
             return false;
         shader_hash(model, job->backend, shader);
@@ -321,6 +324,7 @@ void shaders_free(const struct model *model, struct pass_shaders *shaders[2])
             for (int stage = 0; stage < 3; stage++) {
                 text_free(&shaders[backend][i].stage[stage].glsl);
                 text_free(&shaders[backend][i].stage[stage].code);
+                text_free(&shaders[backend][i].stage[stage].whole);
                 free(shaders[backend][i].stage[stage].words);
             }
         free(shaders[backend]);

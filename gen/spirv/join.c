@@ -1,0 +1,233 @@
+/* Two modules become one: a whole shader, and what the generator wrote beside it. The shader keeps its entry
+ * point, its numbers and its order; the other module's functions, resources and constants follow, and its
+ * main(), which gives its global variables their first values, as diptych_globals() (entry.c). Built-in variables
+ * that both have become one. */
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "join.h"
+
+struct joining {
+    const struct spirv *own, *more;
+    struct spirv_edit edit;
+    uint32_t *ids; /* by id of `more`: its id in the result; 0: none yet */
+};
+
+/* ---- Ids ------------------------------------------------------------------------------------- */
+
+/* The built-in of a variable, or of the members of its block one after the other; 0: none. */
+static uint64_t built_ins(const struct spirv *module, const uint32_t *variable)
+{
+    uint32_t own = spirv_decoration(module, variable[2], SpvDecorationBuiltIn);
+    uint32_t type = spirv_definition(module, variable[1])[3];
+    const uint32_t *block = spirv_definition(module, type);
+    uint64_t all = own == UINT32_MAX ? 0 : own + 1;
+    for (uint32_t m = 0; spirv_is(block, SpvOpTypeStruct) && m + 2 < spirv_length(block); m++) {
+        uint32_t member = spirv_member_decoration(module, type, m, SpvDecorationBuiltIn);
+        all = member == UINT32_MAX ? 0 : all * 8191 + member + 1;
+    }
+    return all;
+}
+
+/* The shader's variable of the same built-ins, in the same direction; NULL: none. */
+static const uint32_t *find_built_in(const struct spirv *own, uint64_t built_in, uint32_t class)
+{
+    SPIRV_EACH(own, at, own->declarations, own->code)
+    {
+        const uint32_t *i = own->words + at;
+        if (spirv_is(i, SpvOpVariable) && i[3] == class && built_ins(own, i) == built_in)
+            return i;
+    }
+    return NULL;
+}
+
+static void share_built_ins(struct joining *j)
+{
+    const struct spirv *more = j->more;
+    SPIRV_EACH(more, at, more->declarations, more->code)
+    {
+        const uint32_t *i = more->words + at;
+        uint64_t built_in = spirv_is(i, SpvOpVariable) ? built_ins(more, i) : 0;
+        const uint32_t *own = built_in ? find_built_in(j->own, built_in, i[3]) : NULL;
+        if (!own)
+            continue;
+        j->ids[i[2]] = own[2];
+        if (spirv_is(spirv_definition(more, spirv_definition(more, i[1])[3]), SpvOpTypeStruct))
+            j->ids[spirv_definition(more, i[1])[3]] = spirv_definition(j->own, own[1])[3];
+    }
+}
+
+static uint32_t map(struct joining *j, uint32_t id)
+{
+    if (!j->ids[id])
+        j->ids[id] = j->edit.bound++;
+    return j->ids[id];
+}
+
+static void copy_mapped(struct joining *j, struct spirv_words *to, const uint32_t *i)
+{
+    size_t start = to->count;
+    spirv_copy(&j->edit, to, i);
+    for (uint32_t word = 1; word < spirv_length(i) && !j->edit.failed; word++)
+        if (!spirv_is_literal(i, word))
+            to->data[start + word] = map(j, i[word]);
+}
+
+/* ---- Sections -------------------------------------------------------------------------------- */
+
+/* Types and constants that the shader has, too, become its own. */
+static void add_declaration(struct joining *j, const uint32_t *i)
+{
+    enum { MOST_OPERANDS = 60 };
+    uint32_t operands[MOST_OPERANDS], count = 0, result = spirv_result_word(i);
+    uint32_t opcode = spirv_opcode(i);
+    if (!result || j->ids[i[result]])
+        return;
+    if (!spirv_is_shared(opcode) || spirv_length(i) > MOST_OPERANDS) {
+        copy_mapped(j, &j->edit.declarations, i);
+        return;
+    }
+    for (uint32_t word = result + 1; word < spirv_length(i); word++)
+        operands[count++] = spirv_is_literal(i, word) ? i[word] : map(j, i[word]);
+    j->ids[i[result]] =
+        spirv_declare(&j->edit, opcode, result == 2 ? map(j, i[1]) : 0, operands, count);
+}
+
+static int rank(const uint32_t *i)
+{
+    switch (spirv_opcode(i)) {
+    case SpvOpCapability:
+        return 0;
+    case SpvOpExtension:
+        return 1;
+    case SpvOpExtInstImport:
+        return 2;
+    case SpvOpMemoryModel:
+        return 3;
+    case SpvOpEntryPoint:
+        return 4;
+    case SpvOpExecutionMode:
+    case SpvOpExecutionModeId:
+        return 5;
+    case SpvOpName:
+    case SpvOpMemberName:
+        return 7;
+    case SpvOpModuleProcessed:
+        return 8;
+    default:
+        return 6; /* strings and sources */
+    }
+}
+
+static bool says_same(const uint32_t *a, const uint32_t *b, uint32_t from)
+{
+    return *a == *b && !memcmp(a + from, b + from, (spirv_length(a) - from) * sizeof *a);
+}
+
+/* The instruction of the shader that says the same; NULL: none. */
+static const uint32_t *find_same(const struct spirv *own, const uint32_t *i)
+{
+    uint32_t from = spirv_is(i, SpvOpExtInstImport) ? 2 : 1;
+    SPIRV_EACH(own, at, SPIRV_HEADER, own->annotations)
+    if (says_same(own->words + at, i, from))
+        return own->words + at;
+    return NULL;
+}
+
+/* The shader's entry point lists the other module's variables, too. */
+static void add_interface(struct joining *j)
+{
+    struct spirv_words *front = &j->edit.front;
+    const uint32_t *more = spirv_entry_point(j->more), *own = spirv_entry_point(j->own);
+    size_t start = front->count - spirv_length(own);
+    for (uint32_t word = spirv_entry_variables(more); word < spirv_length(more); word++) {
+        uint32_t id = map(j, more[word]);
+        bool there = false;
+        for (uint32_t k = spirv_entry_variables(own); k < spirv_length(own); k++)
+            there |= own[k] == id;
+        if (there)
+            continue;
+        spirv_append(&j->edit, front, &id, 1);
+        if (!j->edit.failed)
+            front->data[start] += 1 << 16;
+    }
+}
+
+/* Names that begin so are the generator's: its passes find functions by them. */
+static bool is_reserved(const uint32_t *name)
+{
+    return spirv_is(name, SpvOpName) && !strncmp((const char *)(name + 2), "diptych_", 8);
+}
+
+static void join_front(struct joining *j)
+{
+    struct spirv_words *front = &j->edit.front;
+    const struct spirv *own = j->own, *more = j->more;
+    front->count = SPIRV_HEADER;
+    for (int section = 0; section <= 8; section++) {
+        SPIRV_EACH(own, at, SPIRV_HEADER, own->annotations)
+        if (rank(own->words + at) == section && !is_reserved(own->words + at)) {
+            spirv_copy(&j->edit, front, own->words + at);
+            if (section == 4)
+                add_interface(j);
+        }
+        SPIRV_EACH(more, at, SPIRV_HEADER, more->annotations)
+        {
+            const uint32_t *i = more->words + at;
+            const uint32_t *same = section < 3 ? find_same(own, i) : NULL;
+            if (rank(i) != section || same) {
+                if (same && spirv_is(i, SpvOpExtInstImport))
+                    j->ids[i[1]] = same[1];
+            } else if (section < 2) { /* no ids */
+                spirv_copy(&j->edit, front, i);
+            } else if (section == 2 || spirv_is(i, SpvOpString) ||
+                       (section == 7 && more->definitions[i[1]] && i[1] != spirv_entry(more))) {
+                copy_mapped(j, front, i);
+            }
+        }
+    }
+}
+
+static void join_annotations(struct joining *j)
+{
+    const struct spirv *own = j->own, *more = j->more;
+    spirv_append(&j->edit, &j->edit.annotations, own->words + own->annotations,
+                 own->declarations - own->annotations);
+    SPIRV_EACH(more, at, more->annotations, more->declarations)
+    {
+        const uint32_t *i = more->words + at;
+        bool size = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
+                    i[3] == SpvBuiltInWorkgroupSize; /* a constant; the shader has its own */
+        if (!size && map(j, i[1]) >= own->words[3])
+            copy_mapped(j, &j->edit.annotations, i);
+    }
+}
+
+static void join_code(struct joining *j)
+{
+    const struct spirv *own = j->own, *more = j->more;
+    spirv_append(&j->edit, &j->edit.code, own->words + own->code, own->count - own->code);
+    SPIRV_EACH(more, at, more->code, more->count)
+    copy_mapped(j, &j->edit.code, more->words + at);
+    spirv_put_name(&j->edit, map(j, spirv_entry(more)), "diptych_globals(");
+}
+
+bool spirv_join(struct spirv *module, const struct spirv *more)
+{
+    struct joining j = {.own = module, .more = more, .ids = calloc(more->words[3], sizeof *j.ids)};
+    spirv_edit_begin(&j.edit, module);
+    j.edit.failed |= !j.ids;
+    if (!j.edit.failed) {
+        share_built_ins(&j);
+        SPIRV_EACH(more, at, more->declarations, more->code)
+        add_declaration(&j, more->words + at);
+        join_annotations(&j);
+        join_front(&j);
+        join_code(&j);
+        if (!j.edit.failed && more->words[1] > module->words[1])
+            j.edit.front.data[1] = more->words[1];
+    }
+    free(j.ids);
+    return spirv_edit_end(&j.edit, module);
+}

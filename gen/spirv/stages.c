@@ -1,0 +1,265 @@
+/* The stages of a draw as one program: what a fragment shader reads is what its vertex shader writes. Variables
+ * without a location match by name, as OpenGL 4.6, 7.4.1, has it, blocks by the name of the block; then both
+ * get the same location, in the order in which the vertex shader declares them. Others match by location. */
+#include <spirv/unified1/spirv.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "stages.h"
+
+enum { NOWHERE = -1, MOST_LOCATIONS = 1024 };
+
+struct between { /* a variable between two stages */
+    uint32_t id, type;
+    const char *name; /* of a block, the block's; NULL: none */
+    int location;     /* NOWHERE: none yet */
+    int count;        /* of locations */
+    uint32_t component;
+    bool given, used;
+};
+
+struct side {
+    const struct spirv *module;
+    struct between *list; /* free() */
+    uint32_t count;
+};
+
+/* ---- One side -------------------------------------------------------------------------------- */
+
+static int locations_of(const struct spirv *module, uint32_t id)
+{
+    const uint32_t *type = spirv_definition(module, id);
+    uint32_t parts = spirv_parts(module, type);
+    int count = 0;
+    if (spirv_is(type, SpvOpTypeVector))
+        return parts > 2 && spirv_definition(module, type[2])[2] == 64 ? 2 : 1;
+    if (!spirv_is(type, SpvOpTypeStruct))
+        return parts ? (int)parts * locations_of(module, type[2]) : 1;
+    for (uint32_t part = 0; part < parts && count <= MOST_LOCATIONS; part++)
+        count += locations_of(module, type[2 + part]);
+    return count;
+}
+
+/* The struct of a variable, below the layers of arrays; 0: it is no block. */
+static uint32_t block_of(const struct spirv *module, uint32_t type)
+{
+    while (spirv_is(spirv_definition(module, type), SpvOpTypeArray))
+        type = spirv_definition(module, type)[2];
+    bool block = spirv_is(spirv_definition(module, type), SpvOpTypeStruct) &&
+                 spirv_decoration(module, type, SpvDecorationBlock) != UINT32_MAX;
+    return block ? type : 0;
+}
+
+static bool is_built_in(const struct spirv *module, uint32_t id, uint32_t block)
+{
+    return spirv_decoration(module, id, SpvDecorationBuiltIn) != UINT32_MAX ||
+           (block && spirv_member_decoration(module, block, 0, SpvDecorationBuiltIn) != UINT32_MAX);
+}
+
+static bool code_mentions(const struct spirv *module, uint32_t id)
+{
+    SPIRV_EACH(module, at, module->code, module->count)
+    for (uint32_t word = 1; word < spirv_length(module->words + at); word++)
+        if (module->words[at + word] == id && !spirv_is_literal(module->words + at, word))
+            return true;
+    return false;
+}
+
+static void add_between(struct side *side, const uint32_t *variable)
+{
+    const struct spirv *module = side->module;
+    uint32_t id = variable[2], type = spirv_definition(module, variable[1])[3];
+    uint32_t block = block_of(module, type);
+    if (is_built_in(module, id, block))
+        return;
+    uint32_t location = spirv_decoration(module, id, SpvDecorationLocation);
+    if (block && location == UINT32_MAX)
+        location = spirv_member_decoration(module, block, 0, SpvDecorationLocation);
+    side->list[side->count++] =
+        (struct between){.id = id,
+                         .type = type,
+                         .name = spirv_name(module, block ? block : id),
+                         .location = location < MOST_LOCATIONS ? (int)location : NOWHERE,
+                         .count = locations_of(module, type),
+                         .component = spirv_decoration(module, id, SpvDecorationComponent),
+                         .given = location != UINT32_MAX,
+                         .used = code_mentions(module, id)};
+}
+
+/* Gives locations to those that have none: the first free ones, in order. */
+static void locate(struct side *side)
+{
+    for (uint32_t i = 0; i < side->count; i++) {
+        struct between *own = &side->list[i];
+        int location = own->location == NOWHERE ? 0 : own->location;
+        for (uint32_t k = 0; k < side->count && own->location == NOWHERE; k++) {
+            const struct between *other = &side->list[k];
+            if (other->location == NOWHERE || other->location >= location + own->count ||
+                location >= other->location + other->count)
+                continue;
+            location = other->location + other->count;
+            k = UINT32_MAX; /* from the first again */
+        }
+        own->location = location;
+    }
+}
+
+/* False: out of memory. */
+static bool read_side(struct side *side, const struct spirv *module, uint32_t class)
+{
+    *side = (struct side){.module = module, .list = calloc(module->words[3], sizeof *side->list)};
+    SPIRV_EACH(module, at, module->declarations, side->list ? module->code : module->declarations)
+    if (spirv_is(module->words + at, SpvOpVariable) && module->words[at + 3] == class)
+        add_between(side, module->words + at);
+    return side->list;
+}
+
+/* ---- Both ------------------------------------------------------------------------------------ */
+
+__attribute__((format(printf, 3, 4))) static bool
+set_fault(struct stage_fault *fault, const char *name, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(fault->text, sizeof fault->text, format, arguments);
+    va_end(arguments);
+    snprintf(fault->name, sizeof fault->name, "%s", name ? name : "");
+    return false;
+}
+
+/* Whether two types are the same. wider: the first may be a longer vector. */
+static bool types_match(const struct spirv *from, uint32_t a, const struct spirv *to, uint32_t b,
+                        bool wider)
+{
+    const uint32_t *x = spirv_definition(from, a), *y = spirv_definition(to, b);
+    uint32_t parts = spirv_parts(from, x), others = spirv_parts(to, y);
+    if (wider && spirv_is(x, SpvOpTypeVector) && !others)
+        return types_match(from, x[2], to, b, false);
+    if (spirv_opcode(x) != spirv_opcode(y) ||
+        (wider && spirv_is(x, SpvOpTypeVector) ? parts < others : parts != others))
+        return false;
+    if (!parts)
+        return spirv_length(x) == spirv_length(y) &&
+               !memcmp(x + 2, y + 2, (spirv_length(x) - 2) * sizeof *x);
+    if (!spirv_is(x, SpvOpTypeStruct))
+        return types_match(from, x[2], to, y[2], false);
+    for (uint32_t part = 0; part < parts; part++)
+        if (!types_match(from, x[2 + part], to, y[2 + part], false))
+            return false;
+    return true;
+}
+
+/* By location, else by name. Of several at one location that with the same first component. */
+static const struct between *find_writer(const struct side *writer, const struct between *input)
+{
+    const struct between *found = NULL;
+    for (uint32_t i = 0; i < writer->count; i++) {
+        const struct between *output = &writer->list[i];
+        bool at = input->location >= output->location &&
+                  input->location < output->location + output->count;
+        bool named = input->name && output->name && !strcmp(input->name, output->name);
+        if ((input->given ? at : named) && (!found || output->component == input->component))
+            found = output;
+    }
+    return found;
+}
+
+static bool match(struct side *reader, const struct side *writer, struct stage_fault *fault)
+{
+    for (uint32_t i = 0; i < reader->count; i++) {
+        struct between *input = &reader->list[i];
+        const struct between *output = find_writer(writer, input);
+        const char *name = input->name ? input->name : "";
+        if (!output && !input->used)
+            continue; /* it goes */
+        if (!output && input->given)
+            return set_fault(
+                fault, name,
+                "the fragment stage reads location %d, which the vertex stage does not "
+                "write",
+                input->location);
+        if (!output)
+            return set_fault(fault, name,
+                             "the fragment stage reads `%s`, which the vertex stage does not write",
+                             name);
+        bool whole = !input->given ||
+                     (input->location == output->location && input->component == output->component);
+        if (whole &&
+            !types_match(writer->module, output->type, reader->module, input->type, input->given))
+            return set_fault(
+                fault, name,
+                "the fragment stage reads `%s` with another type than the vertex stage "
+                "writes `%s`",
+                name, output->name ? output->name : name);
+        if (!input->given)
+            input->location = output->location;
+    }
+    return true;
+}
+
+/* ---- The module ------------------------------------------------------------------------------ */
+
+/* Without inputs that nobody writes and nothing reads. */
+static void fix_entry(struct spirv_edit *edit, const struct side *side)
+{
+    struct spirv_words *front = &edit->front;
+    for (size_t at = SPIRV_HEADER; at < front->count; at += spirv_length(front->data + at)) {
+        uint32_t *i = front->data + at, length = spirv_length(i);
+        if (!spirv_is(i, SpvOpEntryPoint))
+            continue;
+        uint32_t kept = spirv_entry_variables(i);
+        for (uint32_t word = kept; word < length; word++) {
+            bool goes = false;
+            for (uint32_t k = 0; k < side->count; k++)
+                goes |= side->list[k].id == i[word] && side->list[k].location == NOWHERE;
+            if (!goes)
+                i[kept++] = i[word];
+        }
+        i[0] = kept << 16 | SpvOpEntryPoint;
+        memmove(i + kept, i + length, (front->count - at - length) * sizeof *i);
+        front->count -= length - kept;
+    }
+}
+
+static bool write_side(struct spirv *module, const struct side *side)
+{
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    spirv_append(&edit, &edit.annotations, module->words + module->annotations,
+                 module->declarations - module->annotations);
+    spirv_append(&edit, &edit.code, module->words + module->code, module->count - module->code);
+    for (uint32_t i = 0; i < side->count; i++)
+        if (!side->list[i].given && side->list[i].location != NOWHERE)
+            SPIRV_PUT(&edit, &edit.annotations, SpvOpDecorate, side->list[i].id,
+                      SpvDecorationLocation, (uint32_t)side->list[i].location);
+    if (!edit.failed)
+        fix_entry(&edit, side);
+    return spirv_edit_end(&edit, module);
+}
+
+bool spirv_locate(struct spirv *module, uint32_t class)
+{
+    struct side side;
+    bool good = read_side(&side, module, class);
+    if (good)
+        locate(&side);
+    good = good && write_side(module, &side);
+    free(side.list);
+    return good;
+}
+
+bool spirv_locate_inputs(struct spirv *module, const struct spirv *before,
+                         struct stage_fault *fault)
+{
+    struct side reader, writer = {0};
+    *fault = (struct stage_fault){0};
+    bool good = read_side(&reader, module, SpvStorageClassInput) &&
+                read_side(&writer, before, SpvStorageClassOutput);
+    if (good)
+        good = match(&reader, &writer, fault) && write_side(module, &reader);
+    free(reader.list);
+    free(writer.list);
+    return good;
+}
