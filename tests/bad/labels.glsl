@@ -1,4 +1,0 @@
-void main()
-{
-    labels = uvec4(1);
-}
