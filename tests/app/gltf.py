@@ -362,21 +362,10 @@ def test_containers_are_read():
     refused("it is glTF 1.0; glTF 2.0 is supported")
 
 
-def main(tests):
-    tap = bodies.Tap()
-    with tempfile.TemporaryDirectory() as folder:
-        os.chdir(folder)
-        for name, test in list(tests.items()):
-            if name.startswith("test_"):
-                reasons = []
-                try:
-                    test()
-                except (AssertionError, subprocess.CalledProcessError) as error:
-                    reasons = [str(error)]
-                tap.result(name[5:].replace("_", " "), reasons)
-        os.chdir(ROOT)
-    tap.finish()
-
-
 if __name__ == "__main__":
-    main(globals())
+    with tempfile.TemporaryDirectory() as work:
+        os.chdir(work)
+        try:
+            bodies.run_tests(globals(), (None,))
+        finally:
+            os.chdir(ROOT)

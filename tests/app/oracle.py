@@ -13,6 +13,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 sys.path[:0] = [ROOT + "/app/python", ROOT + "/tests/gen"]
 import bodies  # noqa: E402: from the paths above
 import diptych  # noqa: E402
+import gltf  # noqa: E402
 
 RSM_SIZE, MAP_SIZE, FIRST_VPLS, SECOND_VPLS, CLUSTERS = 128, 64, 256, 256, 8
 # The smallest sizes that keep the shape of the stages; a metric scale that the test knows.
@@ -349,6 +350,37 @@ def test_second_bounce_irradiance_is_the_sum_of_its_class(backend):
         holds((off <= 2e-3 * 16 * total + 2e-3 * (first[..., 1] + both[..., 1]) + 1e-5)[judged], f"off by {off[judged].max()}")
 
 
+def reach_of(origins, rays, triangles):
+    """How often each ray reaches to the first triangle (Moeller, Trumbore 1997); infinity: it hits none."""
+    a, edges = triangles[:, 0], triangles[:, 1:] - triangles[:, :1]
+    normal, t = np.cross(edges[:, 0], edges[:, 1]), origins[:, None] - a
+    with np.errstate(all="ignore"):
+        scale = -1 / (rays @ normal.T)
+        across = np.cross(t, rays[:, None])
+        u, v, reach = dot(across, edges[:, 1]) * scale, -dot(across, edges[:, 0]) * scale, dot(t, normal) * scale
+        return np.where((u >= 0) & (v >= 0) & (u + v <= 1) & (reach > 0), reach, np.inf).min(1)
+
+
+def test_maps_show_what_rays_hit_first(backend):
+    """500 texels, which the R2 sequence spreads over all maps that are kept in three frames; with 8 per frame, those of one look into
+    too few directions. The ray of reach 1 through a texel's centre is that of Cigolle et al. 2014."""
+    left = play(backend, *(f"{bounce}.{name}" for bounce in ("first", "second") for name in ("eyes", "reach")), frames=3)
+    scene = gltf.Scene(SPOT)
+    triangles = scene.vertices["position"][scene.indices.reshape(-1, 3)].astype(float)
+    for bounce in "first", "second":
+        eyes, maps = left[bounce + ".eyes"], left[bounce + ".reach"]
+        k = np.arange(2000)
+        k = k[eyes["used"][k % len(eyes)] != 0][:500]
+        eye, texel = k % len(eyes), (np.outer((0.7548776662, 0.5698402910), k) % 1 * MAP_SIZE).astype(int)
+        p = (2 * texel + 1) / MAP_SIZE - 1
+        axes = [eyes[name][eye].astype(float) for name in ("tangent", "bitangent", "normal")]
+        rays = sum(axis * part[:, None] for axis, part in zip(axes, (*p, np.sqrt(2) * (1 - np.abs(p).max(0)))))
+        reach = reach_of(eyes["position"][eye].astype(float), rays, triangles)
+        found = maps[eye, texel[1], texel[0]].astype(float).reshape(len(k), -1)[:, 0]
+        right = np.where(np.isinf(reach), found > 1e29, np.abs(found - reach) <= 1e-3 * reach)
+        holds(len(k) == 500 and (~right).sum() <= 2, f"{bounce}: {(~right).sum()} of {len(k)} texels are wrong")
+
+
 def test_display_is_reinhards_curve_of_radiance(backend):
     """Reinhard et al. 2002, Equations 1, 2 and 4 on luminance, IEC 61966-2-1, with the defaults a = 0.18, white = 4."""
     left = usual(backend)
@@ -362,18 +394,5 @@ def test_display_is_reinhards_curve_of_radiance(backend):
     near(left["display"][..., :3], v * 255, absolute=0.52)
 
 
-def main():
-    tap = bodies.Tap()
-    for name, test in [(name, test) for name, test in globals().items() if name.startswith("test_") and "".join(sys.argv[1:]) in name]:
-        for backend in "gl", "vk":
-            reasons = []
-            try:
-                test(backend)
-            except (AssertionError, diptych.Error) as error:
-                reasons = [str(error)]
-            tap.result(f"{backend}: {name[5:].replace('_', ' ')}", reasons)
-    tap.finish()
-
-
 if __name__ == "__main__":
-    main()
+    bodies.run_tests(globals(), ("gl", "vk"), "".join(sys.argv[1:]), (AssertionError, diptych.Error))

@@ -155,3 +155,17 @@ class Tap:
     def finish(self):
         print(f"1..{self.count}")
         raise SystemExit(self.failed != 0)
+
+
+def run_tests(names, sides, chosen="", errors=(AssertionError, OSError, ValueError, subprocess.CalledProcessError)):
+    """Runs every test_NAME of a module for each side; where there are none, `sides` is (None,). A test that raises fails."""
+    tap = Tap()
+    for name, test in list(names.items()):
+        for side in sides if name.startswith("test_") and chosen in name else ():
+            reasons = []
+            try:
+                test(*([side] if side else []))
+            except errors as error:
+                reasons = [str(error)]
+            tap.result((f"{side}: " if side else "") + name[5:].replace("_", " "), reasons)
+    tap.finish()

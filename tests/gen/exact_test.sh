@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Exact mode, function by function: tests/specs/exact.yaml and arithmetic.yaml run every function that exact mode replaces, over
-# some thousand inputs, special values included. exact_accuracy_test.c compares the same results with double precision.
+# some thousand inputs, special values included. exact_accuracy.py compares the same results with double precision.
 . "$(dirname "$0")/../lib/tap.sh"
 scene=$root/scenes/cornell.yaml
 specs=$root/tests/specs

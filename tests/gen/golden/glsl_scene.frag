@@ -25,7 +25,7 @@ struct Light {
     float cos_outer;
 };
 
-layout(std140, set = 0, binding = 1) uniform Frame {
+layout(std140, set = 0, binding = 0) uniform Frame {
     View camera;
     View light_view;
     Light light;
@@ -49,10 +49,10 @@ struct SceneMaterial {
     float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
 };
 
-layout(std430, set = 0, binding = 0) readonly buffer scene_materials_block {
-    SceneMaterial scene_materials[];
-};
 layout(set = 0, binding = 3) uniform sampler2DArray scene_textures;
+layout(std140, set = 0, binding = 2) uniform scene_materials_block {
+    SceneMaterial scene_materials[2048];
+};
 layout(location = 0) out vec4 color;
 
 View view = frame.light_view;
@@ -70,7 +70,7 @@ uint diptych_zero()
     return uint(gl_FrontFacing) >> 1;
 }
 
-#line 1 1
+#line 1 2
 #ifdef VERTEX
 layout(location = 0) out vec3 normal;
 void main()

@@ -29,7 +29,7 @@ struct Light {
     float cos_outer;
 };
 
-layout(std140, set = 0, binding = 1) uniform Frame {
+layout(std140, set = 0, binding = 0) uniform Frame {
     View camera;
     View light_view;
     Light light;
@@ -53,19 +53,29 @@ struct SceneMaterial {
     float alpha_cutoff; /* texture alpha below this is a hole; 0: opaque */
 };
 
-layout(std430, set = 0, binding = 0) readonly buffer scene_materials_block {
-    SceneMaterial scene_materials[];
+layout(std140, set = 0, binding = 2) uniform scene_materials_block {
+    SceneMaterial scene_materials[2048];
 };
 
 View view = frame.light_view;
 
+layout(push_constant) uniform Pass_layer {
+    int pass_layer; /* -1: all */
+};
+
+/* A device without shaderOutputLayer draws each layer alone, and no vertex of others. */
+void diptych_end()
+{
+    if (pass_layer >= 0 && gl_Layer != pass_layer)
+        gl_Position = vec4(65536.0, 0.0, 0.0, 1.0);
+}
 /* Zero, which no compiler knows. */
 uint diptych_zero()
 {
     return uint(gl_VertexIndex) >> 31;
 }
 
-#line 1 1
+#line 1 2
 #ifdef VERTEX
 layout(location = 0) out vec3 normal;
 void main()

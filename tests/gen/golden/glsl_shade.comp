@@ -3,13 +3,14 @@
 #define COMPUTE
 #define EXACT
 
-layout(local_size_x = 8, local_size_y = 8, local_size_z = 1) in;
+layout(local_size_x = 16, local_size_y = 16, local_size_z = 1) in;
 
 #define half_width (int(frame.width) / 2)
 const int nearest = 3;
 
-layout(std140, set = 0, binding = 5) uniform Live {
+layout(std140, set = 0, binding = 4) uniform Live {
     float exposure;
+    layout(offset = 16) int later;
 };
 
 struct Light2 {
@@ -92,7 +93,7 @@ struct Light {
     float cos_outer;
 };
 
-layout(std140, set = 0, binding = 4) uniform Frame {
+layout(std140, set = 0, binding = 3) uniform Frame {
     View camera;
     View light_view;
     Light light;
@@ -170,15 +171,15 @@ ivec2 tile_class_size(int class_index, ivec2 size, ivec2 tile)
 const int points_count = 64;
 const ivec2 tile_tile = ivec2(4, 2);
 layout(set = 0, binding = 0, rgba16f) readonly uniform image2D normals_image;
-layout(set = 0, binding = 1, rgba32f) writeonly uniform image2D result_image;
-layout(std430, set = 0, binding = 2) readonly buffer lights_block {
-    Light2 lights[];
-};
-#define cells_count ((int(frame.width) / 8 + int(int(frame.width) % 8 > 0)))
-layout(std430, set = 0, binding = 3) buffer cells_block {
-    Cell cells[];
+layout(std140, set = 0, binding = 5) uniform lights_block {
+    Light2 lights[40];
 };
 layout(set = 0, binding = 6) uniform sampler2DArrayShadow shadows_texture;
+#define cells_count ((int(frame.width) / 8 + int(int(frame.width) % 8 > 0)))
+layout(std430, set = 0, binding = 2) buffer cells_block {
+    Cell cells[];
+};
+layout(set = 0, binding = 1, rgba32f) uniform image2D result_image;
 
 int tile_class(ivec2 p)
 {
@@ -241,6 +242,11 @@ vec4 normals(ivec2 p)
     return imageLoad(normals_image, p);
 }
 
+float shadows_compare(vec3 uv, float reference)
+{
+    return textureGrad(shadows_texture, vec4(uv, reference), vec2(0.0), vec2(0.0));
+}
+
 ivec2 result_size()
 {
     return imageSize(result_image);
@@ -251,13 +257,8 @@ void result_store(ivec2 p, vec4 value)
     imageStore(result_image, p, value);
 }
 
-float shadows_compare(vec3 uv, float reference)
-{
-    return textureGrad(shadows_texture, vec4(uv, reference), vec2(0.0), vec2(0.0));
-}
-
-shared vec3 subset_position[2];
-shared vec3 subset_flux[2];
+shared vec3 subset_position[5];
+shared vec3 subset_flux[5];
 
 /* Zero, which no compiler knows. */
 uint diptych_zero()
@@ -272,18 +273,21 @@ uint diptych_zero()
 #line 1 1
 void main()
 {
-    ivec2 p = interleave_pixel();
-    vec3 n = normals(p). xyz;
-    vec3 sum = vec3(0.0);
-    { /* range subset: 5 of lights */
+{ /* what the loops over ranges read */
     int subset_first = interleave_class() * 5;
-    barrier();
-    if (gl_LocalInvocationIndex < 2u) {
+    if (gl_LocalInvocationIndex < 5u) {
         int i = int(gl_LocalInvocationIndex);
         subset_position[i] = lights[subset_first + i].position;
         subset_flux[i] = lights[subset_first + i].flux;
     }
     barrier();
+}
+#line 2 1
+
+    ivec2 p = interleave_pixel();
+    vec3 n = normals(p). xyz;
+    vec3 sum = vec3(0.0);
+    { /* range subset: 5 of lights */
     {
         const int subset_index = 0;
         Light2 v;
@@ -304,45 +308,31 @@ void main()
         sum += v . flux * max(dot(n, v . position), 0.0)* float(subset_index + 1);
     
     }
-    barrier();
-    if (gl_LocalInvocationIndex < 2u) {
-        int i = int(gl_LocalInvocationIndex);
-        subset_position[i] = lights[subset_first + 2 + i].position;
-        subset_flux[i] = lights[subset_first + 2 + i].flux;
-    }
-    barrier();
     {
-        int subset_index = 2 + 0;
+        const int subset_index = 2;
         Light2 v;
-        v.position = subset_position[0];
-        v.flux = subset_flux[0];
+        v.position = subset_position[2];
+        v.flux = subset_flux[2];
 #line 6 1
 
         sum += v . flux * max(dot(n, v . position), 0.0)* float(subset_index + 1);
     
     }
     {
-        int subset_index = 2 + 1;
+        const int subset_index = 3;
         Light2 v;
-        v.position = subset_position[1];
-        v.flux = subset_flux[1];
+        v.position = subset_position[3];
+        v.flux = subset_flux[3];
 #line 6 1
 
         sum += v . flux * max(dot(n, v . position), 0.0)* float(subset_index + 1);
     
     }
-    barrier();
-    if (gl_LocalInvocationIndex < 1u) {
-        int i = int(gl_LocalInvocationIndex);
-        subset_position[i] = lights[subset_first + 4 + i].position;
-        subset_flux[i] = lights[subset_first + 4 + i].flux;
-    }
-    barrier();
     {
-        int subset_index = 4 + 0;
+        const int subset_index = 4;
         Light2 v;
-        v.position = subset_position[0];
-        v.flux = subset_flux[0];
+        v.position = subset_position[4];
+        v.flux = subset_flux[4];
 #line 6 1
 
         sum += v . flux * max(dot(n, v . position), 0.0)* float(subset_index + 1);

@@ -58,7 +58,7 @@ uint diptych_zero()
     return uint(gl_FrontFacing) >> 1;
 }
 
-#line 1 1
+#line 1 3
 void main()
 {
     display = result(ivec2(gl_FragCoord.xy)) * depth_sample(gl_FragCoord.xy);
