@@ -2,12 +2,12 @@
 
     random_glsl.py [--seed N] [--programs N] BUILD SIDE...
 
-A program is a list of statements, evaluated here with float32 and 32-bit integers. Its forms: plain; through macros; with
-parentheses, comments and continued lines; through functions; among dead branches, with names that the generator or GLSL has. All
-forms leave the bits that the evaluation gives."""
+A program is a list of statements, evaluated here with float32 and 32-bit integers. Its forms: plain; through functions; with names
+that the generator or GLSL has. All forms leave the bits that the evaluation gives."""
 import argparse
 import os
 import random
+import re
 import shutil
 import sys
 
@@ -18,7 +18,7 @@ import bodies
 F32 = np.float32
 SLOTS = 2          # results of a program
 PER_BODY = 2       # programs of a body: drivers take long over long shaders
-FORMS = ("plain", "macros", "spaced", "functions", "dead")
+FORMS = ("plain", "functions", "names")
 PARAMS = {"one": F32(1), "two": F32(2), "three": F32(3), "half_": F32(0.5)}
 NAMES = ["PI", "View", "Light", "saturate", "round_", "luminance", "hash", "view", "frame", "camera", "light", "invocation", "exact_mix",
          "approximate_sqrt", "metric_dot", "store_half", "filter_blend", "scene_radius", "hammersley", "tile_class"]
@@ -297,54 +297,29 @@ class Writer:
         self.head, self.made, self.names = [], {}, {}
 
     def name(self, name):
-        if self.form != "dead":
+        if self.form != "names":
             return name
         if name not in self.names:
             free = [word for word in NAMES if word not in self.names.values()]
             self.names[name] = self.source.choice(free) if free and self.source.random() < 0.5 else f"renamed_{name}"
         return self.names[name]
 
-    def gap(self):
-        return self.source.choice([" ", " /* + 1.0 */ ", " \\\n  ", "\n", " // )\n "]) if self.form == "spaced" else " "
-
     def through(self, key, kind, kinds, text):
-        """A macro or function of arguments a, b, ... that stands for the text."""
+        """A function of arguments a, b, ... that stands for the text."""
         if key not in self.made:
             name = self.made[key] = f"m{self.number}_{len(self.made)}"
-            words = [f"{'abc'[i]}" for i in range(len(kinds))]
-            if self.form == "macros":
-                shown = text
-                for word in words:
-                    shown = shown.replace(f"<{word}>", f"({word})")
-                self.head.append(f"#define {name}({', '.join(words)}) ({shown})" if self.source.random() < 0.7 else
-                                 f"#define {name}( {', '.join(words)} ) \\\n    ( {shown} )")
-            else:
-                shown = text
-                for word in words:
-                    shown = shown.replace(f"<{word}>", word)
-                parameters = ", ".join(f"{one} {word}" for one, word in zip(kinds, words))
-                self.head.append(f"{kind} {name}({parameters}) {{ return {shown}; }}")
+            parameters = ", ".join(f"{one} {word}" for one, word in zip(kinds, "abc"))
+            shown = re.sub("<([abc])>", r"\1", text)
+            self.head.append(f"{kind} {name}({parameters}) {{ return {shown}; }}")
         return self.made[key]
 
     def wrapped(self, key, kind, kinds, text, parts):
-        """The text with its parts in place of <a>, <b>: as it is, or through a macro or function."""
-        if self.form in ("macros", "functions") and self.source.random() < 0.5:
+        """The text with its parts in place of <a>, <b>: as it is, or through a function."""
+        if self.form == "functions" and self.source.random() < 0.5:
             return f"{self.through((key, kind, tuple(kinds)), kind, kinds, text)}({', '.join(parts)})"
         for word, part in zip("abc", parts):
             text = text.replace(f"<{word}>", part)
         return f"({text})"
-
-    def literal(self, node):
-        if node[1] == "float":
-            text = repr(float(node[2]))
-            if self.form == "macros" and self.source.random() < 0.5:
-                name = f"K{self.number}_{text.replace('.', '_')}"
-                if ("literal", text) not in self.made:
-                    self.made["literal", text] = name
-                    self.head.append(f"#define {name} {text} /* as it is */")
-                return name
-            return text
-        return f"{node[2]}{'u' if node[1] == 'uint' else ''}"
 
     def expression(self, node):
         what, kind = node[0], node[1]
@@ -355,15 +330,15 @@ class Writer:
         if what == "param":
             return node[2]
         if what == "literal":
-            return self.literal(node)
+            return repr(float(node[2])) if kind == "float" else f"{node[2]}{'u' if kind == 'uint' else ''}"
         if what in ("to_int", "to_uint", "from_int"):
             return f"{kind}({parts[0]})"
         if what == "vector":
             return f"{kind}({', '.join(self.expression(part) for part in node[2])})"
         if what in ("operator", "shift"):
-            return self.wrapped((what, node[2]), kind, kinds, f"<a>{self.gap()}{node[2]}{self.gap()}<b>", parts)
+            return self.wrapped((what, node[2]), kind, kinds, f"<a> {node[2]} <b>", parts)
         if what == "choose":
-            return f"({parts[0]} ?{self.gap()}{parts[1]} : {parts[2]})"
+            return f"({parts[0]} ? {parts[1]} : {parts[2]})"
         if what == "minus":
             return f"(-{parts[0]})"
         if what == "compare":
@@ -378,25 +353,14 @@ class Writer:
         inner = ", ".join(f"<{'abc'[i]}>" for i in range(len(parts)))
         return self.wrapped(node[2], kind, [kind] * len(parts), f"{node[2]}({inner})", parts)
 
-    def dead(self):
-        if self.form != "dead" or self.source.random() < 0.5:
-            return []
-        return self.source.choice([
-            ["#if 0", "const float two = 3.0; syntax error / ( // */", "#endif"],
-            ["if (false) { result[0] = 1.0 / 0.0; }"],
-            ["#ifdef NOWHERE", "#include \"nowhere.glsl\"", "#elif 1", "#else", "#define one two", "#endif"],
-            ["{ const float one = 9.0; float two = one; two /= one; }"],
-        ])
-
     def statements(self, nodes):
         lines = []
         for node in nodes:
-            lines += self.dead()
             what = node[0]
             if what == "declare":
-                lines.append(f"{node[1]} {self.name(node[2])}{self.gap()}= {self.expression(node[3])};")
+                lines.append(f"{node[1]} {self.name(node[2])} = {self.expression(node[3])};")
             elif what == "assign":
-                lines.append(f"{self.name(node[2])}{self.gap()}{node[3]} {self.expression(node[4])};")
+                lines.append(f"{self.name(node[2])} {node[3]} {self.expression(node[4])};")
             elif what == "if":
                 lines += [f"if ({self.expression(node[2])}) {{", *self.statements(node[3]), "} else {", *self.statements(node[4]), "}"]
             elif what == "for":
