@@ -198,19 +198,6 @@ static const struct dt_storage storage[] = {
     [SMALL_RESOURCE_SHOWN] = {.usage = DT_WRITE_STORAGE, .slot = 3, .share = -1},
 };
 
-static const struct dt_storage storage_gpu[] = {
-    [SMALL_RESOURCE_LAMPS] = {.usage = DT_READ_STORAGE | DT_WRITE_STORAGE, .slot = 4, .share = -1},
-    [SMALL_RESOURCE_NORMAL] = {.usage = DT_READ_STORAGE | DT_WRITE_COLOR, .slot = 2, .share = -1},
-    [SMALL_RESOURCE_DEPTH] = {.usage = DT_READ_TEXTURE | DT_READ_DEPTH | DT_WRITE_DEPTH, .slot = 3,
-        .share = -1, .clear = {1.0f, 1.0f, 1.0f, 1.0f}},
-    [SMALL_RESOURCE_LIT] = {.usage = DT_READ_STORAGE | DT_WRITE_STORAGE | DT_READ_TEXTURE,
-        .slot = 0, .share = -1},
-    [SMALL_RESOURCE_HALO] = {.usage = DT_READ_STORAGE | DT_WRITE_COLOR, .slot = 3, .share = -1,
-        .clear = {0.0f, 0.0f, 0.0f, 1.0f}},
-    [SMALL_RESOURCE_TRAIL] = {.usage = DT_READ_STORAGE | DT_WRITE_STORAGE, .slot = 1, .share = -1},
-    [SMALL_RESOURCE_SHOWN] = {.usage = DT_WRITE_STORAGE, .slot = 3, .share = -1},
-};
-
 static const struct dt_sampler samplers[] = {
     {.name = "soft", .linear = true, .wrap = DT_WRAP_CLAMP, .anisotropy = 1.0f},
 };
@@ -251,84 +238,6 @@ static const struct dt_program programs[] = {
              .layout = DT_LAYOUT_GENERAL, .access = DT_WRITE_STORAGE},
             {.binding = 2, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
             {.binding = 3, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
-        },
-        .binding_count = 6,
-    },
-    [SMALL_PASS_GLOW] = {
-        .bindings = (const struct dt_binding[]){
-            {.binding = 2, .resource = SMALL_RESOURCE_LIT, .kind = DT_BIND_TEXTURE,
-             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ},
-            {.binding = 0, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
-            {.binding = 1, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
-        },
-        .binding_count = 3,
-        .colors = (const struct dt_target[]){
-            {.resource = SMALL_RESOURCE_HALO},
-        },
-        .color_count = 1,
-    },
-    [SMALL_PASS_FOLLOW] = {
-        .bindings = (const struct dt_binding[]){
-            {.binding = 0, .resource = SMALL_RESOURCE_LIT, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_READ_STORAGE},
-            {.binding = 1, .resource = SMALL_RESOURCE_HALO, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_READ_STORAGE},
-            {.binding = 2, .resource = SMALL_RESOURCE_TRAIL, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_READ_STORAGE | DT_WRITE_STORAGE},
-            {.binding = 3, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
-            {.binding = 4, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
-        },
-        .binding_count = 5,
-    },
-    [SMALL_PASS_SHOW] = {
-        .bindings = (const struct dt_binding[]){
-            {.binding = 0, .resource = SMALL_RESOURCE_TRAIL, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_READ_STORAGE},
-            {.binding = 1, .resource = SMALL_RESOURCE_SHOWN, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_WRITE_STORAGE},
-            {.binding = 2, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
-            {.binding = 3, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
-        },
-        .binding_count = 4,
-    },
-};
-
-static const struct dt_program programs_gpu[] = {
-    [SMALL_PASS_SCENE] = {
-        .bindings = (const struct dt_binding[]){
-            {.binding = 1, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
-            {.binding = 2, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
-            {.binding = 0, .resource = DT_SCENE_MATERIALS, .kind = DT_BIND_STORAGE},
-            {.binding = 3, .resource = DT_SCENE_TEXTURES, .kind = DT_BIND_TEXTURE,
-             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ, .sampler = -1},
-        },
-        .binding_count = 4,
-        .colors = (const struct dt_target[]){
-            {.resource = SMALL_RESOURCE_NORMAL},
-        },
-        .color_count = 1,
-        .depth = &(const struct dt_target){.resource = SMALL_RESOURCE_DEPTH},
-        .depth_test = true, .depth_write = true, .attributes = 3,
-    },
-    [SMALL_PASS_PLACE] = {
-        .bindings = (const struct dt_binding[]){
-            {.binding = 0, .resource = SMALL_RESOURCE_LAMPS, .kind = DT_BIND_STORAGE},
-            {.binding = 1, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
-            {.binding = 2, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
-        },
-        .binding_count = 3,
-    },
-    [SMALL_PASS_SHADE] = {
-        .bindings = (const struct dt_binding[]){
-            {.binding = 0, .resource = SMALL_RESOURCE_NORMAL, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_READ_STORAGE},
-            {.binding = 5, .resource = SMALL_RESOURCE_DEPTH, .kind = DT_BIND_TEXTURE,
-             .mip = DT_ALL_MIPS, .layout = DT_LAYOUT_READ, .sampler = -1},
-            {.binding = 2, .resource = SMALL_RESOURCE_LAMPS, .kind = DT_BIND_STORAGE},
-            {.binding = 1, .resource = SMALL_RESOURCE_LIT, .kind = DT_BIND_IMAGE,
-             .layout = DT_LAYOUT_GENERAL, .access = DT_WRITE_STORAGE},
-            {.binding = 3, .resource = DT_FRAME, .kind = DT_BIND_UNIFORM},
-            {.binding = 4, .resource = DT_LIVE, .kind = DT_BIND_UNIFORM},
         },
         .binding_count = 6,
     },
@@ -420,17 +329,6 @@ static const struct dt_barrier shade_barriers[] = {
      .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL, .discard = true},
 };
 
-static const struct dt_barrier shade_barriers_gpu[] = {
-    {.resource = SMALL_RESOURCE_NORMAL, .from_stages = DT_STAGE_COLOR, .from = DT_WRITE_COLOR,
-     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE, .layout = DT_LAYOUT_GENERAL},
-    {.resource = SMALL_RESOURCE_DEPTH, .from_stages = DT_STAGE_DEPTH, .from = DT_WRITE_DEPTH,
-     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_TEXTURE, .layout = DT_LAYOUT_READ},
-    {.resource = SMALL_RESOURCE_LAMPS, .from_stages = DT_STAGE_COMPUTE, .from = DT_WRITE_STORAGE,
-     .to_stages = DT_STAGE_COMPUTE, .to = DT_READ_STORAGE},
-    {.resource = SMALL_RESOURCE_LIT, .from_stages = DT_STAGE_COMPUTE, .to_stages = DT_STAGE_COMPUTE,
-     .to = DT_WRITE_STORAGE, .layout = DT_LAYOUT_GENERAL, .discard = true},
-};
-
 /* every lamp on every pixel */
 static bool record_shade(const struct dt_recording *r, const struct dt_barrier *barriers)
 {
@@ -444,21 +342,6 @@ static bool record_shade(const struct dt_recording *r, const struct dt_barrier *
     ok = ok &&
         v->dispatch(r->runtime, SMALL_PASS_SHADE, dt_groups(size[0], 16), dt_groups(size[1], 16),
         1);
-    return ok && v->end(r->runtime, SMALL_PASS_SHADE);
-}
-
-/* every lamp on every pixel */
-static bool record_shade_gpu(const struct dt_recording *r, const struct dt_barrier *barriers)
-{
-    const struct dt_verbs *v = r->verbs;
-    uint32_t size[3];
-    bool ok = v->begin(r->runtime, SMALL_PASS_SHADE, true);
-
-    extent(&small_pipeline, SMALL_RESOURCE_LIT, r->width, r->height, size);
-    ok = ok && v->barriers(r->runtime, SMALL_PASS_SHADE, barriers, 4);
-    ok = ok && v->bind(r->runtime, SMALL_PASS_SHADE);
-    ok = ok &&
-        v->dispatch(r->runtime, SMALL_PASS_SHADE, dt_groups(size[0], 8), dt_groups(size[1], 8), 1);
     return ok && v->end(r->runtime, SMALL_PASS_SHADE);
 }
 
@@ -539,29 +422,6 @@ static bool record(const struct dt_recording *r)
         record_show(r, show_barriers);
 }
 
-static bool record_gpu(const struct dt_recording *r)
-{
-    return record_scene(r, scene_barriers) &&
-        record_place(r) &&
-        record_shade_gpu(r, shade_barriers_gpu) &&
-        record_glow(r, glow_barriers) &&
-        record_follow(r, follow_barriers) &&
-        record_show(r, show_barriers);
-}
-
-static const struct dt_panel panel_gpu = {
-    .version = DT_MAKE_VERSION(0, 1, 0),
-    .pipeline = &small_pipeline,
-    .storage = storage_gpu,
-    .samplers = samplers,
-    .sampler_count = 1,
-    .programs = programs_gpu,
-    .needs = needs,
-    .need_count = 1,
-    .slot_count = 5,
-    .record = record_gpu,
-};
-
 const struct dt_panel small_panel = {
     .version = DT_MAKE_VERSION(0, 1, 0),
     .pipeline = &small_pipeline,
@@ -575,5 +435,4 @@ const struct dt_panel small_panel = {
     .demand_count = 1,
     .slot_count = 5,
     .record = record,
-    .gpu = &panel_gpu,
 };

@@ -10,9 +10,6 @@ static const uint8_t glow_vertex_packed[] = { /* packed SPIR-V */
 static const uint8_t glow_fragment_packed[] = { /* packed SPIR-V */
 static const uint8_t follow_compute_packed[] = { /* packed SPIR-V */
 static const uint8_t show_compute_packed[] = { /* packed SPIR-V */
-static const uint8_t scene_vertex_gpu_packed[] = { /* packed SPIR-V */
-static const uint8_t scene_fragment_gpu_packed[] = { /* packed SPIR-V */
-static const uint8_t shade_compute_gpu_packed[] = { /* packed SPIR-V */
 static const struct dt_stages stages[] = {
     [SMALL_PASS_SCENE] = {.vertex = {NULL, 0 /* bytes of SPIR-V */, scene_vertex_packed, NULL},
         .fragment = {NULL, 0 /* bytes of SPIR-V */, scene_fragment_packed, NULL}},
@@ -22,14 +19,6 @@ static const struct dt_stages stages[] = {
         .fragment = {NULL, 0 /* bytes of SPIR-V */, glow_fragment_packed, NULL}},
     [SMALL_PASS_FOLLOW] = {.compute = {NULL, 0 /* bytes of SPIR-V */, follow_compute_packed, NULL}},
     [SMALL_PASS_SHOW] = {.compute = {NULL, 0 /* bytes of SPIR-V */, show_compute_packed, NULL}},
-    [SMALL_PASSES + SMALL_PASS_SCENE] = {.vertex = {NULL, 0 /* bytes of SPIR-V */, scene_vertex_gpu_packed, NULL},
-        .fragment = {NULL, 0 /* bytes of SPIR-V */, scene_fragment_gpu_packed, NULL}},
-    [SMALL_PASSES + SMALL_PASS_PLACE] = {.compute = {NULL, 0 /* bytes of SPIR-V */, place_compute_packed, NULL}},
-    [SMALL_PASSES + SMALL_PASS_SHADE] = {.compute = {NULL, 0 /* bytes of SPIR-V */, shade_compute_gpu_packed, NULL}},
-    [SMALL_PASSES + SMALL_PASS_GLOW] = {.vertex = {NULL, 0 /* bytes of SPIR-V */, glow_vertex_packed, NULL},
-        .fragment = {NULL, 0 /* bytes of SPIR-V */, glow_fragment_packed, NULL}},
-    [SMALL_PASSES + SMALL_PASS_FOLLOW] = {.compute = {NULL, 0 /* bytes of SPIR-V */, follow_compute_packed, NULL}},
-    [SMALL_PASSES + SMALL_PASS_SHOW] = {.compute = {NULL, 0 /* bytes of SPIR-V */, show_compute_packed, NULL}},
 };
 
 const struct dt_shaders small_gl = {"gl", &small_panel, stages};
