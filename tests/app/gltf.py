@@ -20,6 +20,14 @@ CAMERA = "camera: {eye: [0, 0, 5], target: [0, 0, 0], fov_y: 40}\n"
 SUN = "light: {kind: directional, direction: [0, -1, 0], irradiance: [1, 1, 1]}\n"
 VERTEX = np.dtype([("position", "f4", 3), ("normal", "f4", 3), ("uv", "f4", 2), ("material", "u4"), ("triangle", "u4")])
 MATERIAL = np.dtype([("albedo", "f4", 3), ("texture", "i4"), ("emission", "f4", 3), ("alpha_cutoff", "f4")])
+VIEW = np.dtype([("view", "f4", (4, 4)), ("projection", "f4", (4, 4)), ("view_projection", "f4", (4, 4)),
+                 ("inverse_view_projection", "f4", (4, 4)), ("position", "f4", 3), ("near_plane", "f4"), ("direction", "f4", 3),
+                 ("far_plane", "f4")])
+LIGHT = np.dtype([("position", "f4", 3), ("kind", "i4"), ("direction", "f4", 3), ("area", "f4"), ("color", "f4", 3), ("cos_inner", "f4"),
+                  ("cos_outer", "f4"), ("padding", "f4", 3)])
+FRAME = np.dtype([("camera", VIEW), ("light_view", VIEW), ("light", LIGHT), ("scene_center", "f4", 3), ("scene_radius", "f4"),
+                  ("width", "u4"), ("height", "u4"), ("index", "u4"), ("triangle_count", "u4"), ("previous_camera", VIEW),
+                  ("jitter", "f4", 2), ("time", "f4"), ("first", "u4")])
 OBJECT = np.dtype([("transform", "f4", (4, 4)), ("inverse", "f4", (4, 4)), ("center", "f4", 3), ("radius", "f4"),
                    ("first_index", "u4"), ("index_count", "u4"), ("material", "u4"), ("mesh", "u4")])
 
@@ -30,14 +38,14 @@ def holds(truth, what):
 
 
 class Scene:
-    """What scene-print tells of a scene file."""
+    """What scene-print tells of a scene file, with frames of 200 x 100 pixels."""
 
-    def __init__(self, path, *meshes):
-        run = subprocess.run([PROBE, path, *meshes], stdout=subprocess.PIPE, check=True)
+    def __init__(self, path, *meshes_and_motion):
+        run = subprocess.run([PROBE, path, *meshes_and_motion], stdout=subprocess.PIPE, check=True)
         line, rest = run.stdout.split(b"\n", 1)
-        self.__dict__.update(json.loads(line))
+        self.__dict__.update(json.loads(line.decode(errors="replace")))
         self.told = "".join(text + "\n" for level, text in self.messages if level in ("warning", "error"))
-        parts = {"vertices": VERTEX, "indices": np.dtype("u4"), "materials": MATERIAL, "objects": OBJECT}
+        parts = {"vertices": VERTEX, "indices": np.dtype("u4"), "materials": MATERIAL, "objects": OBJECT, "frames": FRAME}
         for name, kind in parts.items():
             count = getattr(self, name)
             setattr(self, name, np.frombuffer(rest, kind, count))

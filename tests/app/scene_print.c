@@ -1,9 +1,11 @@
-/* scene-print SCENE [MESHES]: loads a scene and writes what it holds, for gltf.py: a
- * line of JSON with the messages and counts, then the arrays as they lie in memory. */
+/* scene-print SCENE [MESHES [MOTION]]: loads a scene and writes what it holds, for gltf.py and
+ * scenes.py: a line of JSON with the messages and counts, then the arrays as they lie in memory.
+ * With a motion all of its frames, and one behind the last. */
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 
+#include "motion.h"
 #include "scene.h"
 
 static void hear(void *user, enum dt_level level, const char *message)
@@ -27,9 +29,14 @@ int main(int count, char **words)
     struct scene scene = {0};
     cJSON *root = cJSON_CreateObject();
     const struct dt_log log = {hear, cJSON_AddArrayToObject(root, "messages")};
-    if (count < 2 || count > 3)
+    if (count < 2 || count > 4)
         return 2;
     bool loaded = scene_load(&scene, words[1], count > 2 ? words[2] : NULL, false, &log);
+    uint32_t frames = loaded;
+    if (count > 3)
+        frames = loaded && scene_load_motion(&scene, words[3], &log)
+                     ? motion_frames(scene.motion) + 1
+                     : 0;
     const struct dt_scene *data = &scene.data;
     const struct {
         const char *name;
@@ -39,6 +46,7 @@ int main(int count, char **words)
                    {"indices", data->index_count},
                    {"materials", data->material_count},
                    {"objects", data->object_count},
+                   {"frames", frames},
                    {"width", data->texture_width},
                    {"height", data->texture_height},
                    {"layers", data->texture_layers},
@@ -53,6 +61,11 @@ int main(int count, char **words)
     write_array(data->indices, data->index_count, sizeof *data->indices);
     write_array(data->materials, data->material_count, sizeof *data->materials);
     write_array(data->objects, data->object_count, sizeof *data->objects);
+    for (uint32_t i = 0; i < frames; i++) {
+        struct dt_frame frame;
+        scene_frame_at(&scene, i, 200, 100, &frame);
+        write_array(&frame, 1, sizeof frame);
+    }
     write_array(data->texels, loaded ? scene_texel_bytes(data) : 0, 1);
     write_array(&scene.camera, 1, sizeof scene.camera);
     write_array(scene.bounds_min, 3, sizeof(float));
