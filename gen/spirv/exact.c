@@ -35,6 +35,7 @@ static const struct {
     {SpvOpDot, "dot"},
     {SpvOpIsNan, "isnan"},
     {SpvOpIsInf, "isinf"},
+    {SpvOpFOrdNotEqual, "differ"}, /* which GLSL has no word for */
 };
 
 struct exact {
@@ -108,6 +109,20 @@ static bool constant_bits(const struct exact *exact, uint32_t id, uint32_t *bits
     for (uint32_t word = 4; equal && word < spirv_length(constant); word++)
         equal = constant[word] == constant[3];
     return equal;
+}
+
+/* Whether it is a constant without NaN and -0, and if so said, without 0. */
+static bool is_plain(const struct exact *exact, uint32_t id, bool zero)
+{
+    const uint32_t *constant = spirv_definition(exact->from, id);
+    bool plain =
+        spirv_is(constant, SpvOpConstantComposite) || spirv_is(constant, SpvOpCompositeConstruct);
+    if (spirv_is(constant, SpvOpConstant))
+        return constant[3] != 0x80000000u && (constant[3] & 0x7fffffffu) <= 0x7f800000u &&
+               (zero || constant[3]);
+    for (uint32_t word = 3; plain && word < spirv_length(constant); word++)
+        plain = is_plain(exact, constant[word], zero);
+    return plain;
 }
 
 /* A constant of the type, all of whose components have these bits. */
@@ -226,17 +241,42 @@ static bool is_quotient(const struct exact *exact, const uint32_t *product, uint
     return true;
 }
 
+/* max(x, 0.0) and the like have a form for constants, which come last there. `own`: room for the instruction. */
+static void take_constant_form(const struct exact *exact, const char **name,
+                               const uint32_t **instruction, uint32_t own[7])
+{
+    static const char *const forms[][2] = {
+        {"max", "max_constant"}, {"min", "min_constant"}, {"clamp", "clamp_constant"}};
+    const uint32_t *i = *instruction;
+    uint32_t form = 0, last = spirv_length(i) - 1;
+    while (form < DT_ARRAY_COUNT(forms) && strcmp(*name, forms[form][0]) != 0)
+        form++;
+    if (form == DT_ARRAY_COUNT(forms))
+        return;
+    if (last == 6 && !is_plain(exact, i[6], form == 0)) {
+        memcpy(own, i, 7 * sizeof *own);
+        own[5] = i[6];
+        own[6] = i[5];
+        i = own;
+    }
+    if (is_plain(exact, i[6], form != 1) && is_plain(exact, i[last], form == 0)) {
+        *instruction = i;
+        *name = forms[form][1];
+    }
+}
+
 /* Writes calls instead of an open operation; false: it stays. */
 static bool replace(struct exact *exact, const uint32_t *instruction)
 {
-    uint32_t first, quotient[5];
+    uint32_t first, own[7];
     const char *name = replacement_of(exact, instruction, &first);
-    if (is_quotient(exact, instruction, quotient)) {
-        instruction = quotient;
+    if (is_quotient(exact, instruction, own)) {
+        instruction = own;
         name = "quotient";
     }
     if (!name)
         return put_shift(exact, instruction);
+    take_constant_form(exact, &name, &instruction, own);
     if (put_product(exact, instruction))
         return true;
     uint32_t function = find_replacement(exact, instruction, name, first, false);

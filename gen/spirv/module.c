@@ -101,8 +101,9 @@ bool spirv_is_arithmetic(const uint32_t *instruction)
     case SpvOpOuterProduct:
     case SpvOpDot:
         return true;
-    default:
-        return false;
+    default: /* comparisons: a driver may take !(a < b) for a >= b */
+        return spirv_opcode(instruction) >= SpvOpFOrdEqual &&
+               spirv_opcode(instruction) <= SpvOpFUnordGreaterThanEqual;
     }
 }
 

@@ -68,7 +68,7 @@ uint32_t spirv_result(const uint32_t *instruction);
 uint32_t spirv_result_word(const uint32_t *instruction);
 /* Whether a word of an instruction is a number or text, not an id. */
 bool spirv_is_literal(const uint32_t *instruction, uint32_t word);
-/* Whether it computes with floats and may be contracted with others. */
+/* Whether it computes with floats, or compares them, and may be contracted with others. */
 bool spirv_is_arithmetic(const uint32_t *instruction);
 /* The name of an id; NULL: it has none. */
 const char *spirv_name(const struct spirv *module, uint32_t id);

@@ -151,11 +151,17 @@ static const uint16_t exact_operations[] = {
     SpvOpSLessThanEqual,
     SpvOpFNegate,
     SpvOpFOrdEqual,
+    SpvOpFUnordEqual,
+    SpvOpFOrdNotEqual,
     SpvOpFUnordNotEqual,
     SpvOpFOrdLessThan,
+    SpvOpFUnordLessThan,
     SpvOpFOrdGreaterThan,
+    SpvOpFUnordGreaterThan,
     SpvOpFOrdLessThanEqual,
+    SpvOpFUnordLessThanEqual,
     SpvOpFOrdGreaterThanEqual,
+    SpvOpFUnordGreaterThanEqual,
     SpvOpConvertFToU,
     SpvOpConvertFToS,
     SpvOpConvertSToF,
@@ -222,12 +228,13 @@ static const struct rule operations[] = {
 };
 
 static const uint16_t exact_functions[] = {
-    GLSLstd450RoundEven,  GLSLstd450Trunc,    GLSLstd450FAbs,        GLSLstd450SAbs,
-    GLSLstd450FSign,      GLSLstd450SSign,    GLSLstd450Floor,       GLSLstd450Ceil,
-    GLSLstd450Step,       GLSLstd450UMin,     GLSLstd450SMin,        GLSLstd450UMax,
-    GLSLstd450SMax,       GLSLstd450UClamp,   GLSLstd450SClamp,      GLSLstd450FindILsb,
-    GLSLstd450FindSMsb,   GLSLstd450FindUMsb, GLSLstd450FrexpStruct, GLSLstd450Modf,
-    GLSLstd450ModfStruct, /* newer glslang has it for modf */
+    GLSLstd450RoundEven,   GLSLstd450Trunc,      GLSLstd450FAbs,
+    GLSLstd450SAbs,        GLSLstd450FSign,      GLSLstd450SSign,
+    GLSLstd450Floor,       GLSLstd450Ceil,       GLSLstd450UMin,
+    GLSLstd450SMin,        GLSLstd450UMax,       GLSLstd450SMax,
+    GLSLstd450UClamp,      GLSLstd450SClamp,     GLSLstd450FindILsb,
+    GLSLstd450FindSMsb,    GLSLstd450FindUMsb,   GLSLstd450Modf,
+    GLSLstd450FrexpStruct, GLSLstd450ModfStruct, /* newer glslang has it for modf */
 };
 
 static const struct rule functions[] = {
@@ -260,6 +267,10 @@ static const struct rule functions[] = {
     {GLSLstd450FMin, DRIVER, "min", ZEROS},
     {GLSLstd450FMax, DRIVER, "max", ZEROS},
     {GLSLstd450FClamp, DRIVER, "clamp", ZEROS},
+    {GLSLstd450NMin, DRIVER, "min", ZEROS},
+    {GLSLstd450NMax, DRIVER, "max", ZEROS},
+    {GLSLstd450NClamp, DRIVER, "clamp", ZEROS},
+    {GLSLstd450Step, DRIVER, "step", "of NaN it may give either"},
     {GLSLstd450FMix, DRIVER, "mix", BOUND},
     {GLSLstd450SmoothStep, DRIVER, "smoothstep", BOUND},
     {GLSLstd450Fma, DRIVER, "fma", "it may round once or twice"},

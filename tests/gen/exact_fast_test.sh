@@ -8,4 +8,6 @@ if ! $python -c 'import numpy' 2>/dev/null; then
     echo "1..1"
     exit
 fi
+. "$root/tests/lib/drivers.sh"
+export STRANGERS="${strangers[*]}"
 exec $python -B -W error "$root/tests/gen/exact_fast.py" ${DIPTYCH_LONG:+--long} "${DIPTYCH_BUILD:-$root/build}"

@@ -76,6 +76,7 @@ static const struct row {
         {"x = min(x, y);", "min"},
         {"x = max(x, y);", "max"},
         {"x = clamp(x, y, 1.0);", "clamp"},
+        {"x = step(x, y);", "step"},
         {"x = mix(x, y, v.x);", "mix"},
         {"x = smoothstep(x, y, v.x);", "smoothstep"},
         {"x = fma(x, y, v.x);", "fma"},
@@ -157,11 +158,10 @@ static void count(void *user, const struct open_operation *operation)
     ++*(unsigned *)user;
 }
 
-static void prove(const char *shader, glslang_stage_t stage, const struct row *row)
+/* Findings go to `found`. */
+static void prove_code(const char *code, glslang_stage_t stage, const char *name,
+                       void (*found)(void *, const struct open_operation *), void *user)
 {
-    char code[1024];
-    unsigned found = 0;
-    snprintf(code, sizeof code, shader, row->statement);
     const glslang_input_t input = {.language = GLSLANG_SOURCE_GLSL,
                                    .stage = stage,
                                    .client = GLSLANG_CLIENT_VULKAN,
@@ -171,13 +171,14 @@ static void prove(const char *shader, glslang_stage_t stage, const struct row *r
                                    .code = code,
                                    .default_version = 460,
                                    .default_profile = GLSLANG_CORE_PROFILE,
-                                   .messages =
-                                       GLSLANG_MSG_SPV_RULES_BIT | GLSLANG_MSG_VULKAN_RULES_BIT,
+                                   .messages = GLSLANG_MSG_SPV_RULES_BIT |
+                                               GLSLANG_MSG_VULKAN_RULES_BIT |
+                                               GLSLANG_MSG_KEEP_UNCALLED_BIT,
                                    .resource = glslang_default_resource()};
     glslang_shader_t *compiled = glslang_shader_create(&input);
     glslang_program_t *program = glslang_program_create();
     if (!glslang_shader_preprocess(compiled, &input) || !glslang_shader_parse(compiled, &input))
-        fail_msg("%s: %s", row->statement, glslang_shader_get_info_log(compiled));
+        fail_msg("%s: %s", name, glslang_shader_get_info_log(compiled));
     glslang_program_add_shader(program, compiled);
     assert_true(glslang_program_link(program, input.messages));
     glslang_program_SPIRV_generate(program, stage);
@@ -185,13 +186,21 @@ static void prove(const char *shader, glslang_stage_t stage, const struct row *r
     size_t size = glslang_program_SPIRV_get_size(program);
     struct spirv module;
     assert_true(spirv_open(&module, words, size));
-    assert_true(prove_module(&module, take, (void *)row));
-    assert_true(prove_module(&module, count, &found));
+    assert_true(prove_module(&module, found, user));
     spirv_free(&module);
-    if (!found != !row->word)
-        fail_msg("%s: found nothing", row->statement);
     glslang_program_delete(program);
     glslang_shader_delete(compiled);
+}
+
+static void prove(const char *shader, glslang_stage_t stage, const struct row *row)
+{
+    char code[1024];
+    unsigned found = 0;
+    snprintf(code, sizeof code, shader, row->statement);
+    prove_code(code, stage, row->statement, take, (void *)row);
+    prove_code(code, stage, row->statement, count, &found);
+    if (!found != !row->word)
+        fail_msg("%s: found nothing", row->statement);
 }
 
 static void test_compute(void **state)
@@ -208,11 +217,36 @@ static void test_fragment(void **state)
         prove(fragment, GLSLANG_STAGE_FRAGMENT, &in_fragment[i]);
 }
 
+/* Sums and products are marked where the functions join a shader. */
+static void take_library(void *user, const struct open_operation *operation)
+{
+    (void)user;
+    if (strcmp(operation->why, "it may be contracted with other operations") != 0)
+        fail_msg("the library: found `%s`, %s", operation->word, operation->why);
+}
+
+/* All functions of the library of exact passes, also those that no shader of ours calls. */
+static void test_library(void **state)
+{
+    (void)state;
+    static char code[1 << 17];
+    size_t size = 0;
+    static const char *const paths[] = {"templates/glsl/exact.glsl", "templates/glsl/values.glsl"};
+    for (int i = 0; i < 2; i++) {
+        FILE *file = fopen(paths[i], "r");
+        assert_non_null(file);
+        size += fread(code + size, 1, sizeof code - size - 1, file);
+        fclose(file);
+    }
+    prove_code(code, GLSLANG_STAGE_COMPUTE, "the library", take_library, NULL);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_compute),
         cmocka_unit_test(test_fragment),
+        cmocka_unit_test(test_library),
     };
     glslang_initialize_process();
     return cmocka_run_group_tests(tests, NULL, NULL);
