@@ -52,7 +52,7 @@ ends() { # status: the window has ended with it, and the validation layers are s
     wait_until has_ended || kill "$window"
     wait "$window"
     status=$?
-    [ $status = "$1" ] || { cat view.err && echo "the window's exit status is $status" && return 1; }
+    [ "$status" = "$1" ] || { cat view.err && echo "the window's exit status is $status" && return 1; }
     ! grep -E 'VUID|SYNC-HAZARD|hazard detected|debug message' view.err
 }
 changed_lines() { # file file: lines of the second that the first lacks
