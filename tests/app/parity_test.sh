@@ -13,23 +13,21 @@ agrees() { # what pipeline scene options...
     check "$pipeline agrees $what" \
         "$diptych" compare --scene "$root/scenes/$scene.yaml" --spec "$root/templates/$pipeline.yaml" --debug "$@"
 }
-fewer=(--set clusters=4) # shaders with more take longer to compile than to run
+fewer=(--set clusters=4 --set first_vpls=64 --set map_size=64) # shaders with more take longer to compile than to run
 small=(--set rsm_size=128) # where the RSM is not the subject
 samples=() # of ssdo and deep, whose loops Mesa writes out
 [ -n "${DIPTYCH_LONG:-}" ] || samples=(--set samples=8)
 room=(--set map_triangles=3000) # compare reads back what the lists of triangles have room for; the Cornell Box has 30
-for scene in cornell atrium; do
-    frames=() fit=()
-    [ $scene = atrium ] || { frames=(--frames 3) fit=("${room[@]}"); } # clusters are seeded from the last frame
-    agrees "on $scene" rsm $scene --size 37x23 "${frames[@]}"
-    for pipeline in ssdo deep; do
-        agrees "on $scene" $pipeline $scene --size 37x23 "${frames[@]}" "${small[@]}" "${samples[@]}"
-    done
-    for pipeline in clustered ssvp; do
-        agrees "on $scene" $pipeline $scene --size 37x23 "${frames[@]}" "${small[@]}" "${fewer[@]}" "${fit[@]}"
-    done
+frames=(--size 37x23 --frames 3) # clusters are seeded from the last frame
+agrees "on cornell" rsm cornell "${frames[@]}"
+for pipeline in ssdo deep; do
+    agrees "on cornell" $pipeline cornell "${frames[@]}" "${small[@]}" "${samples[@]}"
 done
+agrees "on atrium" ssvp atrium --size 37x23 "${small[@]}" "${fewer[@]}"
 fewer+=("${small[@]}" "${room[@]}")
+agrees "on cornell" clustered cornell "${frames[@]}" "${fewer[@]}"
+agrees "on cornell" ssvp cornell "${frames[@]}" "${small[@]}" "${room[@]}"
+few=("${fewer[@]}" --set second_vpls=64)
 seed=${SEED:-$RANDOM}
 pipelines=(rsm ssdo deep clustered)
 [ -n "${DIPTYCH_LONG:-}" ] || pipelines=("${pipelines[seed % 4]}")
@@ -41,11 +39,11 @@ for pipeline in "${pipelines[@]}"; do
     esac
     agrees "in one pixel (seed $seed)" "$pipeline" cornell --size 1x1 "${options[@]}"
 done
-agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${fewer[@]}" --set bounces=1
-agrees "in a frame that the tile divides, direct light alone" ssvp cornell --size 68x36 "${fewer[@]}" --set bounces=0
-agrees "with 32 clusters" ssvp cornell --size 37x23 "${small[@]}" "${room[@]}" --set clusters=32
+agrees "in one pixel, first bounce alone, whose other passes are skipped" ssvp cornell --size 1x1 "${few[@]}" --set bounces=1
+agrees "in a frame that the tile divides, direct light alone" rsm cornell --size 68x36 "${small[@]}" --set bounces=0
+agrees "with 32 clusters" ssvp cornell --size 37x23 "${few[@]}" --set clusters=32
 agrees "as printed: the paper's way, Equation 2; passes of second-bounce visibility stay for what they clear" ssvp cornell \
-    --size 37x23 "${fewer[@]}" --with "$root/templates/ssvp/paper.yaml" --set metrics.vpl_distance.normal_term=dot
+    --size 37x23 "${few[@]}" --with "$root/templates/ssvp/paper.yaml" --set metrics.vpl_distance.normal_term=dot
 
 check "instant radiosity agrees" \
     "$diptych" compare --scene "$cornell" --spec "$root/templates/instant_radiosity.yaml" --size 37x23 "${small[@]}" --set first_vpls=24 --debug

@@ -171,7 +171,7 @@ void main()
 }
 END
 seeded() { # threads
-    for _ in 1 2 3; do
+    for _ in 1 2; do
         LP_NUM_THREADS=$1 "$diptych" render --spec "$work/seeded.yaml" --size 8x8 --backend vk@llvmpipe --dump "$work/seeded" --sanitize=race >"$work/found"
         [ $? = 1 ] || return
         cat "$work/found"
@@ -181,11 +181,11 @@ seeded() { # threads
             grep -qF 'seeded.glsl:11:17: undefined: element 0 of `total` is also touched by invocation (64, 0, 0), and no barrier' "$work/found" || return
     done
 }
-for threads in 0 1 2 8; do
+for threads in 1 2 8; do
     check "seeded races are found in every run with $threads threads" seeded "$threads"
 done
 
 mkdir "$work/mutants"
 cd "$root" || exit
-check "each check that is left out is missed" /usr/bin/python3 -B "$root/tests/gen/sanitize_mutants.py" "$build" "$work/mutants" "${DIPTYCH_LONG:+long}"
+check "each check that is left out is missed (seed $seed)" env SEED="$seed" /usr/bin/python3 -B "$root/tests/gen/sanitize_mutants.py" "$build" "$work/mutants" "${DIPTYCH_LONG:+long}"
 finish

@@ -16,7 +16,8 @@ is_silent() { # spec scene
     local options
     read -ra options <<<"$2"
     case $1 in
-    */post.yaml) options+=(--size 320x180 --input "photo=$root/templates/pictures/post.png") ;;
+    */post.yaml) options+=(--size 256x16 --input "photo=$root/templates/post/table.png") ;;
+    */taa.yaml) options+=(--set rsm_size=64) ;;
     esac
     "$diptych" render --spec "$1" --size 48x27 --backend vk@llvmpipe --frames 2 --dump "$work/dump" \
         --sanitize "${options[@]}" >"$work/told" 2>"$work/errors"
