@@ -177,8 +177,11 @@ static bool judge_child(int status, const struct shared *shared, const struct dt
         report_error(log, "%s: reading it takes more than %u s of processor time", shared->path,
                      shared->seconds);
     else if (WIFSIGNALED(status))
-        report_error(log, "%s: the library that reads this file crashed (%s); the file is damaged",
-                     shared->path, strsignal(WTERMSIG(status)));
+        report_error(
+            log,
+            "%s: the library that reads this file crashed (%s); the file is damaged, or nested "
+            "too deeply",
+            shared->path, strsignal(WTERMSIG(status)));
     return WIFEXITED(status) && WEXITSTATUS(status) == EXIT_SUCCESS;
 }
 

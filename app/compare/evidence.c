@@ -47,28 +47,6 @@ static bool writing_out_of_memory(const struct writing *writing)
 
 /* ---- The spec and what it is made of --------------------------------------------------------- */
 
-/* Removes "." and ".." from an absolute path, textually: the copies are plain folders without
- * links. */
-static char *plain_path(const char *path)
-{
-    char *plain = calloc(strlen(path) + 2, 1);
-    size_t length = 0;
-    for (const char *at = path; plain && *at;) {
-        size_t part = strcspn(at, "/");
-        if (part == 2 && strncmp(at, "..", 2) == 0) {
-            while (length && plain[--length] != '/')
-                continue;
-            plain[length] = 0;
-        } else if (part && !(part == 1 && *at == '.')) {
-            plain[length++] = '/';
-            memcpy(plain + length, at, part);
-            length += part;
-        }
-        at += part + (at[part] == '/');
-    }
-    return plain;
-}
-
 /* What follows `folder` and its slash, or NULL when the path does not lead into it. */
 static const char *within(const char *path, const char *folder)
 {
@@ -80,7 +58,7 @@ static const char *within(const char *path, const char *folder)
 static bool widen_root(void *user, const char *file)
 {
     struct writing *writing = user;
-    char *path = plain_path(file);
+    char *path = folder_plain_path(file);
     if (!path)
         return writing_out_of_memory(writing);
     while (!within(path, writing->evidence->pipeline->templates) &&
@@ -93,7 +71,7 @@ static bool widen_root(void *user, const char *file)
 /* Path of a spec file in the folder: templates/... or spec/.... */
 static char *copied_name(const struct writing *writing, const char *file)
 {
-    char *path = plain_path(file);
+    char *path = folder_plain_path(file);
     const char *shared = path ? within(path, writing->evidence->pipeline->templates) : NULL;
     const char *own = path ? within(path, writing->spec_root) : NULL;
     char *name =

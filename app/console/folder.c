@@ -108,6 +108,26 @@ bool folder_takes(const char *name)
     return *name && *name != '.' && !name[strspn(name, word)];
 }
 
+char *folder_plain_path(const char *path)
+{
+    char *plain = calloc(strlen(path) + 2, 1);
+    size_t length = 0;
+    for (const char *at = path; plain && *at;) {
+        size_t part = strcspn(at, "/");
+        if (part == 2 && strncmp(at, "..", 2) == 0) {
+            while (length && plain[--length] != '/')
+                continue;
+            plain[length] = 0;
+        } else if (part && !(part == 1 && *at == '.')) {
+            plain[length++] = '/';
+            memcpy(plain + length, at, part);
+            length += part;
+        }
+        at += part + (at[part] == '/');
+    }
+    return plain;
+}
+
 /* Whether the path leads nowhere but down. */
 static bool leads_down(const char *path)
 {

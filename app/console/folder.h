@@ -28,6 +28,9 @@ bool folder_can_write(struct console *console, const char *option, const char *p
 bool folder_takes(const char *name);
 /* Writes a file of such a name, which may come from anywhere. */
 bool folder_write(const struct folder *folder, const char *name, const void *data, size_t size);
+/* An absolute path without "." and "..", textually: copies are plain folders without links. free(). NULL: out of
+ * memory. */
+char *folder_plain_path(const char *path);
 /* At a path whose folders are made. It leads down, else an error. */
 bool folder_write_at(const struct folder *folder, const char *path, const void *data, size_t size);
 bool folder_write_json(const struct folder *folder, const char *name, const struct cJSON *value);

@@ -8,7 +8,11 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "scenes/child.h"
 #include "scenes/picture_size.h"
+#include "gen/check/check.h"
+
+enum { MOST_SIDE = 16384, MOST_SCALE = 1000 };
 
 /* ---- Keys of a preset ------------------------------------------------------------------------ */
 
@@ -65,14 +69,14 @@ static void name_size(const struct chain *chain, uint32_t pass, int axis, char o
 /* base * scale, rounded, as an integer expression: scale is a decimal fraction. */
 static bool scale_by(const char *base, const char *scale, char out[160])
 {
-    uint32_t above = 0, below = 1;
+    uint64_t above = 0, below = 1;
     bool point = false;
     const char *at = scale;
     for (; isdigit((unsigned char)*at) || (*at == '.' && !point); at++) {
         point |= *at == '.';
-        if (*at == '.' || below > 100000)
+        if (*at == '.' || below > 1000 || above > UINT32_MAX)
             continue;
-        above = 10 * above + (uint32_t)(*at - '0');
+        above = 10 * above + (uint64_t)(*at - '0');
         below *= point ? 10 : 1;
     }
     while (below > 1 && above % 10 == 0) {
@@ -80,10 +84,11 @@ static bool scale_by(const char *base, const char *scale, char out[160])
         below /= 10;
     }
     if (below == 1)
-        snprintf(out, 160, above == 1 ? "%.60s" : "%.60s * %u", base, above);
+        snprintf(out, 160, above == 1 ? "%.60s" : "%.60s * %u", base, (unsigned)above);
     else
-        snprintf(out, 160, "max(1, (%.60s * %u + %u) / %u)", base, above, below / 2, below);
-    return above && (!*at || *at == 'f');
+        snprintf(out, 160, "max(1, (%.60s * %u + %u) / %u)", base, (unsigned)above,
+                 (unsigned)below / 2, (unsigned)below);
+    return above && above <= MOST_SCALE * below && (!*at || *at == 'f');
 }
 
 static bool read_size(struct chain *chain, uint32_t pass, int axis, char out[160])
@@ -93,9 +98,11 @@ static bool read_size(struct chain *chain, uint32_t pass, int axis, char out[160
     const char *factor = scale ? scale->value : "1.0";
     char base[160];
     if (type && !strcmp(type->value, "absolute")) {
-        snprintf(out, 160, "%d", scale ? atoi(scale->value) : 0);
-        return atoi(out) > 0 ||
-               refuse_line(chain, type, "an absolute size needs a number of texels");
+        double side = 0;
+        bool good = scale && slang_number(scale->value, &side) && side >= 1 && side <= MOST_SIDE;
+        snprintf(out, 160, "%.0f", side);
+        return good || refuse_line(chain, scale ? scale : type,
+                                   "an absolute size needs a number of texels, 1 to 16384");
     }
     if (type && !strcmp(type->value, "viewport"))
         snprintf(base, sizeof base, "frame.%s", axis ? "height" : "width");
@@ -106,7 +113,7 @@ static bool read_size(struct chain *chain, uint32_t pass, int axis, char out[160
     else
         snprintf(base, sizeof base, "Original.%s", axis ? "height" : "width");
     return scale_by(base, factor, out) ||
-           refuse_line(chain, scale ? scale : type, "a scale is a number above 0");
+           refuse_line(chain, scale ? scale : type, "a scale is a number above 0, at most 1000");
 }
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
@@ -174,7 +181,8 @@ static bool write_text(struct chain *chain, const char *path, uint32_t index)
             memcpy(pass->file, chain->passes[i].file, sizeof pass->file);
             return true;
         }
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    char name[128];
+    import_file_name(path, name, sizeof name);
     snprintf(pass->file, sizeof pass->file, "%02u-%.*s.glsl", index, (int)strcspn(name, "."), name);
     return folder_write(&chain->import->folder, pass->file, text->data, text->length);
 }
@@ -188,8 +196,9 @@ static bool read_pass(struct chain *chain, uint32_t index)
     const struct preset_entry *period = preset_find(preset, "frame_count_mod%u", index);
     if (!shader)
         return report_error(chain_log(chain), "%s:%u: there is no shader%u",
-                            preset->entries[0].file, preset_find(preset, "shaders")->line, index);
-    char *path = slang_path(shader->file, shader->value);
+                            preset_find(preset, "shaders")->file,
+                            preset_find(preset, "shaders")->line, index);
+    char *path = pass->path = slang_path(shader->file, shader->value);
     bool good = path && slang_read(path, &pass->slang, chain_log(chain));
     if (!good)
         refuse_line(chain, shader, "this shader cannot be used");
@@ -198,11 +207,15 @@ static bool read_pass(struct chain *chain, uint32_t index)
     pass->linear = is_true(preset_find(preset, "filter_linear%u", index));
     pass->mipmap = is_true(preset_find(preset, "mipmap_input%u", index));
     pass->wrap = wrap_of(preset_find(preset, "wrap_mode%u", index));
-    pass->period = period ? (unsigned)atoi(period->value) : 0;
+    double modulus = 0;
+    if (period && (!slang_number(period->value, &modulus) || modulus < 0 || modulus > INT32_MAX))
+        return refuse_line(chain, period, "this is no number of frames");
+    pass->period = (unsigned)modulus;
     choose_format(chain, index);
+    if (good)
+        child_opens(path);
     good = good && place_pass(chain, index) && reflect_stages(chain, path, pass) &&
            write_text(chain, path, index);
-    free(path);
     return good;
 }
 
@@ -226,7 +239,7 @@ static bool read_passes(struct chain *chain)
     long count = shaders ? strtol(shaders->value, NULL, 10) : 0;
     if (!shaders)
         return report_error(chain_log(chain), "%s: this preset has no `shaders`",
-                            chain->import->name);
+                            chain->import->files[0]);
     if (count < 1 || count > MOST_PASSES)
         return refuse_line(chain, shaders, "a preset has 1 to 128 passes");
     chain->pass_count = (uint32_t)count;
@@ -256,6 +269,16 @@ static bool read_picture(struct chain *chain, const char *name, const struct pre
     struct chain_picture *picture = &chain->pictures[chain->picture_count];
     const struct preset *preset = &chain->preset;
     const struct preset_entry *entry = preset_find(preset, "%s", name);
+    char image[256];
+    snprintf(image, sizeof image, "lut_%s", name);
+    size_t word = 0;
+    while (text_is_word(name[word]))
+        word++;
+    if (name[word] || !name_is_free(image))
+        return refuse_line(chain, list, "a name of a picture is letters, digits and _");
+    for (uint32_t i = 0; i < chain->picture_count; i++)
+        if (!strcmp(chain->pictures[i].name, name))
+            return refuse_line(chain, list, "a picture stands twice");
     const char *why = "it is named in no line of the preset";
     uint32_t size[2];
     char *path = entry ? slang_path(entry->file, entry->value) : NULL;
@@ -268,7 +291,8 @@ static bool read_picture(struct chain *chain, const char *name, const struct pre
     }
     snprintf(picture->name, sizeof picture->name, "%s", name);
     const char *dot = strrchr(path, '.');
-    snprintf(picture->file, sizeof picture->file, "%s%.16s", name, dot ? dot : "");
+    snprintf(picture->file, sizeof picture->file, "%.120s%.16s", image,
+             dot && folder_takes(dot + 1) ? dot : "");
     picture->linear = is_true(preset_find(preset, "%s_linear", name));
     picture->wrap = wrap_of(preset_find(preset, "%s_wrap_mode", name));
     bool mipmap = is_true(preset_find(preset, "%s_mipmap", name));
@@ -305,7 +329,8 @@ static int numbered(const char *name, const char *prefix)
     if (strncmp(name, prefix, length) != 0 || !name[length] ||
         name[length + strspn(name + length, "0123456789")])
         return -1;
-    return atoi(name + length);
+    unsigned long number = strtoul(name + length, NULL, 10);
+    return number < INT32_MAX ? (int)number : INT32_MAX;
 }
 
 /* The pass with the alias, of which the name may go on with `ending`; -1: none. */
@@ -409,6 +434,54 @@ bool chain_size(const struct chain *chain, uint32_t pass, const char *name, char
     return size_of_image(chain, texture, out);
 }
 
+/* ---- Keys that have no meaning ----------------------------------------------------------------- */
+
+static bool is_key(const struct chain *chain, const char *key, const char *const *names,
+                   size_t count)
+{
+    static const char *const alone[] = {"shaders", "textures", "parameters", "feedback_pass"};
+    static const char *const endings[] = {"", "_linear", "_wrap_mode", "_mipmap"};
+    for (size_t i = 0; i < count; i++)
+        if (numbered(key, names[i]) >= 0)
+            return true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(alone); i++)
+        if (!strcmp(key, alone[i]))
+            return true;
+    for (uint32_t i = 0; i < chain->picture_count; i++) {
+        const char *name = chain->pictures[i].name;
+        for (size_t k = 0; k < DT_ARRAY_COUNT(endings); k++)
+            if (!strncmp(key, name, strlen(name)) && !strcmp(key + strlen(name), endings[k]))
+                return true;
+    }
+    return chain_param(chain, key);
+}
+
+static void warn_of_keys(const struct chain *chain)
+{
+    static const char *const names[] = {
+        "shader",  "alias",      "filter_linear",    "mipmap_input",     "wrap_mode",
+        "scale_x", "scale_y",    "scale_type_x",     "scale_type_y",     "frame_count_mod",
+        "scale",   "scale_type", "srgb_framebuffer", "float_framebuffer"};
+    enum { MOST_WARNINGS = 8 };
+    unsigned count = 0;
+    for (uint32_t i = 0; i < chain->preset.count; i++) {
+        const struct preset_entry *entry = &chain->preset.entries[i];
+        if (is_key(chain, entry->key, names, DT_ARRAY_COUNT(names)) || ++count > MOST_WARNINGS)
+            continue;
+        char plain[64]; /* scale_type_0 is scale_type0 */
+        size_t length = strcspn(entry->key, "0123456789");
+        snprintf(plain, sizeof plain, "%.*s%s", length ? (int)length - 1 : 0, entry->key,
+                 entry->key + length);
+        bool near = is_key(chain, plain, names, DT_ARRAY_COUNT(names));
+        report_message(chain_log(chain), DT_WARNING,
+                       "%s:%u: `%s` is no key of a preset and no parameter of its shaders%s%s%s",
+                       entry->file, entry->line, entry->key, near ? "; did you mean `" : "",
+                       near ? plain : "", near ? "`?" : "");
+    }
+    if (count > MOST_WARNINGS)
+        report_message(chain_log(chain), DT_WARNING, "%u more such keys", count - MOST_WARNINGS);
+}
+
 /* ---------------------------------------------------------------------------------------------- */
 
 bool import_preset(struct import *import, const char *path)
@@ -423,11 +496,14 @@ bool import_preset(struct import *import, const char *path)
     bool good = preset_read(path, &chain->preset, &import->console->log) && read_passes(chain) &&
                 read_pictures(chain) && (picture = import_picture(import)) &&
                 chain_write(chain, picture, &spec);
+    if (good)
+        warn_of_keys(chain);
     snprintf(name, sizeof name, "%s.yaml", import->name);
     good = good && !spec.failed && folder_write(&import->folder, name, spec.data, spec.length);
     text_free(&spec);
     for (uint32_t i = 0; i < MOST_PASSES; i++) {
         slang_free(&chain->passes[i].slang);
+        free(chain->passes[i].path);
         reflect_free(&chain->passes[i].stages[0]);
         reflect_free(&chain->passes[i].stages[1]);
     }

@@ -4,10 +4,11 @@
 #include "import/import.h"
 #include "import/slang.h"
 
-enum { MOST_PASSES = 128, MOST_PICTURES = 64, CHAIN_MIPS = 8 };
+enum { MOST_PASSES = 128, MOST_PICTURES = 64, CHAIN_MIPS = 8, MOST_HISTORY = 64 };
 
 struct chain_pass {
     struct slang slang;
+    char *path;                  /* of the shader */
     struct reflection stages[2]; /* vertex, fragment */
     char file[160];              /* of its text in the folder */
     char alias[128];             /* "": none */
@@ -46,6 +47,8 @@ struct chain_read {
 /* False: the name means nothing. */
 bool chain_find(const struct chain *chain, uint32_t pass, const char *name,
                 struct chain_read *read);
+/* The parameter of a shader with this name; NULL: none. */
+const struct slang_param *chain_param(const struct chain *chain, const char *name);
 /* GLSL for the width (axis 0) or height (1) of the texture with this name. */
 bool chain_size(const struct chain *chain, uint32_t pass, const char *name, char out[2][160]);
 

@@ -29,7 +29,7 @@ static void add_quoted(struct text *out, const char *string)
 
 /* ---- Parameters ------------------------------------------------------------------------------ */
 
-static const struct slang_param *find_param(const struct chain *chain, const char *name)
+const struct slang_param *chain_param(const struct chain *chain, const char *name)
 {
     for (uint32_t i = 0; i < chain->pass_count; i++)
         for (uint32_t k = 0; k < chain->passes[i].slang.param_count; k++)
@@ -47,7 +47,7 @@ static unsigned count_alike(const struct chain *chain, const char *name)
             const struct slang_param *param = &chain->passes[i].slang.params[k];
             if (!strcmp(param->name, name))
                 return count;
-            count += !strcasecmp(param->name, name) && find_param(chain, param->name) == param;
+            count += !strcasecmp(param->name, name) && chain_param(chain, param->name) == param;
         }
     return count;
 }
@@ -76,10 +76,14 @@ static bool is_read(const struct chain *chain, const char *name)
     return false;
 }
 
-static void write_param(const struct writing *writing, const struct slang_param *param)
+static bool write_param(const struct writing *writing, const struct slang_param *param)
 {
     const struct preset_entry *entry = preset_find(&writing->chain->preset, "%s", param->name);
-    double value = entry ? strtod(entry->value, NULL) : param->value;
+    double value = param->value;
+    if (entry && !slang_number(entry->value, &value))
+        return report_error(&writing->chain->import->console->log,
+                            "%s:%u: %s = %s: a parameter is a finite number", entry->file,
+                            entry->line, entry->key, entry->value);
     double least = value < param->min ? value : param->min;
     double most = value > param->max ? value : param->max;
     char name[160];
@@ -97,25 +101,28 @@ static void write_param(const struct writing *writing, const struct slang_param 
         text_add(writing->out, ", step: ");
         text_add_float(writing->out, param->step);
     }
-    text_add(writing->out, ", live: true, doc: ");
-    add_quoted(writing->out, param->doc);
+    text_add(writing->out, *param->doc ? ", live: true, doc: " : ", live: true");
+    if (*param->doc)
+        add_quoted(writing->out, param->doc);
     text_add(writing->out, "}\n");
+    return true;
 }
 
 /* Those that a shader reads, each once. */
-static void write_params(const struct writing *writing)
+static bool write_params(const struct writing *writing)
 {
     const struct chain *chain = writing->chain;
-    bool any = false;
+    bool any = false, good = true;
     for (uint32_t i = 0; i < chain->pass_count; i++)
-        for (uint32_t k = 0; k < chain->passes[i].slang.param_count; k++) {
+        for (uint32_t k = 0; good && k < chain->passes[i].slang.param_count; k++) {
             const struct slang_param *param = &chain->passes[i].slang.params[k];
-            if (find_param(chain, param->name) != param || !is_read(chain, param->name))
+            if (chain_param(chain, param->name) != param || !is_read(chain, param->name))
                 continue;
             text_add(writing->out, any ? "" : "params:\n");
             any = true;
-            write_param(writing, param);
+            good = write_param(writing, param);
         }
+    return good;
 }
 
 /* ---- Values ---------------------------------------------------------------------------------- */
@@ -158,7 +165,7 @@ static bool find_value(const struct chain *chain, uint32_t pass, const struct re
         snprintf(out, MOST_TEXT, "%s", inputs[item->location || vec2]);
         return item->location < 2;
     }
-    if (find_param(chain, item->name)) {
+    if (chain_param(chain, item->name)) {
         param_name(chain, item->name, param);
         snprintf(out, MOST_TEXT, "%s", param);
         return strcmp(param, item->name) != 0 || strcmp(item->type, "float") != 0;
@@ -333,8 +340,8 @@ static void write_samplers(const struct writing *writing)
     const struct chain *chain = writing->chain;
     char seen[16][64] = {"linear_clamp"};
     unsigned count = chain->stretched;
-    text_add(writing->out, "samplers:\n%s",
-             count ? "  linear_clamp: {kind: filter, filter: linear}\n" : "");
+    if (count)
+        text_add(writing->out, "samplers:\n  linear_clamp: {kind: filter, filter: linear}\n");
     for (uint32_t i = 0; i < chain->pass_count; i++)
         for (uint32_t k = 0; k < chain->passes[i].stages[1].count; k++) {
             const struct reflected *item = &chain->passes[i].stages[1].list[k];
@@ -349,6 +356,7 @@ static void write_samplers(const struct writing *writing)
             if (s < count || count == DT_ARRAY_COUNT(seen))
                 continue;
             memcpy(seen[count++], name, sizeof name);
+            text_add(writing->out, count > 1 ? "" : "samplers:\n");
             text_add(writing->out, "  %s: {kind: filter, filter: %s, wrap: %s%s}\n", name,
                      *name == 'l' ? "linear" : "nearest",
                      strstr(name, "_clamp") ? "clamp" : read.wrap,
@@ -357,6 +365,17 @@ static void write_samplers(const struct writing *writing)
 }
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
+
+static bool refuse_texture(const struct chain *chain, const struct chain_pass *pass,
+                           const char *name, const char *why)
+{
+    size_t size;
+    const struct dt_log silent = {0};
+    char *text = import_text(pass->path, &size, &silent);
+    import_refuse(chain->import, pass->path, text, name, "the texture `%s` %s", name, why);
+    free(text);
+    return false;
+}
 
 static bool write_reads(const struct writing *writing, uint32_t index)
 {
@@ -370,11 +389,10 @@ static bool write_reads(const struct writing *writing, uint32_t index)
         if (item->kind != REFLECTED_TEXTURE)
             continue;
         if (!chain_find(chain, index, item->name, &read))
-            return report_error(
-                &chain->import->console->log,
-                "pass %u, %s: the texture `%s` is neither a pass nor a picture of the "
-                "preset",
-                index, pass->file, item->name);
+            return refuse_texture(chain, pass, item->name,
+                                  "is neither a pass nor a picture of the preset");
+        if (read.previous > MOST_HISTORY)
+            return refuse_texture(chain, pass, item->name, "is more than 64 frames old");
         sampler_name(chain, &read, sampler);
         text_add(writing->out, "%s{name: %s, as: %s, sampler: %s",
                  any ? ",\n            " : "    reads: [", read.image, item->name, sampler);
@@ -436,8 +454,8 @@ bool chain_write(const struct chain *chain, const char *picture, struct text *ou
              "# By `diptych import`. --input Original=FILE.png, of the same size, is another "
              "picture.\npipeline: %s\norigin: top\n",
              chain->import->name);
+    good = good && write_params(&writing);
     if (good) {
-        write_params(&writing);
         write_constants(&writing);
         write_images(&writing, picture);
         write_samplers(&writing);

@@ -2,15 +2,24 @@
 #include "import/import.h"
 
 #include <ctype.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
+#include "base/input.h"
+#include "base/installed.h"
 #include "base/log.h"
 #include "console/options.h"
+#include "scenes/child.h"
 #include "scenes/image.h"
 #include "gen/check/check.h"
+#include "gen/load.h"
+#include "gen/read/body_files.h"
+#include "gen/spirv/watchdog.h"
+
+/* ---- Names ------------------------------------------------------------------------------------ */
 
 void import_identifier(const char *text, char *out, size_t size)
 {
@@ -32,10 +41,62 @@ void import_identifier(const char *text, char *out, size_t size)
         memcpy(out + length, "p", 2);
 }
 
+void import_file_name(const char *path, char *out, size_t size)
+{
+    const char *slash = strrchr(path, '/');
+    snprintf(out, size, "%s", slash ? slash + 1 : path);
+    for (char *at = out; *at; at++)
+        if (!isalnum((unsigned char)*at) && !strchr("_-.", *at))
+            *at = '_';
+    *out = *out == '.' || !*out ? '_' : *out;
+}
+
+/* ---- Files ------------------------------------------------------------------------------------ */
+
+char *import_text(const char *path, size_t *size, const struct dt_log *log)
+{
+    const char *reason;
+    child_opens(path);
+    char *text = input_read(path, IMPORT_TEXT_BYTES, size, &reason);
+    if (!text)
+        report_error(log, "%s: cannot be read: %s", path, reason);
+    else if (!memcmp(text, "\xef\xbb\xbf", *size < 3 ? *size + 1 : 3))
+        memmove(text, text + 3, (*size -= 3) + 1);
+    return text;
+}
+
+bool import_refuse(const struct import *import, const char *path, const char *text,
+                   const char *word, const char *format, ...)
+{
+    const struct source source = {.path = path};
+    struct loc loc = {&source, 0, 1, 1};
+    char *code = text && word ? strdup(text) : NULL, *why = NULL;
+    va_list arguments;
+    if (code)
+        blank_comments(code);
+    const char *found = code ? find_word(code, word) : NULL;
+    for (const char *at = code; found && at <= found; at++) {
+        loc.line += at == code || at[-1] == '\n';
+        loc.column = at == code || at[-1] == '\n' ? 1 : loc.column + 1;
+    }
+    free(code);
+    va_start(arguments, format);
+    if (vasprintf(&why, format, arguments) < 0)
+        why = NULL;
+    va_end(arguments);
+    report_at(&import->console->log, loc, "%s", why ? why : "out of memory");
+    free(why);
+    return false;
+}
+
 bool import_copy(struct import *import, const char *from, const char *name)
 {
+    enum { MOST = 1 << 30 };
     size_t size = 0;
-    char *all = file_read(from, &size, &import->console->log);
+    const char *reason;
+    char *all = input_read(from, MOST, &size, &reason);
+    if (!all)
+        report_error(&import->console->log, "%s: cannot be read: %s", from, reason);
     bool good = all && folder_write(&import->folder, name, all, size);
     free(all);
     return good;
@@ -82,7 +143,9 @@ const char *import_picture(struct import *import)
 {
     static char name[32];
     const char *dot = import->picture ? strrchr(import->picture, '.') : NULL;
-    snprintf(name, sizeof name, "picture%.8s", dot && !strchr(dot, '/') ? dot : ".png");
+    snprintf(name, sizeof name, "picture%.8s", dot ? dot : ".png");
+    if (!folder_takes(name))
+        snprintf(name, sizeof name, "picture");
     char *path = format_string("%s/%s", import->folder.temporary, name);
     bool good = path && (import->picture ? import_copy(import, import->picture, name)
                                          : write_card(import, path));
@@ -90,26 +153,71 @@ const char *import_picture(struct import *import)
     return good ? name : NULL;
 }
 
-/* ---------------------------------------------------------------------------------------------- */
+/* ---- The spec --------------------------------------------------------------------------------- */
 
-static bool ends(const char *path, const char *ending)
+/* What the generator does not take is not left. Known kinds were refused before, at their line. */
+static void tell_spec(const struct import *import, const struct diag *diag)
 {
-    size_t length = strlen(path), size = strlen(ending);
-    return length > size && !strcasecmp(path + length - size, ending);
+    struct loc loc = {0};
+    const char *why = diag_first_error(diag, &loc), *path = loc.source ? loc.source->path : "",
+               *slash = strrchr(path, '/');
+    char *text = loc.source && loc.source->text ? strdup(loc.source->text) : NULL, *rest = text,
+         *line = NULL;
+    for (int i = 0; rest && i < loc.line; i++)
+        line = strsep(&rest, "\n");
+    report_error(&import->console->log, "%s: this cannot be had as a spec: %s:%d: %s%s%s",
+                 import->files[0], slash ? slash + 1 : path, loc.line, why ? why : "out of memory",
+                 line ? ", at " : "", line ? line + strspn(line, " ") : "");
+    free(text);
+}
+
+static bool check_spec(const struct import *import)
+{
+    struct spec spec = {0};
+    struct diag *diag = diag_create();
+    char *templates = templates_folder(&import->console->log);
+    char *path = format_string("%s/%s.yaml", import->folder.temporary, import->name);
+    const struct spec_request request = {.path = path, .templates = templates};
+    bool loads = diag && templates && path, good = loads && spec_load(&spec, &request, false, diag);
+    if (loads && !good)
+        tell_spec(import, diag);
+    spec_free(&spec);
+    diag_free(diag);
+    free(templates);
+    free(path);
+    return good;
+}
+
+/* In a child: compilers crash, hang and take memory. What it leaves half done goes with the folder. */
+static bool import_apart(FILE *result, void *user, const struct dt_log *log)
+{
+    struct import *import = user;
+    (void)result;
+    import->console->log = *log;
+    child_opens(import->files[0]);
+    child_limit_time(2 * SPEC_SECONDS);
+    child_limit_memory((size_t)SPEC_GIBIBYTES << 30);
+    size_t length = strlen(import->files[0]);
+    bool preset = length > 7 && !strcasecmp(import->files[0] + length - 7, ".slangp");
+    return (preset ? import_preset(import, import->files[0])
+                   : import_shaders(import, import->files)) &&
+           check_spec(import);
 }
 
 int verb_import(struct console *console, const struct options *options)
 {
-    const char *path = options->files[0], *slash = strrchr(path, '/');
     char base[128], name[128];
-    snprintf(base, sizeof base, "%.*s", (int)strcspn(slash ? slash + 1 : path, "."),
-             slash ? slash + 1 : path);
+    import_file_name(options->files[0], base, sizeof base);
+    base[strcspn(base, ".")] = 0;
     import_identifier(base, name, sizeof name - 2);
-    struct import import = {.console = console, .name = name, .picture = options->picture};
-    bool preset = ends(path, ".slangp");
-    bool good = folder_begin(&import.folder, console, "-o", options->output, "import") &&
-                (preset ? import_preset(&import, path) : import_shaders(&import, options->files));
-    good = folder_end(&import.folder, good) && good;
+    struct import import = {
+        .console = console, .name = name, .picture = options->picture, .files = options->files};
+    FILE *done = folder_begin(&import.folder, console, "-o", options->output, "import")
+                     ? child_run(import_apart, &import, &console->log)
+                     : NULL;
+    bool good = folder_end(&import.folder, done) && done;
+    if (done)
+        fclose(done);
     if (good)
         printf("%s/%s.yaml\n", options->output, name);
     return good ? EXIT_FINE : EXIT_FAILED;

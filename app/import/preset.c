@@ -7,9 +7,10 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "import/import.h"
 #include "import/slang.h"
 
-enum { MOST_DEPTH = 16 };
+enum { MOST_DEPTH = 16, MOST_REFERENCES = 256, MOST_ENTRIES = 65536 };
 
 static bool read_preset(const char *path, struct preset *preset, unsigned depth,
                         const struct dt_log *log);
@@ -42,8 +43,10 @@ static char *unquote(char *value)
 }
 
 static bool add_entry(struct preset *preset, const char *key, const char *value, const char *file,
-                      unsigned line)
+                      unsigned line, const struct dt_log *log)
 {
+    if (preset->count == MOST_ENTRIES)
+        return report_error(log, "%s:%u: there are more than %d keys", file, line, MOST_ENTRIES);
     struct preset_entry *all =
         realloc(preset->entries, (preset->count + 1) * sizeof *preset->entries);
     if (!all)
@@ -58,9 +61,14 @@ static bool read_reference(const char *path, char *line, struct preset *preset, 
                            unsigned number, const struct dt_log *log)
 {
     char *other = slang_path(path, unquote(line));
-    bool good = other && depth < MOST_DEPTH && read_preset(other, preset, depth + 1, log);
-    if (!good)
-        report_error(log, "%s:%u: this reference cannot be used", path, number);
+    bool good = false;
+    if (depth == MOST_DEPTH || preset->references++ == MOST_REFERENCES)
+        report_error(log, "%s:%u: presets refer to each other", path, number);
+    else if (!other || !file_exists(other))
+        report_error(log, "%s:%u: this reference cannot be used: there is no %s", path, number,
+                     other ? other : "file");
+    else
+        good = read_preset(other, preset, depth + 1, log);
     free(other);
     return good;
 }
@@ -70,7 +78,7 @@ static bool read_preset(const char *path, struct preset *preset, unsigned depth,
 {
     static const char reference[] = "#reference";
     size_t size = 0;
-    char *all = file_read(path, &size, log), *rest = all, *line;
+    char *all = import_text(path, &size, log), *rest = all, *line;
     bool good = all;
     for (unsigned number = 1; good && (line = strsep(&rest, "\n")); number++) {
         line = trim(line);
@@ -79,7 +87,7 @@ static bool read_preset(const char *path, struct preset *preset, unsigned depth,
             good = read_reference(path, line + sizeof reference - 1, preset, depth, number, log);
         } else if (*line != '#' && strncmp(line, "//", 2) != 0 && equals) {
             *equals = 0;
-            good = add_entry(preset, unquote(line), unquote(equals + 1), path, number);
+            good = add_entry(preset, unquote(line), unquote(equals + 1), path, number, log);
         }
     }
     free(all);

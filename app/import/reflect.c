@@ -37,8 +37,33 @@ static struct reflected *append_reflected(struct reflecting *reader, enum reflec
 
 /* ---- Types ----------------------------------------------------------------------------------- */
 
+/* The length of an array, which may be a constant of specialization; 0: at run time. */
+static unsigned array_length(spvc_compiler compiler, spvc_type type, unsigned dimension)
+{
+    SpvId length = spvc_type_get_array_dimension(type, dimension);
+    return spvc_type_array_dimension_is_literal(type, dimension)
+               ? length
+               : spvc_constant_get_scalar_u32(spvc_compiler_get_constant_handle(compiler, length),
+                                              0, 0);
+}
+
+/* Of its numbers, up to 2^56: SPIRV-Cross counts in 32 bits. */
+static uint64_t least_bytes(spvc_compiler compiler, spvc_type type)
+{
+    const uint64_t most = UINT64_C(1) << 56;
+    uint64_t bytes = 4 * spvc_type_get_vector_size(type) * spvc_type_get_columns(type);
+    for (unsigned i = 0; i < spvc_type_get_num_member_types(type); i++)
+        bytes += least_bytes(
+            compiler, spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(type, i)));
+    for (unsigned i = 0; i < spvc_type_get_num_array_dimensions(type); i++) {
+        unsigned length = array_length(compiler, type, i);
+        bytes = length && bytes > most / length ? most : bytes * (length ? length : 1);
+    }
+    return bytes < most ? bytes : most;
+}
+
 /* "": a struct, a matrix of doubles, an array of arrays. */
-static void write_type(spvc_type type, char *out, size_t size)
+static void write_type(spvc_compiler compiler, spvc_type type, char *out, size_t size)
 {
     static const struct {
         spvc_basetype base;
@@ -49,6 +74,7 @@ static void write_type(spvc_type type, char *out, size_t size)
                  {SPVC_BASETYPE_BOOLEAN, "bool", "bvec"}};
     unsigned rows = spvc_type_get_vector_size(type), columns = spvc_type_get_columns(type);
     unsigned dimensions = spvc_type_get_num_array_dimensions(type);
+    unsigned length = dimensions == 1 ? array_length(compiler, type, 0) : 0;
     char element[32] = "";
     *out = 0;
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
@@ -62,8 +88,8 @@ static void write_type(spvc_type type, char *out, size_t size)
         else
             snprintf(element, sizeof element, "%s", names[i].scalar);
     }
-    if (dimensions == 1 && *element && spvc_type_get_array_dimension(type, 0))
-        snprintf(out, size, "%s[%u]", element, (unsigned)spvc_type_get_array_dimension(type, 0));
+    if (length && *element)
+        snprintf(out, size, "%s[%u]", element, length);
     else if (!dimensions)
         snprintf(out, size, "%s", element);
 }
@@ -162,6 +188,7 @@ static void add_image(struct reflecting *reader, const spvc_reflected_resource *
         return;
     item->shape = shape_of(type);
     item->scalar = scalar_name(reader->compiler, type);
+    item->depth = spvc_type_get_image_is_depth(type);
     item->format = kind == REFLECTED_IMAGE ? storage_format(type) : NULL;
     item->reads =
         !spvc_compiler_has_decoration(reader->compiler, resource->id, SpvDecorationNonReadable);
@@ -190,17 +217,19 @@ static void reflect_buffer(struct reflecting *reader, const spvc_reflected_resou
     size_t bytes = 0;
     if (!item)
         return;
+    item->bytes = least_bytes(reader->compiler, type);
     item->reads = !is_decorated(reader, resource, SpvDecorationNonReadable);
     item->writes = !is_decorated(reader, resource, SpvDecorationNonWritable);
     spvc_compiler_get_declared_struct_size(reader->compiler, type, &bytes);
-    item->bytes = (uint32_t)bytes;
+    item->bytes = bytes > item->bytes ? bytes : item->bytes;
     if (spvc_type_get_num_member_types(type) != 1)
         return;
     spvc_type member =
         spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, 0));
     if (spvc_type_get_num_array_dimensions(member) != 1)
         return;
-    write_type(spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_base_type_id(member)),
+    write_type(reader->compiler,
+               spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_base_type_id(member)),
                item->type, sizeof item->type);
     if (!strncmp(item->type, "mat", 3))
         *item->type = 0;
@@ -223,6 +252,7 @@ static void reflect_block(struct reflecting *reader, const spvc_reflected_resour
         struct reflected *item = used ? append_reflected(reader, REFLECTED_VALUE, name) : NULL;
         if (item)
             write_type(
+                reader->compiler,
                 spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, m)),
                 item->type, sizeof item->type);
     }
@@ -234,8 +264,8 @@ static void add_interface(struct reflecting *reader, const spvc_reflected_resour
     struct reflected *item = append_reflected(reader, kind, reflected_name(reader, resource));
     if (!item)
         return;
-    write_type(spvc_compiler_get_type_handle(reader->compiler, resource->type_id), item->type,
-               sizeof item->type);
+    write_type(reader->compiler, spvc_compiler_get_type_handle(reader->compiler, resource->type_id),
+               item->type, sizeof item->type);
     item->location =
         spvc_compiler_get_decoration(reader->compiler, resource->id, SpvDecorationLocation);
 }
@@ -275,6 +305,7 @@ static void add_constants(struct reflecting *reader)
         if (!item)
             continue;
         write_type(
+            reader->compiler,
             spvc_compiler_get_type_handle(reader->compiler, spvc_constant_get_type(constant)),
             item->type, sizeof item->type);
         item->number =

@@ -25,9 +25,10 @@ struct reflected {
     const char
         *shape;  /* texture, image: "2D", "2D array", "3D", "cube"; others are not in passes */
     char scalar; /* texture, image: f, i or u */
+    bool depth;  /* texture: sampled by comparison */
     bool reads, writes; /* image, buffer */
     uint32_t location;  /* input, output */
-    uint32_t bytes;     /* buffer: least size */
+    uint64_t bytes;     /* buffer: least size */
     double number;      /* constant */
 };
 

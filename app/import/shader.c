@@ -1,23 +1,27 @@
 /* Single shaders as specs. Reflection tells names, kinds and formats; sizes, contents and values are
  * guesses that run, each with a comment. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
-#include "base/input.h"
 #include "base/log.h"
 #include "import/import.h"
+#include "import/texts.h"
 #include "gen/model/cross.h"
 #include "gen/model/spirv_check.h"
 #include "gen/glsl/glslang.h"
 #include "gen/check/check.h"
 
-enum { MOST_NAMES = 512 };
+enum { MOST_ELEMENTS = 4096, MOST_LOCATIONS = 8 };
+#define MOST_BUFFER ((uint64_t)1 << 30)
 
 struct shader_file {
-    const char *path, *name; /* as given, and in the folder */
-    char *text;              /* GLSL */
+    const char *path; /* as given */
+    char name[1024];  /* in the folder */
+    struct import_texts texts;
+    char *glsl; /* of a module; NULL: the text is GLSL */
     int stage;
     struct reflection reflection;
 };
@@ -26,18 +30,25 @@ struct making {
     struct import *import;
     struct shader_file files[2]; /* compute, fragment, or vertex and fragment */
     int count;
+    const struct shader_file *now; /* whose declarations are written */
     struct text params, values, images, buffers, samplers, reads, writes, updates, all;
     const char *output; /* the first image that is written */
     bool codes;         /* it has 8 bits */
-    const char *names[MOST_NAMES];
-    unsigned name_count;
-    const char *picture; /* file for textures; NULL: not needed yet */
+    const char **names;
+    uint32_t name_count;
+    const char *picture;       /* file for textures; NULL: not needed yet */
+    char sampler_names[3][16]; /* "": not needed yet */
 };
 
 static const struct dt_log *making_log(const struct making *making)
 {
     return &making->import->console->log;
 }
+
+/* Returns false. */
+#define REFUSE(making, item, ...)                                                                  \
+    import_refuse((making)->import, (making)->now->path, (making)->now->texts.list[0].text,        \
+                  (item)->name, __VA_ARGS__)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
@@ -68,62 +79,54 @@ static int stage_of_module(const uint32_t *words, size_t count)
     return -1;
 }
 
-/* Files that the text includes lie beside it, and are copied with it. */
-struct including {
-    struct making *making;
-    const char *path;
-};
-
-static bool include(const void *user, const char *from, const char *name, struct glslang_file *file)
+/* What glslang says, at the first line that it names. */
+static void tell_compiler(const struct making *making, const struct shader_file *file,
+                          const char *why)
 {
-    const struct including *including = user;
-    const char *slash = strrchr(including->path, '/');
-    const char *reason;
-    char *path = format_string("%.*s/%s", slash ? (int)(slash - including->path) : 1,
-                               slash ? including->path : ".", name);
-    size_t length = 0;
-    char *text = path && !strstr(name, "..") && *name != '/'
-                     ? input_read(path, 1 << 24, &length, &reason)
-                     : NULL;
-    free(path);
-    (void)from;
-    if (!text || !folder_write(&including->making->import->folder, name, text, length))
-        return false;
-    *file = (struct glslang_file){"1", text, length}; /* glslang reads it until it ends */
-    return true;
+    unsigned number = 0, line = 0;
+    int start = 0;
+    const char *at = why ? strstr(why, "ERROR: ") : NULL;
+    struct source source = {.path = file->path};
+    if (at && sscanf(at, "ERROR: %u:%u: %n", &number, &line, &start) < 2)
+        at = NULL;
+    if (at && number && number <= file->texts.count)
+        source.path = file->texts.list[number - 1].path;
+    why = file->texts.excess ? file->texts.excess : at ? at + start : why ? why : "out of memory";
+    report_at(making_log(making), (struct loc){&source, at ? (int)line : 0, 1, 1}, "%.*s",
+              (int)strcspn(why, "\n"), why);
 }
 
-/* Reads a file, as GLSL, and copies it as it is. */
+/* Reads a file, as GLSL, and copies it as it is, with what it includes. */
 static bool read_shader(struct making *making, const char *path)
 {
     struct shader_file *file = &making->files[making->count++];
-    const char *slash = strrchr(path, '/');
-    size_t size = 0;
-    *file = (struct shader_file){.path = path, .name = slash ? slash + 1 : path};
-    char *bytes = file_read(path, &size, making_log(making)), *why = NULL;
-    bool good = bytes && folder_write(&making->import->folder, file->name, bytes, size);
-    struct text text = {0};
-    if (good && spirv_is_module(bytes, size)) {
-        const uint32_t *words = (const uint32_t *)bytes;
-        good = spirv_check(words, size / 4, &why);
-        file->stage = good ? stage_of_module(words, size / 4) : REFLECT_FRAGMENT;
-        good = good && spirv_cross_whole(words, size / 4, &text, &why);
-        free(bytes);
-        bytes = text.data;
-    } else {
-        file->stage = stage_of(path);
+    file->path = path;
+    if (!texts_read(&file->texts, making->import, path))
+        return false;
+    const struct import_source *own = &file->texts.list[0];
+    const uint32_t *words = (const uint32_t *)own->text;
+    char *why = NULL;
+    bool module = spirv_is_module(own->text, own->size), good = true;
+    if (module) {
+        struct text text = {0};
+        good = spirv_check(words, own->size / 4, &why) &&
+               spirv_cross_whole(words, own->size / 4, &text, &why);
+        file->glsl = text.data;
     }
-    file->text = bytes;
-    struct including including = {making, path};
-    if (good && file->stage < 0)
-        report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage", path);
-    else
-        good =
-            good && reflect(file->text, file->stage, include, &including, &file->reflection, &why);
-    if (why)
-        report_error(making_log(making), "%s: %s", path, why);
+    file->stage = !module ? stage_of(path) : good ? stage_of_module(words, own->size / 4) : 0;
+    if (file->stage < 0)
+        return report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage",
+                            path);
+    good = good && reflect(file->glsl ? file->glsl : own->text, file->stage, texts_include,
+                           &file->texts, &file->reflection, &why);
+    if (!good)
+        tell_compiler(making, file, why);
     free(why);
-    return good && file->stage >= 0;
+    good = good && texts_write(&file->texts, "", file->name, sizeof file->name);
+    if (good && making->count > 1 && !strcmp(file->name, making->files[0].name))
+        good =
+            report_error(making_log(making), "%s: both shaders have the name %s", path, file->name);
+    return good;
 }
 
 /* ---- Names ----------------------------------------------------------------------------------- */
@@ -131,15 +134,63 @@ static bool read_shader(struct making *making, const char *path)
 /* Whether this is the first time that the stages have the name. */
 static bool is_new(struct making *making, const char *name)
 {
-    for (unsigned i = 0; i < making->name_count; i++)
+    for (uint32_t i = 0; i < making->name_count; i++)
         if (!strcmp(making->names[i], name))
             return false;
-    if (making->name_count < MOST_NAMES)
-        making->names[making->name_count++] = name;
+    making->names[making->name_count++] = name;
     return true;
 }
 
+/* A sampler's name, which no declaration of the shaders has. */
+static const char *sampler_of(struct making *making, const struct reflected *item)
+{
+    static const char *const kinds[][2] = {{"soft", "filter: linear"},
+                                           {"hard", "filter: nearest"},
+                                           {"shadow", "filter: linear, compare: true"}};
+    int kind = item->depth ? 2 : item->scalar != 'f';
+    char *name = making->sampler_names[kind];
+    if (*name)
+        return name;
+    snprintf(name, sizeof making->sampler_names[kind], "%s", kinds[kind][0]);
+    while (!is_new(making, name) && strlen(name) < 15)
+        strcat(name, "_");
+    text_add(&making->samplers, "  %s: {kind: filter, %s, wrap: clamp}  # a guess\n", name,
+             kinds[kind][1]);
+    return name;
+}
+
 /* ---- Values ---------------------------------------------------------------------------------- */
+
+static int components_of(const char *type)
+{
+    const char *vector = strstr(type, "vec");
+    return vector ? vector[3] - '0' : 1;
+}
+
+/* A constructor, of an array with its elements: "vec2[2](vec2(1), vec2(1))". */
+static void write_filled(struct text *out, const char *type)
+{
+    const char *bracket = strchr(type, '[');
+    text_add(out, "%s(", type);
+    for (int i = 0, count = bracket ? atoi(bracket + 1) : 0; i < count; i++)
+        text_add(out, "%s%.*s(1)", i ? ", " : "", (int)strcspn(type, "["), type);
+    text_add(out, bracket ? ")" : "1)");
+}
+
+static bool can_be_filled(const struct making *making, const struct reflected *item,
+                          const char *what)
+{
+    const char *bracket = strchr(item->type, '[');
+    if (!*item->type)
+        return REFUSE(making, item,
+                      "the %s `%s` is a struct, a block or an array of arrays, which has no value "
+                      "in a spec",
+                      what, item->name);
+    return !bracket || strtoul(bracket + 1, NULL, 10) <= MOST_ELEMENTS ||
+           REFUSE(making, item,
+                  "the %s `%s` is too long for a value of a spec: at most %d elements", what,
+                  item->name, MOST_ELEMENTS);
+}
 
 /* A parameter, where one can have the type and the name; else an expression. */
 static bool write_value(struct making *making, const struct reflected *item)
@@ -148,59 +199,65 @@ static bool write_value(struct making *making, const struct reflected *item)
     bool vector = strstr(type, "vec") != NULL;
     bool plain = !strcmp(type, "float") || !strcmp(type, "int") || !strcmp(type, "uint") ||
                  (vector && *type != 'b' && !strchr(type, '['));
-    if (!*type)
-        return report_error(making_log(making),
-                            "%s: the uniform `%s` is a struct or an array of arrays, which "
-                            "has no value in a spec",
-                            making->files[0].path, item->name);
+    if (!can_be_filled(making, item, "uniform"))
+        return false;
     bool real = *type == 'f' || *type == 'v';
     const char *one = real ? "1.0" : "1";
     if (plain && name_is_free(item->name)) {
-        int components = vector ? type[strlen(type) - 1] - '0' : 1;
         text_add(&making->params, "  %s: {value: %s", item->name, vector ? "[" : "");
-        for (int i = 0; i < components; i++)
+        for (int i = 0; i < components_of(type); i++)
             text_add(&making->params, "%s%s", i ? ", " : "", one);
         text_add(&making->params, "%s, type: %s, live: true}  # its value is a guess\n",
                  vector ? "]" : "", type);
         return true;
     }
-    const char *bracket = strchr(type, '[');
-    text_add(&making->values, "  %s: \"%s(", item->name, type);
-    for (int i = 0, count = bracket ? atoi(bracket + 1) : 0; i < count; i++)
-        text_add(&making->values, "%s%.*s(1)", i ? ", " : "", (int)strcspn(type, "["), type);
-    text_add(&making->values, bracket ? "" : "1");
-    text_add(&making->values, ")\"  # a guess\n");
+    text_add(&making->values, "  %s: \"", item->name);
+    write_filled(&making->values, type);
+    text_add(&making->values, "\"  # a guess\n");
     return true;
 }
 
 /* A vertex attribute: three vertices that cover the targets. A fragment's input, where no vertex shader
  * gives it: the place in the picture, 0 to 1. */
-static void write_input(struct making *making, const struct reflected *item, int stage)
+static bool write_input(struct making *making, const struct reflected *item, int stage)
 {
     const char *type = item->type;
-    int components = !strncmp(type, "vec", 3) ? type[3] - '0' : 1;
+    int components = components_of(type);
     const char *rest = components == 4 ? ", 0.0, 1.0" : components == 3 ? ", 0.0" : "";
     const char *place =
         stage == REFLECT_FRAGMENT ? "gl_FragCoord.xy / vec2(frame.width, frame.height)"
         : item->location          ? "gl_VertexIndex << 1 & 2, gl_VertexIndex & 2"
                                   : "(gl_VertexIndex << 2 & 4) - 1, (2 * gl_VertexIndex & 4) - 1";
-    if (components == 1 || !*type)
-        text_add(&making->values, "  %s: \"%s(1)\"  # an input; a guess\n", item->name, type);
+    if (!can_be_filled(making, item, "input"))
+        return false;
+    text_add(&making->values, "  %s: \"", item->name);
+    if (components == 1 || *type != 'v' || strchr(type, '['))
+        write_filled(&making->values, type);
     else
-        text_add(&making->values, "  %s: \"%s(%s%s)\"  # an input; a guess\n", item->name, type,
-                 place, rest);
+        text_add(&making->values, "%s(%s%s)", type, place, rest);
+    text_add(&making->values, "\"  # an input; a guess\n");
+    return true;
 }
 
-static void write_constant(struct making *making, const struct reflected *item)
+static bool write_constant(struct making *making, const struct reflected *item)
 {
+    bool real = !strcmp(item->type, "float"), truth = !strcmp(item->type, "bool");
+    if (!isfinite(item->number))
+        return REFUSE(making, item, "the constant `%s` is not finite, which a spec cannot say",
+                      item->name);
+    if (!real && !truth && strcmp(item->type, "int") != 0 && strcmp(item->type, "uint") != 0)
+        return REFUSE(making, item, "the constant `%s` is no float, int, uint or bool", item->name);
+    if (!name_is_free(item->name))
+        return REFUSE(making, item, "`%s` cannot be the name of a parameter", item->name);
     text_add(&making->params, "  %s: {value: ", item->name);
-    if (!strcmp(item->type, "bool"))
+    if (truth)
         text_add(&making->params, item->number != 0 ? "true" : "false");
-    else if (!strcmp(item->type, "float"))
+    else if (real)
         text_add_float(&making->params, item->number);
     else
         text_add(&making->params, "%.0f", item->number);
     text_add(&making->params, ", type: %s}  # of specialization\n", item->type);
+    return true;
 }
 
 /* ---- Resources ------------------------------------------------------------------------------- */
@@ -216,11 +273,10 @@ static void list(struct text *out, const char *name, const char *sampler)
 
 static bool shape_fits(struct making *making, const struct reflected *item)
 {
-    return (item->shape && name_is_free(item->name)) ||
-           report_error(making_log(making),
-                        item->shape ? "%s: `%s` cannot be the name of an image"
-                                    : "%s: `%s` has a shape that images do not have",
-                        making->files[0].path, item->name);
+    if (!item->shape)
+        return REFUSE(making, item, "`%s` has a shape that images do not have", item->name);
+    return name_is_free(item->name) ||
+           REFUSE(making, item, "`%s` cannot be the name of an image", item->name);
 }
 
 /* Plain textures hold the picture, others zeros. */
@@ -228,7 +284,8 @@ static bool write_texture(struct making *making, const struct reflected *item)
 {
     if (!shape_fits(making, item))
         return false;
-    bool flat = !strcmp(item->shape, "2D"), filled = flat && item->scalar == 'f';
+    bool flat = !strcmp(item->shape, "2D");
+    bool filled = flat && item->scalar == 'f' && !item->depth;
     if (filled && !making->picture && !(making->picture = import_picture(making->import)))
         return false;
     text_add(&making->images, "  %s: ", item->name);
@@ -238,18 +295,15 @@ static bool write_texture(struct making *making, const struct reflected *item)
         text_add(&making->images,
                  "{format: %s, size: [64, 64%s]%s, history: true}  # size and content "
                  "are guesses\n",
-                 item->scalar == 'f'   ? "rgba8"
+                 item->depth           ? "d32f"
+                 : item->scalar == 'f' ? "rgba8"
                  : item->scalar == 'i' ? "rgba32i"
                                        : "rgba32ui",
                  *item->shape == '3' ? ", 64" : "",
                  *item->shape == 'c'           ? ", cube: true"
                  : flat || *item->shape == '3' ? ""
                                                : ", layers: 1");
-    const char *sampler = item->scalar == 'f' ? "soft" : "hard";
-    if (is_new(making, sampler))
-        text_add(&making->samplers, "  %s: {kind: filter, filter: %s, wrap: clamp}  # a guess\n",
-                 sampler, item->scalar == 'f' ? "linear" : "nearest");
-    list(&making->reads, item->name, sampler);
+    list(&making->reads, item->name, sampler_of(making, item));
     return true;
 }
 
@@ -284,13 +338,15 @@ static bool write_image(struct making *making, const struct reflected *item)
 
 static bool write_buffer(struct making *making, const struct reflected *item)
 {
-    unsigned words = item->bytes / 4;
+    int components = components_of(item->type);
+    uint64_t count = item->bytes / 4 / (uint64_t)(components == 3 ? 4 : components);
     if (!name_is_free(item->name))
-        return report_error(making_log(making), "%s: `%s` cannot be the name of a buffer",
-                            making->files[0].path, item->name);
+        return REFUSE(making, item, "`%s` cannot be the name of a buffer", item->name);
+    if (item->bytes > MOST_BUFFER)
+        return REFUSE(making, item, "the buffer `%s` has more than 1 GiB", item->name);
     text_add(&making->buffers, "  %s: {of: %s, count: %u%s}  # the count is a guess%s\n",
-             item->name, *item->type ? item->type : "uint", words > 65536 ? words : 65536,
-             item->reads ? ", history: true" : "",
+             item->name, *item->type ? item->type : "uint",
+             (unsigned)(count > 65536 ? count : 65536), item->reads ? ", history: true" : "",
              *item->type ? "" : "; the shader's struct, in words");
     list(!item->writes ? &making->reads
          : item->reads ? &making->updates
@@ -306,8 +362,13 @@ static bool write_output(struct making *making, const struct reflected *item)
                                               {"r32i", "rg32i", "rgba32i", "rgba32i"},
                                               {"r32ui", "rg32ui", "rgba32ui", "rgba32ui"}};
     int kind = *item->type == 'i' ? 1 : *item->type == 'u' ? 2 : 0;
-    int components = strstr(item->type, "vec") ? item->type[strlen(item->type) - 1] - '0' : 1;
-    const char *format = formats[kind][components - 1];
+    if (!*item->type || strchr(item->type, '[') || strstr(item->type, "mat"))
+        return REFUSE(making, item,
+                      "the output `%s` is an array or no vector; targets have a name each",
+                      item->name);
+    if (!name_is_free(item->name))
+        return REFUSE(making, item, "`%s` cannot be the name of an image", item->name);
+    const char *format = formats[kind][components_of(item->type) - 1];
     text_add(&making->images, "  %s: {format: %s, size: frame}  # format and size are guesses\n",
              item->name, format);
     list(&making->writes, item->name, NULL);
@@ -335,11 +396,9 @@ static bool write_item(struct making *making, const struct reflected *item, int 
     case REFLECTED_VALUE:
         return write_value(making, item);
     case REFLECTED_CONSTANT:
-        write_constant(making, item);
-        return true;
+        return write_constant(making, item);
     case REFLECTED_INPUT:
-        write_input(making, item, stage);
-        return true;
+        return write_input(making, item, stage);
     default:
         return write_output(making, item);
     }
@@ -347,15 +406,27 @@ static bool write_item(struct making *making, const struct reflected *item, int 
 
 static bool write_items(struct making *making)
 {
-    bool good = true;
-    for (int f = 0; f < making->count; f++) {
+    size_t count = making->files[0].reflection.count + making->files[1].reflection.count;
+    bool good = (making->names =
+                     calloc(count + DT_ARRAY_COUNT(making->sampler_names), sizeof *making->names));
+    for (int f = 0; good && f < making->count; f++) {
         const struct reflection *reflection = &making->files[f].reflection;
-        for (uint32_t location = 0; location < 8; location++) /* targets in their order */
-            for (uint32_t i = 0; good && i < reflection->count; i++)
-                if (reflection->list[i].kind == REFLECTED_OUTPUT
-                        ? reflection->list[i].location == location
-                        : !location)
-                    good = write_item(making, &reflection->list[i], making->files[f].stage);
+        making->now = &making->files[f];
+        for (uint32_t i = 0; good && i < reflection->count; i++)
+            if (reflection->list[i].kind != REFLECTED_OUTPUT)
+                good = write_item(making, &reflection->list[i], making->now->stage);
+        for (uint32_t location = 0; location <= MOST_LOCATIONS; location++) /* in their order */
+            for (uint32_t i = 0; good && i < reflection->count; i++) {
+                const struct reflected *item = &reflection->list[i];
+                if (item->kind != REFLECTED_OUTPUT)
+                    continue;
+                if (location == MOST_LOCATIONS && item->location >= location &&
+                    making->now->stage == REFLECT_FRAGMENT)
+                    good =
+                        REFUSE(making, item, "the output `%s` has a location above 7", item->name);
+                else if (item->location == location)
+                    good = write_item(making, item, making->now->stage);
+            }
     }
     return good;
 }
@@ -387,16 +458,16 @@ static void write_pass(struct making *making)
         text_add(out, "    dispatch: %s  # an invocation for each texel; a guess\n",
                  making->output);
     else
-        text_add(out, "    dispatch: 65536  # invocations; a guess\n");
+        text_add(out, "    dispatch: %u  # invocations; a guess\n", local[0] > 1 ? 65536 : 65535);
     if (file->stage == REFLECT_COMPUTE)
         text_add(out, "    local: [%u, %u, %u]\n", local[0], local[1], local[2]);
     add_spec_list(making, "reads", &making->reads);
     add_spec_list(making, "writes", &making->writes);
     add_spec_list(making, "updates", &making->updates);
     if (making->count > 1)
-        text_add(out, "    shader: [%s, %s]\n", file->name, making->files[1].name);
+        text_add(out, "    shader: [\"%s\", \"%s\"]\n", file->name, making->files[1].name);
     else
-        text_add(out, "    shader: %s\n", file->name);
+        text_add(out, "    shader: \"%s\"\n", file->name);
     if (making->output)
         text_add(out, "output: {%s: %s}\n", making->codes ? "display" : "linear", making->output);
 }
@@ -440,7 +511,8 @@ bool import_shaders(struct import *import, const char *const *paths)
         good = read_shader(making, paths[i]);
     good = good && check_stages(making) && write_items(making) && write_spec(making);
     for (int i = 0; making && i < making->count; i++) {
-        free(making->files[i].text);
+        free(making->files[i].glsl);
+        texts_free(&making->files[i].texts);
         reflect_free(&making->files[i].reflection);
     }
     struct text *texts[] = {&making->params,  &making->values,   &making->images,
@@ -448,6 +520,8 @@ bool import_shaders(struct import *import, const char *const *paths)
                             &making->writes,  &making->updates,  &making->all};
     for (size_t i = 0; making && i < DT_ARRAY_COUNT(texts); i++)
         text_free(texts[i]);
+    if (making)
+        free(making->names);
     free(making);
     return good;
 }

@@ -3,21 +3,49 @@
 #include "import/slang.h"
 
 #include <ctype.h>
+#include <float.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
 #include "base/log.h"
+#include "import/import.h"
 
-enum { MOST_DEPTH = 32 };
+enum { MOST_DEPTH = 32, MOST_INCLUDES = 4096, MOST_PARAMS = 8192 };
 
 struct slang_reading {
     struct slang *slang;
     const struct dt_log *log;
     const char *stage; /* macro of the stage whose lines these are; NULL: of both */
-    unsigned depth;
+    unsigned depth, includes;
 };
+
+/* What RetroArch puts into paths: for the driver Vulkan, nothing turned, a wide screen. */
+static char *replace_words(const char *path)
+{
+    static const char *const words[][2] = {{"$VID-DRV$", "vulkan"},
+                                           {"$VID-DRV-SHADER-EXT$", "slang"},
+                                           {"$VID-DRV-PRESET-EXT$", "slangp"},
+                                           {"$CORE-REQ-ROT$", "CORE-REQ-ROT-0"},
+                                           {"$VID-ALLOW-CORE-ROT$", "VID-ALLOW-CORE-ROT-OFF"},
+                                           {"$VID-USER-ROT$", "VID-USER-ROT-0"},
+                                           {"$VID-FINAL-ROT$", "VID-FINAL-ROT-0"},
+                                           {"$SCREEN-ORIENT$", "SCREEN-ORIENT-0"},
+                                           {"$VIEW-ASPECT-ORIENT$", "VIEW-ASPECT-ORIENT-HORZ"},
+                                           {"$CORE-ASPECT-ORIENT$", "CORE-ASPECT-ORIENT-HORZ"}};
+    struct text out = {0};
+    for (const char *at = path; *at;) {
+        size_t i = 0;
+        while (i < DT_ARRAY_COUNT(words) && strncmp(at, words[i][0], strlen(words[i][0])) != 0)
+            i++;
+        text_add(&out, i < DT_ARRAY_COUNT(words) ? "%s" : "%.1s",
+                 i < DT_ARRAY_COUNT(words) ? words[i][1] : at);
+        at += i < DT_ARRAY_COUNT(words) ? strlen(words[i][0]) : 1;
+    }
+    return out.data;
+}
 
 char *slang_path(const char *from, const char *name)
 {
@@ -27,6 +55,12 @@ char *slang_path(const char *from, const char *name)
     for (char *at = path; at && *at; at++) /* of Windows */
         if (*at == '\\')
             *at = '/';
+    char *replaced = path && strchr(path, '$') ? replace_words(path) : NULL;
+    if (replaced && file_exists(replaced)) { /* else a file may have the word itself in its name */
+        free(path);
+        return replaced;
+    }
+    free(replaced);
     return path;
 }
 
@@ -72,19 +106,44 @@ static const char *format_named(const char *name)
     return NULL;
 }
 
+bool slang_number(const char *text, double *value)
+{
+    char *end;
+    *value = strtod(text, &end);
+    return end > text && fabs(*value) <= (double)FLT_MAX;
+}
+
 /* IDENTIFIER "DESCRIPTION" INITIAL MINIMUM MAXIMUM [STEP]; the first of a name counts. */
-static bool add_param(struct slang *slang, const char *line)
+static bool add_param(struct slang *slang, const char *line, const char **why)
 {
     struct slang_param param = {.step = 0};
-    int fields = sscanf(line, "%127s \"%255[^\"]\" %lf %lf %lf %lf", param.name, param.doc,
-                        &param.value, &param.min, &param.max, &param.step);
+    char numbers[4][64] = {"", "", "", "0"};
+    int behind = 0;
+    double *const places[] = {&param.value, &param.min, &param.max, &param.step};
+    sscanf(line, "%127s \"%n%255[^\"]", param.name, &behind, param.doc);
+    const char *quote = behind ? strchr(line + behind, '"') : NULL;
+    int fields = quote ? sscanf(quote + 1, "%63s %63s %63s %63s", numbers[0], numbers[1],
+                                numbers[2], numbers[3])
+                       : 0;
+    *why = "#pragma parameter needs NAME \"DESCRIPTION\" INITIAL MINIMUM MAXIMUM";
+    for (int i = 0; fields > 2 && i < 4; i++)
+        if (!slang_number(numbers[i], places[i])) {
+            *why = "INITIAL, MINIMUM, MAXIMUM and STEP of #pragma parameter are finite numbers";
+            return false;
+        }
     for (uint32_t i = 0; i < slang->param_count; i++)
-        if (!strcmp(slang->params[i].name, param.name))
+        if (fields > 2 && !strcmp(slang->params[i].name, param.name)) {
+            *why = NULL;
             return true;
-    struct slang_param *all =
-        fields < 5 ? NULL : realloc(slang->params, (slang->param_count + 1) * sizeof *all);
+        }
+    if (slang->param_count == MOST_PARAMS)
+        *why = "there are more than 8192 parameters";
+    struct slang_param *all = fields < 3 || slang->param_count == MOST_PARAMS
+                                  ? NULL
+                                  : realloc(slang->params, (slang->param_count + 1) * sizeof *all);
     if (!all)
         return false;
+    *why = NULL;
     slang->params = all;
     all[slang->param_count++] = param;
     return true;
@@ -114,8 +173,8 @@ static bool read_pragma(struct slang_reading *reading, const char *line, const c
         *why = "a stage is vertex or fragment";
     else if (!strcmp(word, "name"))
         snprintf(slang->name, sizeof slang->name, "%s", argument);
-    else if (!strcmp(word, "parameter") && !add_param(slang, strstr(line, word) + strlen(word)))
-        *why = "#pragma parameter needs NAME \"DESCRIPTION\" INITIAL MINIMUM MAXIMUM";
+    else if (!strcmp(word, "parameter"))
+        return add_param(slang, strstr(line, word) + strlen(word), why);
     else if (!strcmp(word, "format") && !(slang->format = format_named(argument)))
         *why = "images do not have this format";
     return !*why;
@@ -150,6 +209,10 @@ static bool read_include(struct slang_reading *reading, const char *from, const 
         *why = "the included file cannot be read";
     else if (there && ++reading->depth > MOST_DEPTH)
         *why = "files include each other";
+    else if (there && ++reading->includes > MOST_INCLUDES)
+        *why = "more than 4096 files are included";
+    else if (reading->slang->text.length > IMPORT_TEXT_BYTES)
+        *why = "the text has more than 16 MiB with all that it includes";
     else if (there)
         good = read_file(reading, path);
     reading->depth -= there;
@@ -175,7 +238,7 @@ static bool read_line(struct slang_reading *reading, const char *path, const cha
 static bool read_file(struct slang_reading *reading, const char *path)
 {
     size_t size = 0;
-    char *all = file_read(path, &size, reading->log), *rest = all, *line;
+    char *all = import_text(path, &size, reading->log), *rest = all, *line;
     bool good = all;
     for (unsigned number = 1; good && (line = strsep(&rest, "\n")); number++) {
         const char *why = NULL;

@@ -32,7 +32,7 @@ struct preset_entry { /* KEY = VALUE */
 };
 struct preset {
     struct preset_entry *entries; /* those of #reference first */
-    uint32_t count;
+    uint32_t count, references;
 };
 
 bool preset_read(const char *path, struct preset *preset, const struct dt_log *log);
@@ -41,5 +41,8 @@ void preset_free(struct preset *preset);
 const struct preset_entry *preset_find(const struct preset *preset, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* NAME beside the file `from`, or `name` itself if absolute; free(). */
+/* Reads a number as RetroArch does, whatever follows it. False: none, or one that is no finite float. */
+bool slang_number(const char *text, double *value);
+/* NAME beside the file `from`, or `name` itself if absolute, with RetroArch's words as $VID-DRV$ replaced where
+ * that leads to a file; free(). */
 char *slang_path(const char *from, const char *name);

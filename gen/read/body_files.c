@@ -18,8 +18,7 @@ const char *find_word(const char *text, const char *word)
     return NULL;
 }
 
-/* Blanks instead of comments, in place; newlines stay. */
-static void blank_comments(char *at)
+void blank_comments(char *at)
 {
     while (*at) {
         if (at[0] == '/' && at[1] == '/') {

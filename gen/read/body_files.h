@@ -59,5 +59,7 @@ const struct source *glsl_source(struct model *model, const char *path);
  * memory. */
 bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number);
 
+/* Blanks instead of comments, in place; newlines stay. */
+void blank_comments(char *at);
 /* First occurrence of `word` as an identifier, not as a member behind a dot; NULL: none. */
 const char *find_word(const char *text, const char *word);

@@ -51,6 +51,7 @@ sets=(--set gain=0.5)
 check "history in the third frame, and a live parameter" holds chain chain/chain.yaml 16x6 3 0.5 3
 sets=()
 
+check "doors that are held" /usr/bin/python3 "$root/tests/app/import_doors.py" "$diptych" "$build/diptych-gen" "$root/templates" "$work/doors"
 check "a missing shader" refused missing.slangp "in/missing.slangp:2: shader0 = nowhere.slang: this shader cannot be used"
 check "a scale of another kind" refused scale.slangp "in/scale.slangp:3: scale_type0 = golden: a scale is of source, viewport or absolute"
 check "an unknown texture" refused unknown.slangp "the texture \`Elsewhere\` is neither a pass nor a picture of the preset"

@@ -1,0 +1,156 @@
+"""Doors of `import`: what a careless or hostile author may give. A table: files, exit status, words of the message or of the spec.
+Nothing is left beside the output folder, and what is imported checks. `import_doors.py DIPTYCH DIPTYCH_GEN TEMPLATES FOLDER`."""
+import os, shutil, struct, subprocess, sys, zlib
+
+DIPTYCH, GEN, TEMPLATES, WORK = map(os.path.abspath, sys.argv[1:5])
+Files = dict[str, str | bytes]
+CASES: list[tuple[str, Files, int, str]] = []
+
+
+def case(what: str, files: Files, status: int, words: str = "") -> None:
+    CASES.append((what, files, status, words))
+
+
+def png() -> bytes:
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 1, 1, 8, 2, 0, 0, 0)) + \
+        chunk(b"IDAT", zlib.compress(b"\0abc")) + chunk(b"IEND", b"")
+
+
+def fragment(declarations: str, value: str = "vec4(1)", output: str = "layout(location = 0) out vec4 shown;") -> str:
+    return f"#version 450\n{declarations}\n{output}\nvoid main() {{ {output.split()[-1].rstrip(';').split('[')[0]} = {value}; }}\n"
+
+
+def slang(fragment_lines: str = "", value: str = "texture(Source, at)", head: str = "") -> str:
+    return f"""#version 450
+{head}
+layout(push_constant) uniform Push {{ vec4 SourceSize; float strength; }} push;
+layout(set = 0, binding = 0) uniform Block {{ mat4 MVP; }} block;
+#pragma stage vertex
+layout(location = 0) in vec4 Position; layout(location = 1) in vec2 TexCoord; layout(location = 0) out vec2 at;
+void main() {{ gl_Position = block.MVP * Position; at = TexCoord; }}
+#pragma stage fragment
+layout(location = 0) in vec2 at; layout(location = 0) out vec4 shown; layout(set = 0, binding = 2) uniform sampler2D Source;
+{fragment_lines}
+void main() {{ shown = {value}; }}
+"""
+
+
+def preset(lines: str = "", shader: str = slang(), first: str = "") -> Files:
+    return {"a.slangp": f"{first}shaders = 1\nshader0 = s.slang\n{lines}", "s.slang": shader, "t.png": png()}
+
+
+# ---- Names ----------------------------------------------------------------------------------------------------------
+
+for name in ("../up", "a/b", "..", "a:b", "a b", "C:\\\\a", "-", "é"):
+    case(f"a picture named {name}", preset(f'textures = "{name}"\n{name} = t.png\n'), 1,
+         "is named in no line" if name == "a b" else "a name of a picture is letters, digits and _")
+case("a picture that is listed twice", preset("textures = t;u;t\nt = t.png\nu = t.png\n"), 1, "a.slangp:3: textures = t;u;t: a picture stands twice")
+case("a picture named picture is not the test card", preset("textures = picture\npicture = t.png\n"), 0, 'file: "lut_picture.png"')
+case("a picture whose ending is a path", preset("textures = t\nt = d.x/t\n") | {"d.x/t": png()}, 0, 'file: "lut_t"')
+case("an alias of any kind", preset('alias0 = "../x: {y"\n'), 0, '"../x: {y"')
+case("a shader with blanks in its name", {"my shader.frag": fragment("")}, 0, '"my_shader.frag"')
+case("a file that is included, of an odd name", {"a.frag": fragment('#include "x y.inc"'), "x y.inc": "\n"}, 1, "is no name for a file")
+case("... of a folder that only looks like one", {"a.frag": fragment('#include ".../x.inc"'), ".../x.inc": "\n"}, 1, "is no name for a file")
+case("... of no file", {"a.frag": fragment('\n#include "x.inc"')}, 1, "a.frag:3:")
+
+# ---- Tables, counts, sizes ---------------------------------------------------------------------------------------------
+
+case("an array of outputs", {"a.frag": fragment("", "vec4(1)", "layout(location = 0) out vec4 shown[2];").replace("shown =", "shown[1] =")}, 1,
+     "a.frag:3:31: error: the output `shown` is an array")
+case("an output at location 8", {"a.frag": fragment("", output="layout(location = 8) out vec4 shown;")}, 1, "a.frag:3:31: error: the output `shown` has a location above 7")
+case("an input that is a struct", {"a.frag": fragment("struct S { vec4 a; };\nlayout(location = 0) in S given;", "given.a")}, 1, "a.frag:3:")
+case("... a block", {"a.frag": fragment("layout(location = 0) in S { vec4 a; } given;", "given.a")}, 1, "`given` is a struct")
+case("... an array", {"a.frag": fragment("layout(location = 0) in vec2 given[3];", "vec4(given[2], 0, 1)")}, 0, "vec2[3](vec2(1), vec2(1), vec2(1))")
+case("... a whole number", {"a.frag": fragment("layout(location = 0) flat in uvec3 given;", "vec4(given, 1)")}, 0, "uvec3(1)")
+for length in (5000, 400_000_000, 2_147_483_647):
+    case(f"a uniform of {length} numbers", {"a.frag": fragment(f"uniform float w[{length}];", "vec4(w[3])")}, 1, "a.frag:2:15: error: the uniform `w` is too long")
+case("an array whose length is a constant", {"a.frag": fragment("layout(constant_id = 0) const int n = 3;\nuniform B { float w[n]; };", "vec4(w[2])")}, 0, "float[3](")
+case("a buffer of 8 GB", {"a.comp": "#version 450\nlayout(local_size_x = 64) in;\nlayout(binding = 0) buffer B { float w[2000000000]; };\nvoid main() { w[3] = 1; }\n"}, 1,
+     "a.comp:3:28: error: the buffer `B` has more than 1 GiB")
+case("... of structs of arrays", {"a.comp": "#version 450\nlayout(local_size_x = 64) in;\nstruct S { vec4 a[65536]; };\nlayout(binding = 0) buffer B { S w[65536]; };\nvoid main() { w[3].a[0].x = 1; }\n"}, 1,
+     "the buffer `B` has more than 1 GiB")
+case("a buffer of a million vectors", {"a.comp": "#version 450\nlayout(local_size_x = 64) in;\nlayout(binding = 0) buffer B { vec4 w[1000000]; };\nvoid main() { w[3].x = 1; }\n"}, 0, "count: 1000000,")
+case("600 uniforms in both stages", {"a.vert": "#version 450\n" + "".join(f"uniform float u{i};\n" for i in range(600)) + "void main() { gl_Position = vec4(" +
+     "+".join(f"u{i}" for i in range(600)) + "); }\n", "b.frag": fragment("".join(f"uniform float u{i};\n" for i in range(600)), "vec4(" + "+".join(f"u{i}" for i in range(600)) + ")")}, 0, "u599:")
+doubling: Files = {f"x{i}.inc": f'#include "x{i + 1}.inc"\n' * 2 for i in range(26)} | {"x26.inc": "\n"}
+case("files that include two others each", {"a.frag": fragment('#include "x0.inc"')} | doubling, 1, "more than 4096 files")
+case("... in a preset", preset(shader=slang('#include "x0.inc"')) | doubling, 1, "more than 4096 files are included")
+case("... of much text", {"a.frag": fragment('#include "b.inc"\n' * 40), "b.inc": "//" + "x" * 1_000_000 + "\n"}, 1, "more than 16 MiB")
+case("a file that includes itself", {"a.frag": fragment('#include "b.inc"'), "b.inc": '#include "b.inc"\n'}, 1, "b.inc")
+case("a preset of much text", preset(shader=slang('#include "b.inc"\n' * 40)) | {"b.inc": "//" + "x" * 1_000_000 + "\n"}, 1, "more than 16 MiB")
+case("a shader of 17 MB", {"a.frag": fragment("/*" + "x" * 17_000_000 + "*/")}, 1, "a.frag: cannot be read")
+for sign in ("+", ",", "*"):
+    case(f"60,000 operands of {sign}", {"a.frag": fragment("in float x;", f"vec4(({sign.join(['x'] * 60000)}))")}, 1, "a.frag")
+case("100,000 brackets", {"a.frag": fragment("in float x;", "vec4(" + "(" * 100_000 + "x" + ")" * 100_000 + ")")}, 1, "a.frag")
+
+# ---- Numbers --------------------------------------------------------------------------------------------------------
+
+for number in ("1.0 / 0.0", "0.0 / 0.0", "-1e38 * 10"):
+    case(f"a constant {number}", {"a.frag": fragment(f"layout(constant_id = 0) const float n = {number};", "vec4(n)")}, 1, "a.frag:2:37: error: the constant `n` is not finite")
+for number in ("nan", "inf", "-inf", "1e39", "x"):
+    head = f'#pragma parameter strength "s" {number} 0.0 1.0 0.1'
+    case(f"a parameter {number}", preset(shader=slang("", "vec4(push.strength)", head)), 1, "s.slang:2: INITIAL")
+    head = head.replace(number, "0.5")
+    case(f"... of the preset", preset(f"strength = {number}\n", slang("", "vec4(push.strength)", head)), 1, f"a.slangp:3: strength = {number}: a parameter is a finite number")
+case("a parameter without a description", preset(shader=slang("", "vec4(push.strength)", '#pragma parameter strength "" 0.5 0.0 1.0')), 0, "strength: {value: 0.5")
+for scale in ("85899.34593", "4294967297", "18446744073709551617", "0", "-1", "nan", "1e5", "0.0000001"):
+    case(f"a scale {scale}", preset(f"scale_type0 = source\nscale0 = {scale}\n"), 1, f"a.slangp:4: scale0 = {scale}: a scale is a number above 0, at most 1000")
+for side in ("-5", "0", "99999999999999", "x"):
+    case(f"an absolute size {side}", preset(f"scale_type0 = absolute\nscale0 = {side}\n"), 1, "a.slangp:4:")
+case("a scale of many digits", preset("scale_type0 = source\nscale0 = 1.333333333333333333333\n"), 0, "* 13333 + 5000) / 10000")
+for history in (65, 1000, 4294967297):
+    case(f"frame {history} before", preset(shader=slang(f"layout(set = 0, binding = 3) uniform sampler2D OriginalHistory{history};",
+         f"texture(OriginalHistory{history}, at)")), 1, f"s.slang:10:48: error: the texture `OriginalHistory{history}` is more than 64 frames old")
+for count in ("0", "129", "-1", "99999999999999999999"):
+    case(f"{count} shaders", {"a.slangp": f"shaders = {count}\nshader0 = s.slang\n"}, 1, "a preset has 1 to 128 passes")
+
+# ---- Presets --------------------------------------------------------------------------------------------------------
+
+bom = "\ufeff"
+case("a preset behind a byte order mark", preset(first=bom), 0)
+case("... its shader", preset(shader=bom + slang()), 0)
+case("... a shader alone", {"a.frag": bom + fragment("")}, 0)
+case("a preset without shaders", {"a.slangp": "x = 1\n"}, 1, "a.slangp: this preset has no `shaders`")
+case("a preset that refers to itself", {"a.slangp": '#reference "a.slangp"\n'}, 1, "a.slangp:1: presets refer to each other")
+case("presets that refer to two others each", {f"{'abcdefghijklm'[i]}.slangp": f'#reference "{"abcdefghijklm"[i + 1]}.slangp"\n' * 2 for i in range(12)} |
+     {"m.slangp": "x = 1\n"}, 1, "presets refer to each other")
+case("a reference to no file", {"a.slangp": '#reference "b.slangp"\n'}, 1, "a.slangp:1: this reference cannot be used: there is no")
+case("a reference by the driver's name", preset() | {"a.slangp": '#reference "b-$VID-DRV$.slangp"\n', "b-vulkan.slangp": "shaders = 1\nshader0 = s.$VID-DRV-SHADER-EXT$\n"}, 0)
+case("... that is in the file's name", preset() | {"a.slangp": '#reference "b-$SCREEN-ORIENT$.slangp"\n', "b-$SCREEN-ORIENT$.slangp": "shaders = 1\nshader0 = s.slang\n"}, 0)
+case("a key that is misspelled", preset("scale_type_0 = source\n"), 0, "a.slangp:3: `scale_type_0` is no key of a preset and no parameter of its shaders; did you mean `scale_type0`?")
+case("a key of a pass that is not there", preset("wrap_mode7 = repeat\n"), 0)
+
+# ---- Workgroups, uniforms ---------------------------------------------------------------------------------------------
+
+for local in ("local_size_x = 1", "local_size_x_id = 0", "local_size_x = 1, local_size_y = 4"):
+    case(f"a workgroup of {local}", {"a.comp": f"#version 450\nlayout({local}) in;\nlayout(binding = 0) buffer B {{ uint w[]; }};\nvoid main() {{ w[gl_GlobalInvocationID.x] = 1; }}\n"}, 0,
+         "dispatch: 65535 ")
+
+
+def run(number: int, what: str, files: Files, status: int, words: str) -> bool:
+    folder = f"{WORK}/{number}/in"
+    for name, content in files.items():
+        os.makedirs(os.path.dirname(f"{folder}/{name}"), exist_ok=True)
+        with open(f"{folder}/{name}", "wb") as file:
+            file.write(content if isinstance(content, bytes) else content.encode())
+    before = sorted(os.listdir(folder))
+    given = [name for name in files if name.endswith((".vert", ".frag", ".comp"))] or ["a.slangp"]
+    done = subprocess.run(["timeout", "60", DIPTYCH, "import", *given, "-o", "../out"], cwd=folder, capture_output=True, text=True, errors="replace")
+    said = done.stderr
+    spec = next((f"{WORK}/{number}/out/{name}" for name in os.listdir(f"{WORK}/{number}/out") if name.endswith(".yaml")), "") if not done.returncode else ""
+    if spec:
+        check = subprocess.run([GEN, spec, "--check", "--templates", TEMPLATES], capture_output=True, text=True)
+        said += open(spec).read() + check.stderr
+    good = done.returncode == status and words in said and (not spec or not check.returncode) and sorted(os.listdir(folder)) == before and \
+        sorted(os.listdir(f"{WORK}/{number}")) == ["in"] + ["out"] * (not done.returncode)
+    if not good:
+        print(f"# status {done.returncode}, expected {status} and `{words}`\n# " + said[:1500].replace("\n", "\n# "))
+    shutil.rmtree(f"{WORK}/{number}")
+    return good
+
+
+failed = [case[0] for number, case in enumerate(CASES) if not run(number, *case)]
+print(f"{len(CASES)} cases, failed: {failed}")
+sys.exit(bool(failed))
