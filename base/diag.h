@@ -20,6 +20,8 @@ struct source {
     size_t length;
     struct loc included; /* of a part of a spec: where the spec includes it; source NULL: nowhere */
     const char *use;     /* of an instance: what a note there says; NULL: a file */
+    const uint32_t *words; /* of a module of SPIR-V, whose text spirv-dis prints; NULL: a text */
+    size_t word_count;
 };
 
 struct diag; /* collects; sources and formats must outlive it */

@@ -31,7 +31,8 @@ static void *wrong(const struct filler *filler, const char *at, const char *what
     int line = 1;
     for (const char *c = filler->text; c < at; c++)
         line += *c == '\n';
-    const struct source source = {filler->path, filler->text, strlen(filler->text), {0}, NULL};
+    const struct source source = {
+        .path = filler->path, .text = filler->text, .length = strlen(filler->text)};
     report_at(filler->log, (struct loc){&source, line, 1, 1}, "%s `%s`", what, name);
     return NULL;
 }

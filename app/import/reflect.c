@@ -10,6 +10,7 @@
 #include "diptych.h"
 #include "formats.h"
 #include "gen/glsl/glslang.h"
+#include "gen/model/foreign.h"
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
 
@@ -367,6 +368,39 @@ static char *prepare(const char *text, int stage)
     return all;
 }
 
+/* Takes over the words. */
+static bool reflect_words(uint32_t *words, size_t count, struct reflection *reflection, char **why)
+{
+    struct spirv module;
+    spvc_context context = NULL;
+    bool located = spirv_read(&module, words, count) &&
+                   spirv_locate(&module, SpvStorageClassInput) &&
+                   spirv_locate(&module, SpvStorageClassOutput);
+    bool good = located && spvc_context_create(&context) == SPVC_SUCCESS &&
+                read_module(context, module.words, module.count, reflection);
+    if (!good && context)
+        *why = strdup(spvc_context_get_last_error_string(context));
+    if (context)
+        spvc_context_destroy(context);
+    spirv_free(&module);
+    return good;
+}
+
+bool reflect_module(const uint32_t *words, size_t count, int stage, struct reflection *reflection,
+                    char **why)
+{
+    static const uint32_t models[] = {SpvExecutionModelGLCompute, SpvExecutionModelVertex,
+                                      SpvExecutionModelFragment};
+    struct spirv module = {0};
+    *reflection = (struct reflection){0};
+    *why = NULL;
+    uint32_t *own = spirv_take_in(words, &count, "");
+    bool good =
+        own && spirv_read(&module, own, count) && spirv_choose_entry(&module, models[stage]);
+    own = spirv_take(&module, &count);
+    return good && reflect_words(own, count, reflection, why);
+}
+
 bool reflect(const char *text, int stage,
              bool (*include)(const void *user, const char *from, const char *name,
                              struct glslang_file *file),
@@ -376,24 +410,11 @@ bool reflect(const char *text, int stage,
     const struct glslang_job job = {
         .code = code, .stage = stage, .whole = true, .include = include, .user = user};
     size_t count = 0;
-    spvc_context context = NULL;
     *why = NULL;
     *reflection = (struct reflection){0};
-    struct spirv module = {0};
     uint32_t *words = code && spirv_init() ? glslang_compile(&job, &count, why) : NULL;
-    bool located = words && spirv_read(&module, words, count) &&
-                   spirv_locate(&module, SpvStorageClassInput) &&
-                   spirv_locate(&module, SpvStorageClassOutput);
-    words = spirv_take(&module, &count);
-    bool good = located && spvc_context_create(&context) == SPVC_SUCCESS &&
-                read_module(context, words, count, reflection);
-    if (!good && words && context)
-        *why = strdup(spvc_context_get_last_error_string(context));
-    if (context)
-        spvc_context_destroy(context);
-    free(words);
     free(code);
-    return good;
+    return words && reflect_words(words, count, reflection, why);
 }
 
 void reflect_free(struct reflection *reflection)

@@ -47,4 +47,7 @@ bool reflect(const char *text, int stage,
              bool (*include)(const void *user, const char *from, const char *name,
                              struct glslang_file *file),
              const void *user, struct reflection *reflection, char **why);
+/* The same of a module that spirv_check took. */
+bool reflect_module(const uint32_t *words, size_t count, int stage, struct reflection *reflection,
+                    char **why);
 void reflect_free(struct reflection *reflection);

@@ -21,7 +21,6 @@ struct shader_file {
     const char *path; /* as given */
     char name[1024];  /* in the folder */
     struct import_texts texts;
-    char *glsl; /* of a module; NULL: the text is GLSL */
     int stage;
     struct reflection reflection;
 };
@@ -105,20 +104,19 @@ static bool read_shader(struct making *making, const char *path)
         return false;
     const struct import_source *own = &file->texts.list[0];
     const uint32_t *words = (const uint32_t *)own->text;
+    size_t count = own->size / sizeof *words;
     char *why = NULL;
-    bool module = spirv_is_module(own->text, own->size), good = true;
-    if (module) {
-        struct text text = {0};
-        good = spirv_check(words, own->size / 4, &why) &&
-               spirv_cross_whole(words, own->size / 4, &text, &why);
-        file->glsl = text.data;
-    }
-    file->stage = !module ? stage_of(path) : good ? stage_of_module(words, own->size / 4) : 0;
+    bool module = spirv_is_module(own->text, own->size);
+    bool good = !module || spirv_check(words, count, &why);
+    file->stage = !module ? stage_of(path) : good ? stage_of_module(words, count) : 0;
     if (file->stage < 0)
         return report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage",
                             path);
-    good = good && reflect(file->glsl ? file->glsl : own->text, file->stage, texts_include,
-                           &file->texts, &file->reflection, &why);
+    if (module)
+        good = good && reflect_module(words, count, file->stage, &file->reflection, &why);
+    else
+        good =
+            reflect(own->text, file->stage, texts_include, &file->texts, &file->reflection, &why);
     if (!good)
         tell_compiler(making, file, why);
     free(why);
@@ -511,7 +509,6 @@ bool import_shaders(struct import *import, const char *const *paths)
         good = read_shader(making, paths[i]);
     good = good && check_stages(making) && write_items(making) && write_spec(making);
     for (int i = 0; making && i < making->count; i++) {
-        free(making->files[i].glsl);
         texts_free(&making->files[i].texts);
         reflect_free(&making->files[i].reflection);
     }

@@ -2,7 +2,7 @@
 #include <spirv/unified1/spirv.h>
 
 #include "lower.h"
-#include "spirv/module.h"
+#include "model/module.h"
 
 /* What promises of Vulkan 1.3 and OpenGL 4.6 cover needs no check. */
 static const uint64_t promised[DT_LIMITS] = {

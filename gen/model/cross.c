@@ -35,7 +35,7 @@ static void name_blocks(spvc_compiler compiler, spvc_resources resources, spvc_r
     }
 }
 
-static bool set_options(spvc_compiler compiler, bool whole)
+static bool set_options(spvc_compiler compiler)
 {
     spvc_compiler_options options = NULL;
     return spvc_compiler_create_compiler_options(compiler, &options) == SPVC_SUCCESS &&
@@ -48,7 +48,7 @@ static bool set_options(spvc_compiler compiler, bool whole)
                                           false) == SPVC_SUCCESS &&
            spvc_compiler_options_set_bool(options,
                                           SPVC_COMPILER_OPTION_FORCE_ZERO_INITIALIZED_VARIABLES,
-                                          !whole) == SPVC_SUCCESS &&
+                                          true) == SPVC_SUCCESS &&
            spvc_compiler_options_set_bool(
                options, SPVC_COMPILER_OPTION_GLSL_EMIT_PUSH_CONSTANT_AS_UNIFORM_BUFFER, true) ==
                SPVC_SUCCESS &&
@@ -67,29 +67,7 @@ static bool has_layer(const uint32_t *words, size_t count)
     return false;
 }
 
-/* Textures with samplers of their own, which OpenGL has not. */
-static bool combine(spvc_compiler compiler)
-{
-    const spvc_combined_image_sampler *list = NULL;
-    size_t count = 0;
-    if (spvc_compiler_build_combined_image_samplers(compiler) != SPVC_SUCCESS ||
-        spvc_compiler_get_combined_image_samplers(compiler, &list, &count) != SPVC_SUCCESS)
-        return false;
-    for (size_t i = 0; i < count; i++) {
-        char name[512];
-        bool alone = true;
-        for (size_t k = 0; k < count; k++)
-            alone &= k == i || list[k].image_id != list[i].image_id;
-        snprintf(name, sizeof name, "%s%s%s", spvc_compiler_get_name(compiler, list[i].image_id),
-                 alone ? "" : "_",
-                 alone ? "" : spvc_compiler_get_name(compiler, list[i].sampler_id));
-        spvc_compiler_set_name(compiler, list[i].combined_id, name);
-    }
-    return true;
-}
-
-static bool cross(spvc_context context, const uint32_t *words, size_t count, bool whole,
-                  const char **glsl)
+static bool cross(spvc_context context, const uint32_t *words, size_t count, const char **glsl)
 {
     spvc_parsed_ir ir = NULL;
     spvc_compiler compiler = NULL;
@@ -103,35 +81,23 @@ static bool cross(spvc_context context, const uint32_t *words, size_t count, boo
     name_blocks(compiler, resources, SPVC_RESOURCE_TYPE_STORAGE_BUFFER);
     if (has_layer(words, count))
         spvc_compiler_require_extension(compiler, "GL_ARB_shader_viewport_layer_array");
-    return (!whole || combine(compiler)) && set_options(compiler, whole) &&
-           spvc_compiler_compile(compiler, glsl) == SPVC_SUCCESS;
+    return set_options(compiler) && spvc_compiler_compile(compiler, glsl) == SPVC_SUCCESS;
 }
 
-static bool cross_text(const uint32_t *words, size_t count, bool whole, struct text *out,
-                       char **why)
+bool spirv_cross(const uint32_t *words, size_t count, struct text *out, char **why)
 {
     spvc_context context = NULL;
     const char *glsl = NULL;
     *why = NULL;
     if (spvc_context_create(&context) != SPVC_SUCCESS)
         return false;
-    bool good = cross(context, words, count, whole, &glsl);
+    bool good = cross(context, words, count, &glsl);
     if (good)
         text_add(out, "%s", glsl);
     else
         *why = strdup(spvc_context_get_last_error_string(context));
     spvc_context_destroy(context);
     return good && !out->failed;
-}
-
-bool spirv_cross(const uint32_t *words, size_t count, struct text *out, char **why)
-{
-    return cross_text(words, count, false, out, why);
-}
-
-bool spirv_cross_whole(const uint32_t *words, size_t count, struct text *out, char **why)
-{
-    return cross_text(words, count, true, out, why);
 }
 
 bool spirv_is_module(const void *bytes, size_t size)

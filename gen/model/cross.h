@@ -13,6 +13,3 @@ bool spirv_cross(const uint32_t *words, size_t count, struct text *out, char **w
 
 /* Whether the bytes are a module of SPIR-V. */
 bool spirv_is_module(const void *bytes, size_t size);
-/* Any module as a whole shader: push constants become a uniform block; a texture with a sampler of
- * its own becomes a combined one, of the texture's name if it has one sampler. False: as above. */
-bool spirv_cross_whole(const uint32_t *words, size_t count, struct text *out, char **why);

@@ -1,6 +1,7 @@
 /* The files of a spec; see source.h. */
 #include "source.h"
 #include "cross.h"
+#include "foreign.h"
 #include "spirv_check.h"
 
 #include <errno.h>
@@ -103,20 +104,30 @@ const char *source_list(struct model *model, const char *path, const char **reas
     return list_input(model, plain) ? plain : NULL;
 }
 
-/* A module of SPIR-V as GLSL, which has the same meaning and can be read; takes over `words`. */
-static char *module_text(struct model *model, char *words, size_t *length, const char **reason)
+/* A module of SPIR-V that others made: its words in our form, and what spirv-dis prints of it as the text. */
+static char *read_module(struct model *model, struct source *source, const char *path,
+                         const uint32_t *words, const char **reason)
 {
-    struct text text = {0};
-    char *why = NULL;
-    bool good = spirv_check((const uint32_t *)words, *length / 4, &why) &&
-                spirv_cross_whole((const uint32_t *)words, *length / 4, &text, &why);
-    free(words);
-    *reason = good ? NULL : why ? arena_printf(model->arena, "%s", why) : strerror(ENOMEM);
+    size_t count = source->length / sizeof *words;
+    char *why = NULL, *text = NULL;
+    uint32_t *own = NULL;
+    *reason = strerror(ENOMEM);
+    if (!spirv_check(words, count, &why))
+        *reason = why ? arena_printf(model->arena, "%s", why) : *reason;
+    else
+        own = (text = spirv_disassemble(words, count)) ? spirv_take_in(words, &count, path) : NULL;
+    uint32_t *copy = own ? arena_alloc(model->arena, count * sizeof *copy) : NULL;
+    if (copy)
+        memcpy(copy, own, count * sizeof *copy);
+    source->words = copy;
+    source->word_count = count;
+    source->length = copy ? strlen(text) : 0;
+    free(own);
     free(why);
-    if (!good)
-        text_free(&text);
-    *length = text.length;
-    return text.data;
+    if (copy)
+        return text;
+    free(text);
+    return NULL;
 }
 
 const struct source *source_read(struct model *model, const char *path, const char **reason)
@@ -128,8 +139,11 @@ const struct source *source_read(struct model *model, const char *path, const ch
     if (!plain || !source)
         return NULL;
     char *text = input_read(plain, MOST_SOURCE_BYTES, &source->length, reason);
-    if (text && spirv_is_module(text, source->length))
-        text = module_text(model, text, &source->length, reason);
+    if (text && spirv_is_module(text, source->length)) {
+        char *bytes = text;
+        text = read_module(model, source, plain, (const uint32_t *)bytes, reason);
+        free(bytes);
+    }
     if (!text)
         return NULL;
     source->path = plain;

@@ -1,13 +1,16 @@
-/* See spirv_check.h. C++, since SPIRV-Tools throws where memory runs out. */
+/* See spirv_check.h. C++, since SPIRV-Tools throws where memory runs out, and its optimizer has no other interface. */
 extern "C" {
 #include "spirv_check.h"
 }
 
+#include <cstdlib>
 #include <cstring>
 #include <exception>
 #include <string>
+#include <vector>
 
 #include <spirv-tools/libspirv.hpp>
+#include <spirv-tools/optimizer.hpp>
 
 namespace
 {
@@ -40,4 +43,41 @@ try {
     if (why)
         *why = strdup(exception.what());
     return false;
+}
+
+extern "C" uint32_t *spirv_optimize(const uint32_t *words, size_t *count, unsigned passes)
+try {
+    spvtools::Optimizer optimizer(SPV_ENV_UNIVERSAL_1_6);
+    spvtools::OptimizerOptions options;
+    std::vector<uint32_t> out;
+    options.set_run_validator(false);
+    if (passes & SPIRV_FLATTEN)
+        optimizer.RegisterPass(spvtools::CreateFlattenDecorationPass())
+            .RegisterPass(spvtools::CreateStripNonSemanticInfoPass());
+    if (passes & SPIRV_INLINE)
+        optimizer.RegisterPass(spvtools::CreateInlineExhaustivePass());
+    if (passes & SPIRV_FREEZE)
+        optimizer.RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
+            .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass());
+    if (!optimizer.Run(words, *count, &out, options))
+        return nullptr;
+    *count = out.size();
+    void *copy = std::malloc(out.size() * sizeof out[0]);
+    if (copy)
+        std::memcpy(copy, out.data(), out.size() * sizeof out[0]);
+    return static_cast<uint32_t *>(copy);
+} catch (const std::exception &) {
+    return nullptr;
+}
+
+extern "C" char *spirv_disassemble(const uint32_t *words, size_t count)
+try {
+    spvtools::SpirvTools tools(SPV_ENV_UNIVERSAL_1_6);
+    std::string text;
+    bool good = tools.Disassemble(words, count, &text,
+                                  SPV_BINARY_TO_TEXT_OPTION_INDENT |
+                                      SPV_BINARY_TO_TEXT_OPTION_FRIENDLY_NAMES);
+    return good ? strdup(text.c_str()) : nullptr;
+} catch (const std::exception &) {
+    return nullptr;
 }

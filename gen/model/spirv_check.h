@@ -1,4 +1,4 @@
-/* spirv-val, the validator of SPIRV-Tools, as a C function that throws nothing. */
+/* SPIRV-Tools as C functions that throw nothing: spirv-val, spirv-opt, spirv-dis. */
 #pragma once
 
 #include <stdbool.h>
@@ -10,3 +10,13 @@
  * the time; free(); NULL after false: out of memory. Every module from outside passes here before anything else
  * reads it: SPIRV-Cross trusts what it reads. */
 bool spirv_check(const uint32_t *words, size_t count, char **why);
+
+enum spirv_passes {
+    SPIRV_FLATTEN = 1, /* no groups of decorations, no debug instructions of extensions */
+    SPIRV_INLINE = 2,  /* no functions but the entry points */
+    SPIRV_FREEZE = 4   /* no specialization constants, and what is computed of them is constant */
+};
+/* The module behind some passes of spirv-opt, *count words; free(). NULL: out of memory. */
+uint32_t *spirv_optimize(const uint32_t *words, size_t *count, unsigned passes);
+/* What spirv-dis prints of a module, a line for each instruction behind five of its head; free(). NULL: out of memory. */
+char *spirv_disassemble(const uint32_t *words, size_t count);

@@ -1,9 +1,14 @@
 /* See body_files.h. */
 #include "body_files.h"
 
+#include <spirv/unified1/spirv.h>
+
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
+
+#include "base/text.h"
+#include "model/foreign.h"
 
 enum { MOST_FILES = 256, MOST_INCLUDES = 1024 };
 
@@ -46,6 +51,8 @@ static char *find_version(char *code)
 
 bool source_is_whole(const struct source *source)
 {
+    if (source->words)
+        return true;
     char *code = strndup(source->text, source->length);
     if (code)
         blank_comments(code);
@@ -110,17 +117,69 @@ bool glsl_source_add(struct model *model, const struct source *source, uint32_t 
 
 /* ---- Files of a body -------------------------------------------------------------------------- */
 
+/* A file that lines of a module are of. */
+struct numbering {
+    struct model *model;
+    struct body_file *file; /* the module's */
+};
+
+static uint32_t number_file(void *user, const char *name, const char *text)
+{
+    const struct numbering *numbering = user;
+    struct model *model = numbering->model;
+    struct source *source = arena_alloc(model->arena, sizeof *source);
+    uint32_t number = 0;
+    if (!strcmp(name, numbering->file->source->path))
+        return numbering->file->number;
+    if (source)
+        *source = (struct source){.path = arena_strndup(model->arena, name, strlen(name)),
+                                  .text = arena_printf(model->arena, "%s", text ? text : ""),
+                                  .length = text ? strlen(text) : 0};
+    bool good = source && source->path && source->text && glsl_source_add(model, source, &number);
+    return good ? number : 0;
+}
+
+/* The names of a module in place of its text. */
+static bool add_module(struct model *model, struct body_files *files, struct body_file *file)
+{
+    const struct source *source = file->source;
+    struct numbering numbering = {model, file};
+    struct text names = {0};
+    size_t count = source->word_count;
+    uint32_t *words = spirv_number_files(source->words, &count, number_file, &numbering);
+    uint32_t *copy = words ? arena_alloc(model->arena, count * sizeof *copy) : NULL;
+    for (size_t at = SPIRV_HEADER; copy && at < count; at += words[at] >> 16)
+        if (spirv_is(words + at, SpvOpName) || spirv_is(words + at, SpvOpMemberName))
+            text_add(&names, "%s\n",
+                     (const char *)(words + at + (spirv_is(words + at, SpvOpName) ? 2 : 3)));
+    if (copy)
+        memcpy(copy, words, count * sizeof *copy);
+    free(words);
+    file->words = copy;
+    file->word_count = count;
+    file->text = "";
+    file->code =
+        names.failed ? NULL : arena_printf(model->arena, "%s", names.data ? names.data : "");
+    text_free(&names);
+    files->whole = true;
+    return copy && file->code;
+}
+
 static bool add_file(struct model *model, struct body_files *files, const struct source *source)
 {
     struct body_file *file = &files->list[files->count];
-    char *code = arena_strndup(model->arena, source->text, source->length);
-    if (!code || !glsl_source_add(model, source, &file->number))
+    if (!glsl_source_add(model, source, &file->number))
         return false;
-    blank_comments(code);
-    file->text = without_version(model, source, code, &files->whole);
     file->name = arena_printf(model->arena, "%u", file->number);
     file->source = source;
-    file->code = code;
+    if (source->words && !add_module(model, files, file))
+        return false;
+    char *code = source->words ? NULL : arena_strndup(model->arena, source->text, source->length);
+    if (code) {
+        blank_comments(code);
+        file->text = without_version(model, source, code, &files->whole);
+        file->code = code;
+    }
     files->count++;
     return file->name && file->text;
 }

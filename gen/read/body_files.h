@@ -11,7 +11,9 @@ struct body_file {
     uint32_t number;  /* of #line: place in model->glsl_sources, from 1 */
     const char *name; /* the number as text: its name for glslang */
     const char *text; /* for glslang: that of the source, without #version */
-    char *code;       /* the text without comments and names of files, line by line */
+    char *code; /* the text without comments and names of files, line by line; a module's names */
+    const uint32_t *words; /* of a module, with its files' numbers; NULL: a text */
+    size_t word_count;
 };
 
 struct body_include { /* #include "name" of a file */
@@ -25,7 +27,7 @@ struct body_files {
     uint32_t count;
     struct body_include *includes;
     uint32_t include_count;
-    bool whole; /* a shader with #version, which has declarations of its own */
+    bool whole; /* a shader with #version, or a module, which has declarations of its own */
 };
 
 /* Of a pass's files, also NULL. */
@@ -33,7 +35,7 @@ static inline bool files_are_whole(const struct body_files *files)
 {
     return files && files->whole;
 }
-/* Whether the text begins with #version, behind blanks and comments. */
+/* Whether it is a module, or the text begins with #version, behind blanks and comments. */
 bool source_is_whole(const struct source *source);
 /* In the model's arena; #version becomes blanks in what `source` of a file holds. Names that lead nowhere are left out: glslang asks for them, or does not.
  * NULL when out of memory. */

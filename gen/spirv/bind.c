@@ -36,7 +36,7 @@ __attribute__((format(printf, 2, 3))) static bool refuse(struct binder *binder, 
 /* ---- Look-ups -------------------------------------------------------------------------------- */
 
 /* The author's name: those that stepped aside for the generator's have a prefix (glsl_messages.c). */
-static const char *own_name(const char *name)
+const char *bind_own_name(const char *name)
 {
     return name && !strncmp(name, "body_", 5) ? name + 5 : name;
 }
@@ -60,7 +60,7 @@ static const char *name_of(const struct spirv *module, const uint32_t *variable)
         type = spirv_definition(module, type)[2];
     if (!name || !*name)
         name = spirv_name(module, type);
-    return name ? own_name(name) : "?";
+    return name ? bind_own_name(name) : "?";
 }
 
 static bool is_generators(const struct binder *binder, const uint32_t *variable)
@@ -257,7 +257,7 @@ static bool move_variable(struct binder *binder, const uint32_t *variable)
         good = put_value(binder, name_of(module, variable), moved, type);
     for (uint32_t m = 0; m < count; m++)
         if (members[m])
-            good &= put_value(binder, own_name(spirv_member_name(module, type, m)),
+            good &= put_value(binder, bind_own_name(spirv_member_name(module, type, m)),
                               put_place(binder, moved, m, declared[2 + m]), declared[2 + m]);
     free(members);
     return good;
@@ -333,7 +333,7 @@ static void copy_annotations(struct binder *binder)
         bool placed = binder->bindings[i[1]] && (decoration == SpvDecorationBinding ||
                                                  decoration == SpvDecorationDescriptorSet);
         bool loose = binder->types[i[1]] == LOOSE && is_layout(decoration);
-        if (!placed && !loose && !(own && decoration == SpvDecorationSpecId))
+        if (!placed && !loose)
             spirv_copy(edit, &edit->annotations, i);
     }
     for (uint32_t id = 0; id < module->words[3]; id++) {
@@ -345,37 +345,7 @@ static void copy_annotations(struct binder *binder)
     }
 }
 
-/* ---- Constants, entry point, code ------------------------------------------------------------ */
-
-static const struct bind_constant *find_constant(const struct binder *binder, uint32_t id)
-{
-    const char *name = own_name(spirv_name(binder->module, id));
-    for (uint32_t i = 0; name && i < binder->request->constant_count; i++)
-        if (!strcmp(binder->request->constants[i].name, name))
-            return &binder->request->constants[i];
-    return NULL;
-}
-
-/* In place: specialization constants become constants. */
-static void fix_constants(struct binder *binder)
-{
-    struct spirv_words *words = &binder->edit.declarations;
-    for (size_t at = 0; at < words->count; at += spirv_length(words->data + at)) {
-        uint32_t *i = words->data + at, opcode = spirv_opcode(i);
-        if (opcode < SpvOpSpecConstantTrue || opcode > SpvOpSpecConstantComposite)
-            continue;
-        const struct bind_constant *constant = find_constant(binder, i[2]);
-        bool truth = opcode == SpvOpSpecConstantTrue || opcode == SpvOpSpecConstantFalse;
-        opcode -= SpvOpSpecConstantTrue - SpvOpConstantTrue;
-        if (constant && constant->truth == truth) {
-            if (truth)
-                opcode = constant->word ? SpvOpConstantTrue : SpvOpConstantFalse;
-            else
-                i[3] = constant->word;
-        }
-        i[0] = (i[0] & 0xffff0000) | opcode;
-    }
-}
+/* ---- Entry point, code ------------------------------------------------------------------------ */
 
 /* Private variables are listed from SPIR-V 1.4 on, inputs always. */
 static void fix_entry(struct binder *binder)
@@ -505,7 +475,6 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
                each_variable(&binder, has_values, move_variable);
     }
     if (good) {
-        fix_constants(&binder);
         fix_entry(&binder);
         copy_annotations(&binder);
         copy_code(&binder);

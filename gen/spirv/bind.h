@@ -2,7 +2,7 @@
  * bindings of the plan, and fills its uniforms from functions that stand beside it. */
 #pragma once
 
-#include "module.h"
+#include "model/module.h"
 
 struct bind_slot {
     const char *name; /* of the shader's variable, or of its block if that has no instance name */
@@ -10,17 +10,9 @@ struct bind_slot {
     unsigned kind; /* mask of enum dt_access: how the pass binds it */
 };
 
-struct bind_constant { /* a specialization constant */
-    const char *name;
-    uint32_t word; /* bits of its value */
-    bool truth;    /* it is a bool, and `word` is 0 or 1 */
-};
-
 struct bind_request {
     const struct bind_slot *slots;
     uint32_t slot_count;
-    const struct bind_constant *constants;
-    uint32_t constant_count;
     bool inputs;           /* the stage's inputs get values, too */
     uint32_t first;        /* of the generator's ids: see join.h */
     const uint32_t *local; /* size of a workgroup; NULL: no compute stage */
@@ -30,3 +22,6 @@ struct bind_request {
  * inputs become private variables, and the module gets diptych_begin(), which fills them (entry.c).
  * False: *why, free(), says what is missing or does not fit; NULL: out of memory. */
 bool spirv_bind(struct spirv *module, const struct bind_request *request, char **why);
+
+/* The author's name: one that stepped aside for another has a prefix (glsl_messages.c). NULL stays. */
+const char *bind_own_name(const char *name);

@@ -5,16 +5,14 @@
 #include "glsl/glsl.h"
 #include "plan/plan.h"
 #include "compile.h"
-#include "bind.h"
 #include "exact.h"
 #include "glsl/glslang.h"
-#include "join.h"
 #include "link.h"
 #include "passes.h"
 #include "prove.h"
 #include "sanitize.h"
-#include "stages.h"
 #include "values.h"
+#include "whole.h"
 
 #include <ctype.h>
 #include <glslang/build_info.h>
@@ -69,45 +67,6 @@ static bool sanitize(const struct model *model, const struct pass *pass, struct 
             !sanitize_failed(model));
 }
 
-/* The bits of a baked parameter, as a specialization constant. */
-static struct bind_constant constant_of(const struct param *param)
-{
-    struct bind_constant constant = {.name = param->name, .truth = param->type == DT_TYPE_BOOL};
-    float number = (float)param->value[0];
-    if (param->type == DT_TYPE_FLOAT)
-        memcpy(&constant.word, &number, sizeof number);
-    else
-        constant.word = (uint32_t)(int64_t)param->value[0];
-    return constant;
-}
-
-/* Resources and uniforms of a whole shader. */
-static bool bind(const struct model *model, const struct pass *pass, const struct shader *shader,
-                 uint32_t first, struct spirv *module, char **log)
-{
-    const struct pipeline *pipeline = &model->pipeline;
-    struct bind_slot *slots = calloc(pass->access_count + 1, sizeof *slots);
-    struct bind_constant *constants = calloc(pipeline->param_count + 1, sizeof *constants);
-    struct bind_request request = {.slots = slots,
-                                   .constants = constants,
-                                   .inputs =
-                                       shader->stage == STAGE_IS_VERTEX || !pass->own_vertices,
-                                   .first = first,
-                                   .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
-    for (uint32_t i = 0; slots && i < pass->access_count; i++)
-        if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
-            slots[request.slot_count++] = (struct bind_slot){
-                access_word(&pass->accesses[i]), pass->accesses[i].binding, pass->accesses[i].kind};
-    for (uint32_t i = 0; constants && i < pipeline->param_count; i++)
-        if (!pipeline->params[i].live && !pipeline->params[i].uniform &&
-            pipeline->params[i].components == 1)
-            constants[request.constant_count++] = constant_of(&pipeline->params[i]);
-    bool good = slots && constants && spirv_bind(module, &request, log);
-    free(slots);
-    free(constants);
-    return good;
-}
-
 /* The passes; takes over the module. */
 static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
                         struct shader *shader, char **log)
@@ -138,10 +97,10 @@ static bool validate(const struct pass *pass, const struct shader *shader, struc
 }
 
 /* OpenGL takes SPIR-V 1.0, and by GL_KHR_shader_subgroup 1.3, which brought subgroup operations. In
- * 1.5 a vertex shader's layer is a capability of its own, as some devices have it. */
-static int minor_version(const struct shader *shader)
+ * 1.5 a vertex shader's layer is a capability of its own, as some devices have it. least: of a module that this one joins. */
+static int minor_version(const struct shader *shader, uint32_t least)
 {
-    if (shader->own && !shader->code.length)
+    if ((shader->own && !shader->code.length) || least > 0x10300)
         return 5; /* Vulkan's own */
     return strstr(shader_code(shader)->data, "\n#extension GL_KHR_shader_subgroup_basic") ? 3 : 0;
 }
@@ -164,15 +123,15 @@ static void add_lines(const char *code, struct text *out)
 }
 
 /* Text to a module. lines: with OpLine, which makes no valid module of all that follows. */
-static bool read_text(const struct pass *pass, const struct shader *shader, const struct text *text,
-                      bool lines, struct spirv *module, char **log)
+bool spirv_read_text(const struct pass *pass, const struct shader *shader, const struct text *text,
+                     bool lines, uint32_t least, struct spirv *module, char **log)
 {
     struct text lined = {0};
     if (lines)
         add_lines(text->data, &lined);
     const struct glslang_job job = {.code = lines ? lined.data : text->data,
                                     .stage = shader->stage,
-                                    .minor = minor_version(shader),
+                                    .minor = minor_version(shader, least),
                                     .lines = lines,
                                     .whole = text == &shader->whole,
                                     .marked = !pass->fast,
@@ -185,56 +144,18 @@ static bool read_text(const struct pass *pass, const struct shader *shader, cons
     return words && spirv_read(module, words, count);
 }
 
-/* A fault of two stages, as glslang would write it, at the first place that has the name. */
-static void tell_fault(const struct shader *shader, const struct stage_fault *fault, char **log)
-{
-    struct text text = {0};
-    struct loc loc = {0};
-    uint32_t number = *fault->name ? body_find(shader->files, fault->name, &loc) : 0;
-    free(*log);
-    if (number)
-        text_add(&text, "ERROR: %u:%d: '%s' : ", number, loc.line, fault->name);
-    text_add(&text, "%s\n", fault->text);
-    *log = *fault->text ? text.data : NULL;
-}
-
-/* The module of a whole shader, its variables between stages with locations. */
-static bool read_whole(const struct pass *pass, const struct shader *shader, bool lines,
-                       struct spirv *module, char **log)
-{
-    return read_text(pass, shader, &shader->whole, lines, module, log) &&
-           spirv_locate(module, SpvStorageClassOutput);
-}
-
-static bool read_stages(const struct pass *pass, const struct shader *shader, bool lines,
-                        struct spirv *module, char **log)
-{
-    struct spirv before = {0};
-    struct stage_fault fault;
-    bool good = read_whole(pass, shader, lines, module, log);
-    if (!good || !shader->before)
-        return good;
-    good = read_whole(pass, shader->before, false, &before, log);
-    if (good && !spirv_locate_inputs(module, &before, &fault)) {
-        tell_fault(shader, &fault, log);
-        good = false;
-    }
-    spirv_free(&before);
-    return good;
-}
-
 /* The author's module; of a whole shader it is joined by the generator's and bound. */
 static bool compile(const struct model *model, const struct pass *pass, bool lines,
                     struct shader *shader, char **log)
 {
     struct spirv module = {0}, more = {0};
     bool whole = shader->whole.length;
-    bool good = read_text(pass, shader, shader_code(shader), lines, whole ? &more : &module, log);
+    bool good = !whole || whole_read(model, pass, shader, lines, &module, log);
+    uint32_t least = good && whole ? module.words[1] : 0;
+    good = good && spirv_read_text(pass, shader, shader_code(shader), lines, least,
+                                   whole ? &more : &module, log);
     if (good && whole)
-        good = read_stages(pass, shader, lines, &module, log);
-    uint32_t first = good ? module.words[3] : 0;
-    if (good && whole)
-        good = spirv_join(&module, &more) && bind(model, pass, shader, first, &module, log);
+        good = whole_bind(pass, shader, &more, &module, log);
     spirv_free(&more);
     if (good)
         return pass_module(model, pass, module, shader, log);

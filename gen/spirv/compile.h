@@ -21,3 +21,8 @@ void spirv_prove(const struct model *model, const struct pass *pass, const struc
 void prove_fixed(const struct pass *pass, const struct shader *fragment, struct diag *diag);
 /* What the proof takes for granted, in one sentence. */
 extern const char prove_assumptions[];
+/* Text to a module, by glslang alone. lines: with OpLine, which makes no valid module of all that follows. least:
+ * the version that it has at least, as the header of a module says it. */
+struct spirv;
+bool spirv_read_text(const struct pass *pass, const struct shader *shader, const struct text *text,
+                     bool lines, uint32_t least, struct spirv *module, char **log);

@@ -3,7 +3,7 @@
  * these call. */
 #pragma once
 
-#include "module.h"
+#include "model/module.h"
 
 struct spirv_link {
     struct spirv_edit *edit;

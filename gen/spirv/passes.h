@@ -1,7 +1,7 @@
 /* Small passes over modules; those with files of their own to read have headers of their own. */
 #pragma once
 
-#include "module.h"
+#include "model/module.h"
 
 /* strip.c: removes names, sources and lines in place, which no result depends on. Returns the new
  * count. */

@@ -1,7 +1,7 @@
 /* The proof that a shader is exact; see prove.c. */
 #pragma once
 
-#include "module.h"
+#include "model/module.h"
 
 /* An operation whose result the standards leave open. */
 struct open_operation {

@@ -10,7 +10,7 @@
 
 #include "model/source.h"
 #include "plan/plan.h"
-#include "module.h"
+#include "model/module.h"
 #include "compile.h"
 
 const char prove_assumptions[] =

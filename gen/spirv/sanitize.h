@@ -2,7 +2,7 @@
 #pragma once
 
 #include "plan/sanitize.h"
-#include "module.h"
+#include "model/module.h"
 
 /* The module comes from glslang with OpLine, and has the functions of templates/glsl/sanitize.glsl. Operations of the kinds
  * get calls of them; OpLine goes. `add` takes a site and returns its index. False when out of memory. */

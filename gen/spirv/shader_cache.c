@@ -99,6 +99,10 @@ void shader_hash(const struct model *model, enum backend backend, struct shader 
         const struct body_file *file = &shader->files->list[i];
         XXH3_128bits_update(state, file->source->text, file->source->length + 1);
     }
+    for (uint32_t i = 0; shader->files && i < shader->files->count; i++)
+        if (shader->files->list[i].words)
+            XXH3_128bits_update(state, shader->files->list[i].words,
+                                shader->files->list[i].word_count * sizeof(uint32_t));
     XXH128_hash_t hash = XXH3_128bits_digest(state);
     XXH3_freeState(state);
     shader->hash[0] = hash.high64;

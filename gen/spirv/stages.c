@@ -227,9 +227,7 @@ static bool write_side(struct spirv *module, const struct side *side)
 {
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    spirv_append(&edit, &edit.annotations, module->words + module->annotations,
-                 module->declarations - module->annotations);
-    spirv_append(&edit, &edit.code, module->words + module->code, module->count - module->code);
+    spirv_edit_keep(&edit);
     for (uint32_t i = 0; i < side->count; i++)
         if (!side->list[i].given && side->list[i].location != NOWHERE)
             SPIRV_PUT(&edit, &edit.annotations, SpvOpDecorate, side->list[i].id,

@@ -2,7 +2,7 @@
 #ifndef DIPTYCH_GEN_SPIRV_STAGES_H
 #define DIPTYCH_GEN_SPIRV_STAGES_H
 
-#include "module.h"
+#include "model/module.h"
 
 struct stage_fault {
     char name[128]; /* of the input; "": out of memory */

@@ -6,7 +6,7 @@
 
 #include "read/body_files.h"
 #include "plan/plan.h"
-#include "module.h"
+#include "model/module.h"
 #include "shaders.h"
 
 /* Whether a stage has a resource at the binding. */

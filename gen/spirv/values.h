@@ -2,7 +2,7 @@
 #pragma once
 
 #include "model/model.h"
-#include "module.h"
+#include "model/module.h"
 
 /* Reads of texels get the value of their code, writes and colour targets are rounded to the format's codes, by functions of
  * templates/glsl/values.glsl. False: out of memory, or *why says what cannot be exact (free(); a former text is freed). */

@@ -1,12 +1,18 @@
-"""Whole shaders go the road of our bodies: stages match by name, wrong ones are told at their place, --sanitize checks them.
-Prints TAP; called by foreign_test.sh."""
+"""Whole shaders go the road of our bodies: stages match by name, wrong ones are told at their place, --sanitize checks them, and a
+module of SPIR-V gives the bits of its GLSL, whoever optimized it. Prints TAP; called by foreign_test.sh.
+
+    SEED=N FORMS=N foreign.py     the seed of the sample of shaders in forms, and its size"""
 import json
 import os
+import random
+import re
+import shutil
 import struct
 import subprocess
 import tempfile
 
 import bodies
+import corpus
 
 BUILD = os.path.abspath(os.environ.get("DIPTYCH_BUILD", "build"))
 COMPUTE = """pipeline: tried
@@ -99,10 +105,92 @@ def sanitized(tap):
     tap.result("... is found in its invocation", told("index 8 of `sums`, which has 8 elements\n  pass run, invocation (7, 0, 0), 1 time", "--sanitize"))
 
 
+# What others make of a shader: the last command of each has the module `plain` and writes `made`.
+GLSLANG = "glslangValidator -V {name}.comp -o plain.spv"
+FORMS = {"glsl": [], "plain": [GLSLANG, "cp plain.spv {name}.spv"],
+         "fast": [GLSLANG, "spirv-opt -O plain.spv -o {name}.spv"],
+         "small": [GLSLANG, "spirv-opt -Os plain.spv -o {name}.spv"],
+         "version": ["glslangValidator -V --target-env spirv1.5 {name}.comp -o {name}.spv"],
+         "debug": ["glslangValidator -V -g {name}.comp -o {name}.spv"],
+         "stripped": [GLSLANG, "spirv-opt --strip-debug -O plain.spv -o {name}.spv"]}
+WHOLE = """#version 450
+layout(local_size_x = 1) in;
+layout(std140, binding = 0) uniform Numbers {{ float one; float two; float three; float half_; }};
+layout(std430, binding = 1) buffer Results {{ float result[]; }};
+"""
+
+
+# spirv-opt divides by a constant as it likes; a module does not have the generator's macros.
+OPTIMIZED = re.compile("quotient|division|folding|version_macros|continued_directive")
+
+
+class Forms(bodies.Bodies):
+    """Bodies of the corpus as whole shaders, each in a form."""
+
+    def __init__(self, folder, counts, forms):
+        super().__init__(BUILD, folder, counts)
+        self.forms = forms
+
+    def spec(self, names, file):
+        lines = [bodies.HEAD.format(name=file), "buffers:\n"]
+        lines += [f"  out_{name}: {{of: float, count: {self.counts[name]}}}\n" for name in names]
+        lines.append("passes:\n")
+        for name in names:
+            stripped = self.forms[name] == "stripped"
+            values = ", values: {binding_0_0: float(one), binding_0_1: float(two), binding_0_2: float(three), binding_0_3: float(half_)}" if stripped else ""
+            lines.append(f"  - {{name: {name}, dispatch: 1, local: 1, writes: [{{name: out_{name}, as: "
+                         f"{'binding_1' if stripped else 'Results'}}}], shader: {name}"
+                         f".{'comp' if self.forms[name] == 'glsl' else 'spv'}{values}}}\n")
+        path = os.path.join(self.folder, f"{file}.yaml")
+        with open(path, "w", encoding="utf-8") as out:
+            out.writelines(lines)
+        return path
+
+
+def forms(tap):
+    seed = int(os.environ.get("SEED", random.SystemRandom().randrange(1 << 20)))
+    count = int(os.environ.get("FORMS", "40"))
+    print(f"# seed {seed}")
+    chance = random.Random(seed)
+    every = {name: body for name, body in corpus.read(corpus.CORPUS, "").items() if not OPTIMIZED.search(name)}
+    drawn = {}
+    for name in chance.sample(sorted(every), len(every)):
+        form = chance.choice(list(FORMS))
+        with open(os.path.join(corpus.CORPUS, name + ".glsl"), encoding="utf-8") as file:
+            put(name + ".comp", WHOLE.format() + "#line 1\n" + file.read())
+        try:
+            for command in [GLSLANG] + FORMS[form]:
+                bodies.run(*command.format(name=name).split())
+        except bodies.Failure:
+            continue  # a body that needs what the generator declares
+        drawn[name] = form
+        if len(drawn) == count:
+            break
+    tap.result(f"{len(drawn)} shaders in {len(FORMS)} forms", [] if len(drawn) == count else ["too few"])
+    made = Forms(os.getcwd(), {name: len(every[name].expected) for name in drawn}, drawn)
+    for side, exactness in (("gl", "exact"), ("vk", "exact"), ("vk", "fast")):
+        try:
+            results, reasons = made.render(list(drawn), side, exactness), []
+        except bodies.Failure:
+            failed = bodies.guilty(list(drawn), lambda some, side=side, exactness=exactness: made.render(some, side, exactness))
+            reasons = [f"{name}, {drawn[name]}: {text}" for name, text in failed.items()]
+            results = made.render([name for name in drawn if name not in failed], side, exactness)
+        for name, seen in results.items():
+            body = every[name]
+            reasons += [f"{drawn[name]}: {text}" for text in body.wrong(seen, side, lambda got, want, body=body: (
+                got == want or bodies.ulp(got, want) <= body.ulp > 0 or (
+                    exactness == "fast" and (not body.fast or bodies.near(bodies.as_float(got), bodies.as_float(want))))))]
+        tap.result(f"they compute what GLSL says, on {side}, {exactness}", reasons)
+
+
 def main():
     tap = bodies.Tap()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
+        if shutil.which("spirv-opt"):
+            forms(tap)
+        else:
+            tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
         sanitized(tap)
         os.chdir("/")

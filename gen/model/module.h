@@ -119,6 +119,8 @@ struct spirv_edit {
 
 /* Copies front (up to names) and declarations; annotations and code are the pass's. */
 void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from);
+/* Copies annotations and code, too. */
+void spirv_edit_keep(struct spirv_edit *edit);
 /* Replaces the module by the edit; false when out of memory. Frees the edit. */
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module);
 

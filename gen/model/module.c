@@ -38,6 +38,7 @@ bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
         return word >= 2;
     case SpvOpTypePointer:
     case SpvOpSelectionMerge:
+    case SpvOpDecorateId:
         return word == 2;
     case SpvOpTypeVector:
     case SpvOpTypeMatrix:
@@ -48,20 +49,27 @@ bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
         return word >= 3;
     case SpvOpVariable:
     case SpvOpFunction:
-    case SpvOpLoopMerge:
         return word == 3;
     case SpvOpSwitch:
         return word >= 3 && word % 2;
+    case SpvOpSpecConstantOp:
+        return word == 3 || (instruction[3] == SpvOpCompositeExtract && word >= 5) ||
+               (instruction[3] == SpvOpCompositeInsert && word >= 6) ||
+               (instruction[3] == SpvOpVectorShuffle && word >= 6);
     case SpvOpExtInst:
         return word == 4;
     case SpvOpLoad:
     case SpvOpCompositeExtract:
     case SpvOpArrayLength:
+    case SpvOpBranchConditional:
+    case SpvOpCopyMemorySized:
         return word >= 4;
     case SpvOpCompositeInsert:
     case SpvOpVectorShuffle:
         return word >= 5;
     case SpvOpStore:
+    case SpvOpCopyMemory:
+    case SpvOpLoopMerge:
         return word >= 3;
     case SpvOpImageFetch:
     case SpvOpImageRead:
@@ -75,11 +83,18 @@ bool spirv_is_literal(const uint32_t *instruction, uint32_t word)
         return word == 5;
     case SpvOpImageSampleDrefImplicitLod:
     case SpvOpImageSampleDrefExplicitLod:
+    case SpvOpImageSampleProjDrefImplicitLod:
+    case SpvOpImageSampleProjDrefExplicitLod:
     case SpvOpImageGather:
     case SpvOpImageDrefGather:
         return word == 6;
+    case SpvOpLine:
+        return word >= 2;
+    case SpvOpGroupNonUniformBallotBitCount:
+        return word == 4;
     default:
-        return spirv_is(instruction, SpvOpLine) && word > 1;
+        return word == 4 && spirv_opcode(instruction) >= SpvOpGroupNonUniformIAdd &&
+               spirv_opcode(instruction) <= SpvOpGroupNonUniformLogicalXor;
     }
 }
 
@@ -483,6 +498,14 @@ static void fill_slots(struct spirv_edit *edit, size_t count)
         if (spirv_is_shared(spirv_opcode(words->data + at)))
             *find_slot(edit, words->data + at) = (uint32_t)at + 1;
     }
+}
+
+void spirv_edit_keep(struct spirv_edit *edit)
+{
+    const struct spirv *from = edit->from;
+    spirv_append(edit, &edit->annotations, from->words + from->annotations,
+                 from->declarations - from->annotations);
+    spirv_append(edit, &edit->code, from->words + from->code, from->count - from->code);
 }
 
 void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from)

@@ -1,0 +1,465 @@
+/* See foreign.h. What spirv-opt can do, it does (spirv_check.cpp). */
+#include "foreign.h"
+
+#include <spirv/unified1/spirv.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "spirv_check.h"
+
+/* ---- Names ----------------------------------------------------------------------------------- */
+
+static bool has_name(const struct spirv *module, uint32_t id)
+{
+    const char *name = spirv_name(module, id);
+    return name && *name;
+}
+
+static uint32_t below_arrays(const struct spirv *module, uint32_t type)
+{
+    const uint32_t *declared = spirv_definition(module, type);
+    while (spirv_is(declared, SpvOpTypeArray) || spirv_is(declared, SpvOpTypeRuntimeArray))
+        declared = spirv_definition(module, type = declared[2]);
+    return type;
+}
+
+__attribute__((format(printf, 3, 4))) static void put_format(struct spirv_edit *edit, uint32_t id,
+                                                             const char *format, ...)
+{
+    char name[256];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(name, sizeof name, format, arguments);
+    va_end(arguments);
+    spirv_put_name(edit, id, name);
+}
+
+/* Members of a block of uniforms, which a spec gives values by their names. */
+static void name_members(struct spirv_edit *edit, uint32_t type, const char *block)
+{
+    const uint32_t *declared = spirv_definition(edit->from, type);
+    for (uint32_t m = 0; m + 2 < spirv_length(declared); m++) {
+        const char *own = spirv_member_name(edit->from, type, m);
+        uint32_t text[64] = {type, m};
+        if (own && *own)
+            continue;
+        int length = snprintf((char *)(text + 2), sizeof text - 8, "%s_%u", block, m);
+        spirv_put(edit, &edit->front, SpvOpMemberName, text, 2 + (size_t)length / 4 + 1);
+    }
+}
+
+static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
+{
+    const struct spirv *from = edit->from;
+    uint32_t id = variable[2], set = spirv_decoration(from, id, SpvDecorationDescriptorSet);
+    uint32_t binding = spirv_decoration(from, id, SpvDecorationBinding);
+    uint32_t location = spirv_decoration(from, id, SpvDecorationLocation);
+    uint32_t type = below_arrays(from, spirv_definition(from, variable[1])[3]);
+    bool block = spirv_is(spirv_definition(from, type), SpvOpTypeStruct);
+    bool named = has_name(from, id) || (block && has_name(from, type));
+    char name[64] = "";
+    if (spirv_decoration(from, id, SpvDecorationBuiltIn) != UINT32_MAX)
+        return;
+    if (variable[3] == SpvStorageClassInput || variable[3] == SpvStorageClassOutput)
+        snprintf(name, sizeof name, "%s_%u",
+                 variable[3] == SpvStorageClassInput ? "input" : "output",
+                 location == UINT32_MAX ? 0 : location);
+    else if (variable[3] == SpvStorageClassPushConstant)
+        snprintf(name, sizeof name, "push");
+    else if (binding != UINT32_MAX && set && set != UINT32_MAX)
+        snprintf(name, sizeof name, "set_%u_binding_%u", set, binding);
+    else if (binding != UINT32_MAX)
+        snprintf(name, sizeof name, "binding_%u", binding);
+    bool values =
+        variable[3] == SpvStorageClassUniform || variable[3] == SpvStorageClassPushConstant;
+    if (block && values)
+        name_members(edit, type, has_name(from, type) ? spirv_name(from, type) : name);
+    if (!named && *name)
+        put_format(edit, id, "%s", name);
+}
+
+/* What a spec can name has a name. */
+static bool name_all(struct spirv *module)
+{
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    SPIRV_EACH(module, at, module->declarations, edit.failed ? 0 : module->code)
+    {
+        const uint32_t *i = module->words + at;
+        uint32_t number = spirv_decoration(module, spirv_result(i), SpvDecorationSpecId);
+        if (spirv_is(i, SpvOpVariable))
+            name_variable(&edit, i);
+        else if (number != UINT32_MAX && !has_name(module, i[2]))
+            put_format(&edit, i[2], "constant_%u", number);
+    }
+    spirv_edit_keep(&edit);
+    return spirv_edit_end(&edit, module);
+}
+
+/* ---- Forms ----------------------------------------------------------------------------------- */
+
+/* In place: the storage class StorageBuffer becomes what it was before SPIR-V 1.3. */
+static void lower_buffers(struct spirv *module)
+{
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        uint32_t *i = module->words + at;
+        uint32_t class = spirv_is(i, SpvOpTypePointer) ? 2 : spirv_is(i, SpvOpVariable) ? 3 : 0;
+        if (!class || i[class] != SpvStorageClassStorageBuffer)
+            continue;
+        i[class] = SpvStorageClassUniform;
+        if (class == 2)
+            continue;
+        uint32_t type = below_arrays(module, spirv_definition(module, i[1])[3]);
+        SPIRV_EACH(module, to, module->annotations, module->declarations)
+        {
+            uint32_t *own = module->words + to;
+            if (spirv_is(own, SpvOpDecorate) && own[1] == type && own[2] == SpvDecorationBlock)
+                own[2] = SpvDecorationBufferBlock;
+        }
+    }
+}
+
+/* In place: a value that nothing sets is zero. Optimizers leave such values where no result depends on them. */
+static void set_undefined(struct spirv *module)
+{
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpUndef) && (spirv_letter(spirv_definition(module, i[1])) ||
+                                        spirv_parts(module, spirv_definition(module, i[1]))))
+            i[0] = 3u << 16 | SpvOpConstantNull;
+    }
+}
+
+/* Before SPIR-V 1.4, an entry point lists inputs and outputs alone. */
+static bool trim_interface(struct spirv *module)
+{
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    edit.front.count = SPIRV_HEADER;
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    {
+        const uint32_t *i = module->words + at;
+        size_t start = edit.front.count;
+        spirv_copy(&edit, &edit.front, i);
+        if (!spirv_is(i, SpvOpEntryPoint) || edit.failed)
+            continue;
+        uint32_t kept = spirv_entry_variables(i);
+        for (uint32_t word = kept; word < spirv_length(i); word++) {
+            uint32_t class = spirv_definition(module, i[word])[3];
+            if (class == SpvStorageClassInput || class == SpvStorageClassOutput)
+                edit.front.data[start + kept++] = i[word];
+        }
+        edit.front.data[start] = kept << 16 | SpvOpEntryPoint;
+        edit.front.count = start + kept;
+    }
+    spirv_edit_keep(&edit);
+    return spirv_edit_end(&edit, module);
+}
+
+/* The lowest version of those that the drivers of OpenGL take; else its own. */
+static bool lower_version(struct spirv *module)
+{
+    static const uint32_t versions[] = {0x10000, 0x10300};
+    struct spirv lower;
+    if (!spirv_open(&lower, module->words, module->count))
+        return false;
+    lower_buffers(&lower);
+    bool good = trim_interface(&lower), fits = false;
+    for (size_t i = 0; good && i < 2 && !fits && versions[i] <= module->words[1]; i++) {
+        lower.words[1] = versions[i];
+        fits = spirv_check(lower.words, lower.count, NULL);
+    }
+    if (!fits) {
+        spirv_free(&lower);
+        return good;
+    }
+    spirv_free(module);
+    *module = lower;
+    return true;
+}
+
+/* Whether a function takes a texture or a sampler, so that its loads name no variable. */
+static bool passes_textures(const struct spirv *module)
+{
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
+        const uint32_t *i = module->words + at, *type;
+        if (!spirv_is(i, SpvOpFunctionParameter))
+            continue;
+        type = spirv_type(module, i[2]);
+        if (spirv_is(type, SpvOpTypePointer))
+            type = spirv_definition(module, type[3]);
+        if (spirv_is(type, SpvOpTypeImage) || spirv_is(type, SpvOpTypeSampler))
+            return true;
+    }
+    return false;
+}
+
+static bool reread(struct spirv *module, unsigned passes)
+{
+    size_t count = module->count;
+    uint32_t *words = spirv_optimize(module->words, &count, passes);
+    spirv_free(module);
+    return spirv_read(module, words, count);
+}
+
+/* ---- Lines ----------------------------------------------------------------------------------- */
+
+static bool has_lines(const struct spirv *module)
+{
+    bool found = false;
+    SPIRV_EACH(module, at, module->code, module->count)
+    found |= spirv_is(module->words + at, SpvOpLine);
+    return found;
+}
+
+/* The lines of what spirv-dis prints: five of its head, then one for each instruction. */
+static bool add_lines(struct spirv *module, const char *path)
+{
+    enum { HEAD_LINES = 5 };
+    struct spirv_edit edit;
+    uint32_t line = HEAD_LINES, number = 0, file, before = SpvOpNop;
+    spirv_edit_begin(&edit, module);
+    file = edit.bound++;
+    size_t bytes = strlen(path) + 1, length = 2 + (bytes + 3) / 4;
+    uint32_t *string = calloc(length, sizeof *string);
+    edit.front.count = SPIRV_HEADER;
+    edit.failed |= !string;
+    if (string) {
+        string[0] = (uint32_t)length << 16 | SpvOpString;
+        string[1] = file;
+        memcpy(string + 2, path, bytes);
+    }
+    SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? 0 : module->count)
+    {
+        const uint32_t *i = module->words + at;
+        uint32_t opcode = spirv_opcode(i);
+        bool debug = (opcode >= SpvOpSourceContinued && opcode <= SpvOpString) ||
+                     opcode == SpvOpModuleProcessed;
+        line++;
+        if (at < module->annotations && debug && !number++)
+            spirv_append(&edit, &edit.front, string, length);
+        if (at < module->annotations)
+            spirv_copy(&edit, &edit.front, i);
+        else if (at < module->declarations)
+            spirv_copy(&edit, &edit.annotations, i);
+        if (at < module->code)
+            continue;
+        bool inside = opcode != SpvOpFunction && opcode != SpvOpFunctionParameter &&
+                      opcode != SpvOpFunctionEnd && opcode != SpvOpLabel && opcode != SpvOpPhi &&
+                      opcode != SpvOpVariable && before != SpvOpLoopMerge &&
+                      before != SpvOpSelectionMerge;
+        if (inside)
+            SPIRV_PUT(&edit, &edit.code, SpvOpLine, file, line, 1);
+        spirv_copy(&edit, &edit.code, i);
+        before = opcode;
+    }
+    if (!number)
+        spirv_append(&edit, &edit.front, string, string ? length : 0);
+    free(string);
+    return spirv_edit_end(&edit, module);
+}
+
+/* The text of OpSource for a file; free(). NULL: it has none. */
+static char *source_text(const struct spirv *module, uint32_t file)
+{
+    bool own = false;
+    char *text = NULL;
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    {
+        const uint32_t *i = module->words + at;
+        bool source = spirv_is(i, SpvOpSource) && spirv_length(i) > 4;
+        if (source)
+            own = i[3] == file;
+        const char *more = source                              ? (const char *)(i + 4)
+                           : spirv_is(i, SpvOpSourceContinued) ? (const char *)(i + 1)
+                                                               : NULL;
+        char *longer = NULL;
+        if (!own || !more || asprintf(&longer, "%s%s", text ? text : "", more) < 0)
+            continue;
+        free(text);
+        text = longer;
+    }
+    return text;
+}
+
+uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
+                             uint32_t (*number)(void *user, const char *name, const char *text),
+                             void *user)
+{
+    struct spirv module;
+    struct spirv_edit edit;
+    if (!spirv_open(&module, words, *count))
+        return NULL;
+    spirv_edit_begin(&edit, &module);
+    spirv_edit_keep(&edit);
+    edit.front.count = SPIRV_HEADER;
+    SPIRV_EACH(&module, at, SPIRV_HEADER, edit.failed ? 0 : module.annotations)
+    {
+        const uint32_t *i = module.words + at;
+        if (!spirv_is(i, SpvOpString)) {
+            spirv_copy(&edit, &edit.front, i);
+            continue;
+        }
+        char *text = source_text(&module, i[1]);
+        uint32_t string[5] = {i[1]};
+        int length =
+            snprintf((char *)(string + 1), 16, "%u", number(user, (const char *)(i + 2), text));
+        spirv_put(&edit, &edit.front, SpvOpString, string, 2 + (size_t)length / 4);
+        free(text);
+    }
+    if (spirv_edit_end(&edit, &module))
+        return spirv_take(&module, count);
+    spirv_free(&module);
+    return NULL;
+}
+
+/* ---------------------------------------------------------------------------------------------- */
+
+uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
+{
+    struct spirv module;
+    bool good = spirv_open(&module, words, *count);
+    if (good && !has_lines(&module))
+        good = add_lines(&module, path);
+    good = good && reread(&module, SPIRV_FLATTEN);
+    if (good && passes_textures(&module))
+        good = reread(&module, SPIRV_INLINE);
+    if (good)
+        set_undefined(&module);
+    good = good && name_all(&module) && spirv_combine(&module) && lower_version(&module);
+    if (good)
+        return spirv_take(&module, count);
+    spirv_free(&module);
+    return NULL;
+}
+
+bool spirv_has_entry(const uint32_t *words, size_t count, uint32_t model)
+{
+    for (size_t at = SPIRV_HEADER; at < count; at += words[at] >> 16)
+        if (spirv_is(words + at, SpvOpEntryPoint) && words[at + 1] == model)
+            return true;
+    return false;
+}
+
+bool spirv_choose_entry(struct spirv *module, uint32_t model)
+{
+    struct spirv_edit edit;
+    uint32_t function = 0;
+    spirv_edit_begin(&edit, module);
+    edit.front.count = SPIRV_HEADER;
+    SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? SPIRV_HEADER : module->annotations)
+    {
+        const uint32_t *i = module->words + at;
+        bool entry = spirv_is(i, SpvOpEntryPoint);
+        bool mode = spirv_is(i, SpvOpExecutionMode) || spirv_is(i, SpvOpExecutionModeId);
+        bool name = spirv_is(i, SpvOpName) && i[1] == function;
+        if (entry && i[1] == model && !function) {
+            const uint32_t head[] = {model, function = i[2], 0x6e69616d, 0}; /* "main" */
+            size_t start = edit.front.count;
+            uint32_t first = spirv_entry_variables(i);
+            spirv_put(&edit, &edit.front, SpvOpEntryPoint, head, 4);
+            spirv_append(&edit, &edit.front, i + first, spirv_length(i) - first);
+            if (!edit.failed)
+                edit.front.data[start] += (spirv_length(i) - first) << 16;
+        } else if (!entry && !name && !(mode && i[1] != function)) {
+            spirv_copy(&edit, &edit.front, i);
+        }
+    }
+    if (function)
+        spirv_put_name(&edit, function, "main");
+    spirv_edit_keep(&edit);
+    return spirv_edit_end(&edit, module);
+}
+
+/* ---- Phis ------------------------------------------------------------------------------------ */
+
+static bool is_phi(const struct spirv *module, const uint32_t *i)
+{
+    return spirv_is(i, SpvOpPhi) && !spirv_is(spirv_definition(module, i[1]), SpvOpTypePointer);
+}
+
+/* Variables at the head of a function, one for each of its phis. */
+static void put_variables(struct spirv_edit *edit, const struct spirv_function *function,
+                          uint32_t *variables)
+{
+    const struct spirv *from = edit->from;
+    SPIRV_EACH(from, at, function->begin, function->end)
+    {
+        const uint32_t *i = from->words + at;
+        if (!is_phi(from, i))
+            continue;
+        uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0,
+                                      (uint32_t[]){SpvStorageClassFunction, i[1]}, 2);
+        variables[i[2]] =
+            SPIRV_VALUE(edit, &edit->code, SpvOpVariable, type, SpvStorageClassFunction);
+    }
+}
+
+/* At the end of a block: what the phis behind it choose for it. */
+static void put_choices(struct spirv_edit *edit, const struct spirv_function *function,
+                        uint32_t label, const uint32_t *variables)
+{
+    const struct spirv *from = edit->from;
+    SPIRV_EACH(from, at, function->begin, function->end)
+    {
+        const uint32_t *i = from->words + at;
+        for (uint32_t word = 3; is_phi(from, i) && word < spirv_length(i); word += 2)
+            if (i[word + 1] == label)
+                SPIRV_PUT(edit, &edit->code, SpvOpStore, variables[i[2]], i[word]);
+    }
+}
+
+static bool ends_block(uint32_t opcode)
+{
+    return opcode == SpvOpSelectionMerge || opcode == SpvOpLoopMerge ||
+           (opcode >= SpvOpBranch && opcode <= SpvOpUnreachable) ||
+           opcode == SpvOpTerminateInvocation;
+}
+
+static void lower_function(struct spirv_edit *edit, const struct spirv_function *function,
+                           uint32_t *variables)
+{
+    const struct spirv *from = edit->from;
+    uint32_t label = 0;
+    bool ended = true, first = true;
+    SPIRV_EACH(from, at, function->begin, function->end)
+    {
+        const uint32_t *i = from->words + at;
+        if (!ended && ends_block(spirv_opcode(i))) {
+            put_choices(edit, function, label, variables);
+            ended = true;
+        }
+        if (is_phi(from, i))
+            SPIRV_PUT(edit, &edit->code, SpvOpLoad, i[1], i[2], variables[i[2]]);
+        else
+            spirv_copy(edit, &edit->code, i);
+        if (!spirv_is(i, SpvOpLabel))
+            continue;
+        label = i[1];
+        ended = false;
+        if (first)
+            put_variables(edit, function, variables);
+        first = false;
+    }
+}
+
+bool spirv_lower_phis(struct spirv *module)
+{
+    struct spirv_edit edit;
+    uint32_t *variables = calloc(module->words[3], sizeof *variables);
+    spirv_edit_begin(&edit, module);
+    edit.failed |= !variables;
+    if (!edit.failed) {
+        spirv_append(&edit, &edit.annotations, module->words + module->annotations,
+                     module->declarations - module->annotations);
+        for (uint32_t f = 0; f < module->function_count; f++)
+            lower_function(&edit, &module->functions[f], variables);
+    }
+    free(variables);
+    return spirv_edit_end(&edit, module);
+}

@@ -1,0 +1,27 @@
+/* Modules of SPIR-V that others made, in the form of glslang's, which the passes of gen/spirv know. */
+#pragma once
+
+#include "module.h"
+
+/* foreign.c: the words of a module that spirv_check took, *count of them, as: lines of the source, or of what
+ * spirv-dis prints of it (the file `path`); decorations without groups; no
+ * debug instructions but names and lines; combined textures; storage buffers as SPIR-V 1.0 has them; the lowest
+ * version that fits; a name for every variable, member and constant that a spec can name:
+ *     input_LOCATION, output_LOCATION, binding_N (set_S_binding_N), BLOCK_MEMBER, constant_ID.
+ * free(). NULL: out of memory. */
+uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path);
+/* Files that lines are of: each becomes the number that `number` gives for its name and text (NULL: unknown), as glslang
+ * writes them for the passes. free(). NULL: out of memory. */
+uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
+                             uint32_t (*number)(void *user, const char *name, const char *text),
+                             void *user);
+/* Whether a module has an entry point for an execution model. */
+bool spirv_has_entry(const uint32_t *words, size_t count, uint32_t model);
+/* The entry point for an execution model becomes the only one, main. False: out of memory. */
+bool spirv_choose_entry(struct spirv *module, uint32_t model);
+
+/* Phis become variables, as glslang has them: --sanitize puts branches between blocks. False: out of memory. */
+bool spirv_lower_phis(struct spirv *module);
+
+/* combine.c: false when out of memory. */
+bool spirv_combine(struct spirv *module);

@@ -1,0 +1,185 @@
+/* See whole.h. */
+#include "whole.h"
+
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "bind.h"
+#include "compile.h"
+#include "join.h"
+#include "model/foreign.h"
+#include "model/spirv_check.h"
+#include "plan/plan.h"
+#include "read/body_files.h"
+#include "stages.h"
+
+/* ---- Specialization -------------------------------------------------------------------------- */
+
+static const struct param *find_baked(const struct pipeline *pipeline, const char *name)
+{
+    for (uint32_t i = 0; name && i < pipeline->param_count; i++) {
+        const struct param *param = &pipeline->params[i];
+        if (!param->live && !param->uniform && param->components == 1 && !strcmp(param->name, name))
+            return param;
+    }
+    return NULL;
+}
+
+/* A specialization constant gets the value of the baked parameter of its name, in place. */
+static void set_constant(const struct pipeline *pipeline, const struct spirv *module, uint32_t *i)
+{
+    const struct param *param = find_baked(pipeline, bind_own_name(spirv_name(module, i[2])));
+    if (!param)
+        return;
+    float number = (float)param->value[0];
+    char letter = spirv_letter(spirv_type(module, i[2]));
+    if (letter == 'b')
+        i[0] = 3u << 16 | (param->value[0] != 0 ? SpvOpSpecConstantTrue : SpvOpSpecConstantFalse);
+    else if (letter == 'f')
+        memcpy(i + 3, &number, sizeof number);
+    else if (letter)
+        i[3] = (uint32_t)(int64_t)param->value[0];
+}
+
+/* The size of a workgroup in LocalSize, in place, also where a constant or other ids give it. */
+static void set_local(struct spirv *module)
+{
+    const uint32_t *size = NULL;
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
+            i[3] == SpvBuiltInWorkgroupSize)
+            size = spirv_definition(module, i[1]) + 3;
+    }
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    {
+        uint32_t *i = module->words + at;
+        bool ids = spirv_is(i, SpvOpExecutionModeId) && i[2] == SpvExecutionModeLocalSizeId;
+        if (!ids && !(spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize))
+            continue;
+        for (int axis = 0; axis < 3 && (ids || size); axis++)
+            i[3 + axis] = spirv_definition(module, size ? size[axis] : i[3 + axis])[3];
+        i[0] = 6u << 16 | SpvOpExecutionMode;
+        i[2] = SpvExecutionModeLocalSize;
+    }
+}
+
+static bool specialize(const struct pipeline *pipeline, struct spirv *module)
+{
+    bool any = false, good = true;
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        uint32_t *i = module->words + at, opcode = spirv_opcode(i);
+        any |= opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstantOp;
+        if (opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstant)
+            set_constant(pipeline, module, i);
+    }
+    if (any) {
+        size_t count = module->count;
+        uint32_t *words = spirv_optimize(module->words, &count, SPIRV_FREEZE);
+        spirv_free(module);
+        good = spirv_read(module, words, count);
+    }
+    if (good)
+        set_local(module);
+    return good;
+}
+
+/* ---- The module ------------------------------------------------------------------------------ */
+
+/* The module of the stage among the files; NULL: a text. */
+static const struct body_file *find_module(const struct body_files *files, uint32_t model)
+{
+    for (uint32_t i = 0; i < files->count; i++)
+        if (files->list[i].words &&
+            spirv_has_entry(files->list[i].words, files->list[i].word_count, model))
+            return &files->list[i];
+    return NULL;
+}
+
+/* Without lines, which makes no valid module of all that follows. */
+static bool without_lines(struct spirv *module)
+{
+    size_t end = module->count, count = SPIRV_HEADER, length;
+    uint32_t *words = spirv_take(module, &end);
+    for (size_t at = SPIRV_HEADER; at < end; at += length) {
+        length = spirv_length(words + at);
+        if (spirv_is(words + at, SpvOpLine) || spirv_is(words + at, SpvOpNoLine))
+            continue;
+        memmove(words + count, words + at, length * sizeof *words);
+        count += length;
+    }
+    return spirv_read(module, words, count);
+}
+
+static bool read_own(const struct pass *pass, const struct shader *shader, bool lines,
+                     struct spirv *module, char **log)
+{
+    static const uint32_t models[] = {[STAGE_IS_COMPUTE] = SpvExecutionModelGLCompute,
+                                      [STAGE_IS_VERTEX] = SpvExecutionModelVertex,
+                                      [STAGE_IS_FRAGMENT] = SpvExecutionModelFragment};
+    const struct body_file *file = find_module(shader->files, models[shader->stage]);
+    if (!file)
+        return spirv_read_text(pass, shader, &shader->whole, lines, 0, module, log);
+    return spirv_open(module, file->words, file->word_count) &&
+           spirv_choose_entry(module, models[shader->stage]) &&
+           (lines ? spirv_lower_phis(module) : without_lines(module));
+}
+
+/* A fault of two stages, as glslang would write it, at the first place that has the name. */
+static void tell_fault(const struct shader *shader, const struct stage_fault *fault, char **log)
+{
+    struct text text = {0};
+    struct loc loc = {0};
+    uint32_t number = *fault->name ? body_find(shader->files, fault->name, &loc) : 0;
+    free(*log);
+    if (number)
+        text_add(&text, "ERROR: %u:%d: '%s' : ", number, loc.line, fault->name);
+    text_add(&text, "%s\n", fault->text);
+    *log = *fault->text ? text.data : NULL;
+}
+
+/* A module whose outputs have locations. */
+static bool read_stage(const struct model *model, const struct pass *pass,
+                       const struct shader *shader, bool lines, struct spirv *module, char **log)
+{
+    return read_own(pass, shader, lines, module, log) && specialize(&model->pipeline, module) &&
+           spirv_locate(module, SpvStorageClassOutput);
+}
+
+bool whole_read(const struct model *model, const struct pass *pass, const struct shader *shader,
+                bool lines, struct spirv *module, char **log)
+{
+    struct spirv before = {0};
+    struct stage_fault fault;
+    bool good = read_stage(model, pass, shader, lines, module, log);
+    if (!good || !shader->before)
+        return good;
+    good = read_stage(model, pass, shader->before, false, &before, log);
+    if (good && !spirv_locate_inputs(module, &before, &fault)) {
+        tell_fault(shader, &fault, log);
+        good = false;
+    }
+    spirv_free(&before);
+    return good;
+}
+
+bool whole_bind(const struct pass *pass, const struct shader *shader, const struct spirv *more,
+                struct spirv *module, char **log)
+{
+    struct bind_slot *slots = calloc(pass->access_count + 1, sizeof *slots);
+    struct bind_request request = {.slots = slots,
+                                   .inputs =
+                                       shader->stage == STAGE_IS_VERTEX || !pass->own_vertices,
+                                   .first = module->words[3],
+                                   .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
+    for (uint32_t i = 0; slots && i < pass->access_count; i++)
+        if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
+            slots[request.slot_count++] = (struct bind_slot){
+                access_word(&pass->accesses[i]), pass->accesses[i].binding, pass->accesses[i].kind};
+    bool good = slots && spirv_join(module, more) && spirv_bind(module, &request, log);
+    free(slots);
+    return good;
+}
