@@ -179,17 +179,28 @@ bool spirv_read(struct spirv *module, uint32_t *words, size_t count)
     if (!words)
         return false;
     find_sections(module);
-    module->definitions = calloc(words[3], sizeof *module->definitions);
+    uint32_t *all = calloc(4 * (size_t)words[3], sizeof *all);
+    module->definitions = all;
     module->functions = calloc(module->function_count + 1, sizeof *module->functions);
-    if (!module->definitions || !module->functions) {
+    if (!all || !module->functions) {
         spirv_free(module);
         return false;
     }
+    module->names = all + words[3];
+    module->members = module->names + words[3];
+    module->decorations = module->members + words[3];
     SPIRV_EACH(module, at, SPIRV_HEADER, count)
     {
-        uint32_t result = spirv_result(words + at);
+        uint32_t result = spirv_result(words + at), opcode = spirv_opcode(words + at);
         if (result)
             module->definitions[result] = (uint32_t)at;
+        uint32_t *first = opcode == SpvOpName         ? module->names
+                          : opcode == SpvOpMemberName ? module->members
+                          : opcode == SpvOpDecorate || opcode == SpvOpMemberDecorate
+                              ? module->decorations
+                              : NULL;
+        if (first && !first[words[at + 1]])
+            first[words[at + 1]] = (uint32_t)at;
     }
     find_functions(module);
     return true;
@@ -220,12 +231,16 @@ uint32_t *spirv_take(struct spirv *module, size_t *count)
     return words;
 }
 
+/* Of an index by id, which an edit may have given. */
+static uint32_t first_of(const struct spirv *module, const uint32_t *index, uint32_t id)
+{
+    return id < module->words[3] ? index[id] : 0;
+}
+
 const char *spirv_name(const struct spirv *module, uint32_t id)
 {
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpName) && module->words[at + 1] == id)
-        return (const char *)(module->words + at + 2);
-    return NULL;
+    uint32_t at = first_of(module, module->names, id);
+    return at ? (const char *)(module->words + at + 2) : NULL;
 }
 
 const struct spirv_function *spirv_function_of(const struct spirv *module, uint32_t id)
@@ -266,7 +281,8 @@ uint32_t spirv_glsl(const struct spirv *module)
 
 uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what)
 {
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    size_t first = first_of(module, module->decorations, id);
+    SPIRV_EACH(module, at, first ? first : module->declarations, module->declarations)
     {
         const uint32_t *i = module->words + at;
         if (spirv_is(i, SpvOpDecorate) && i[1] == id && i[2] == what)
@@ -278,7 +294,8 @@ uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what
 uint32_t spirv_member_decoration(const struct spirv *module, uint32_t id, uint32_t member,
                                  uint32_t what)
 {
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    size_t first = first_of(module, module->decorations, id);
+    SPIRV_EACH(module, at, first ? first : module->declarations, module->declarations)
     {
         const uint32_t *i = module->words + at;
         if (spirv_is(i, SpvOpMemberDecorate) && i[1] == id && i[2] == member && i[3] == what)
@@ -289,7 +306,8 @@ uint32_t spirv_member_decoration(const struct spirv *module, uint32_t id, uint32
 
 const char *spirv_member_name(const struct spirv *module, uint32_t type, uint32_t member)
 {
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    size_t first = first_of(module, module->members, type);
+    SPIRV_EACH(module, at, first ? first : module->annotations, module->annotations)
     {
         const uint32_t *i = module->words + at;
         if (spirv_is(i, SpvOpMemberName) && i[1] == type && i[2] == member)

@@ -23,6 +23,9 @@ struct spirv {
     size_t annotations, declarations, code; /* offsets of the first decoration, the first type,
                                                constant or variable, and the first function */
     uint32_t *definitions; /* by id: offset of the instruction that defines it; 0: none */
+    uint32_t *names;       /* by id: offset of its OpName; 0: none */
+    uint32_t *members;     /* by id: the same of the first OpMemberName */
+    uint32_t *decorations; /* by id: the same of the first decoration of it or of a member */
     struct spirv_function *functions;
     uint32_t function_count;
 };

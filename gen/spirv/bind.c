@@ -220,11 +220,9 @@ static bool put_value(struct binder *binder, const char *name, uint32_t pointer,
     const struct spirv *module = binder->module;
     char wanted[300];
     snprintf(wanted, sizeof wanted, "diptych_value_%s(", name);
-    for (uint32_t i = 0; i < module->function_count; i++) {
-        const uint32_t *function = spirv_definition(module, module->functions[i].id);
-        const char *found = spirv_name(module, function[2]);
-        if (!found || strcmp(found, wanted) != 0)
-            continue;
+    const struct spirv_function *found = spirv_find_function(module, wanted);
+    if (found) {
+        const uint32_t *function = spirv_definition(module, found->id);
         uint32_t value =
             put_typed(binder, SpvOpFunctionCall, function[1], (uint32_t[]){function[2]}, 1);
         return put_store(binder, pointer, type, value, function[1]) ||

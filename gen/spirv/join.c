@@ -25,7 +25,9 @@ static uint64_t built_ins(const struct spirv *module, const uint32_t *variable)
     uint64_t all = own == UINT32_MAX ? 0 : own + 1;
     for (uint32_t m = 0; spirv_is(block, SpvOpTypeStruct) && m + 2 < spirv_length(block); m++) {
         uint32_t member = spirv_member_decoration(module, type, m, SpvDecorationBuiltIn);
-        all = member == UINT32_MAX ? 0 : all * 8191 + member + 1;
+        if (member == UINT32_MAX)
+            return 0; /* a block has them in all of its members */
+        all = all * 8191 + member + 1;
     }
     return all;
 }
@@ -175,8 +177,10 @@ static void join_front(struct joining *j)
         SPIRV_EACH(more, at, SPIRV_HEADER, more->annotations)
         {
             const uint32_t *i = more->words + at;
+            if (rank(i) != section)
+                continue;
             const uint32_t *same = section < 3 ? find_same(own, i) : NULL;
-            if (rank(i) != section || same) {
+            if (same) {
                 if (same && spirv_is(i, SpvOpExtInstImport))
                     j->ids[i[1]] = same[1];
             } else if (section < 2) { /* no ids */
