@@ -24,7 +24,6 @@
 #include "app/console/fill.h"
 #include "app/result/dump.h"
 #include "app/picture/picture.h"
-#include "base/nearest.h"
 
 /* ---- Log ------------------------------------------------------------------------------------- */
 
@@ -111,15 +110,6 @@ static void wrong_options_are_refused(void **state)
             fail_msg("\"%s\" does not say \"%s\"", ear.last, cases[i].said);
         options_free(&options);
     }
-}
-
-static void names_are_guessed(void **state)
-{
-    (void)state;
-    static const char *const names[] = {"clusters", "bounces", "tile"};
-    assert_string_equal(nearest_name("cluster", names, 3), "clusters");
-    assert_string_equal(nearest_name("bonuces", names, 3), "bounces");
-    assert_null(nearest_name("exposure", names, 3));
 }
 
 /* ---- Files ----------------------------------------------------------------------------------- */
@@ -787,7 +777,6 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(options_are_read),
         cmocka_unit_test(wrong_options_are_refused),
-        cmocka_unit_test(names_are_guessed),
         cmocka_unit_test(hash_is_xxh3),
         cmocka_unit_test(a_file_hashes_as_its_bytes),
         cmocka_unit_test(files_appear_whole),

@@ -140,7 +140,7 @@ FUNCTIONS = (  # fields of the result and of the arguments; the function; error 
     ("sin", "angle", np.sin, 4), ("cos", "angle", np.cos, 4), ("tan", "angle", np.tan, 4), ("asin", "unit", np.arcsin, 4),
     ("acos", "unit", np.arccos, 4), ("atan", "x", np.arctan, 4), ("atan2", "angle unit", np.arctan2, 4), ("exp", "exponent", np.exp, 4),
     ("exp2", "exponent", np.exp2, 4), ("log", "x", np.log, 4), ("log2", "x", np.log2, 4),
-    ("pow", "x unit", lambda x, y: np.abs(x) ** y, 4), ("sinh", "exponent", np.sinh, 4), ("cosh", "exponent", np.cosh, 4),
+    ("pow", "x unit", lambda x, y: np.abs(x) ** y, 2), ("sinh", "exponent", np.sinh, 4), ("cosh", "exponent", np.cosh, 4),
     ("tanh", "exponent", np.tanh, 4), ("asinh", "x", np.arcsinh, 4), ("acosh", "above_one", np.arccosh, 4),
     ("atanh", "unit", np.arctanh, 4),
     # templates/shared/estimate.glsl: 3e-6, 2e-7 and 2e-5, relative

@@ -207,7 +207,7 @@ static void nearest(void **state)
     static const char *const words[] = {"clusters", "bounces", "tile", "x"};
     assert_string_equal(nearest_name("clutsers", words, 4), "clusters");
     assert_string_equal(nearest_name("Tile", words, 4), "tile");
-    assert_string_equal(nearest_name("bounce", words, 4), "bounces");
+    assert_string_equal(nearest_name("bonuces", words, 4), "bounces");
     assert_null(nearest_name("picture", words, 4));
     assert_null(nearest_name("q", words, 4));
     assert_null(nearest_name("anything", words, 0));
