@@ -1,6 +1,7 @@
 /* See foreign.h. What spirv-opt can do, it does (spirv_check.cpp). */
 #include "foreign.h"
 
+#include <ctype.h>
 #include <spirv/unified1/spirv.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -78,6 +79,45 @@ static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
         name_members(edit, type, has_name(from, type) ? spirv_name(from, type) : name);
     if (!named && *name)
         put_format(edit, id, "%s", name);
+}
+
+/* A name with letters, digits and single underscores alone, as "in.var.UV" of HLSL has not; functions keep theirs. */
+static void put_clean(struct spirv_edit *edit, const uint32_t *i)
+{
+    uint32_t first = spirv_is(i, SpvOpName) ? 2 : 3, length = spirv_length(i);
+    char clean[1024] = "";
+    size_t count = 0;
+    for (const char *at = (const char *)(i + first); *at && count + 1 < sizeof clean; at++) {
+        bool letter = isalnum((unsigned char)*at);
+        if (letter || (count && clean[count - 1] != '_'))
+            clean[count++] = letter ? *at : '_';
+    }
+    bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) ||
+                strlen((const char *)(i + first)) == count;
+    uint32_t words[2 + sizeof clean / 4] = {i[1], i[2]};
+    clean[count] = 0;
+    memcpy(words + first - 1, clean, count + 1);
+    if (kept)
+        spirv_append(edit, &edit->front, i, length);
+    else
+        spirv_put(edit, &edit->front, spirv_opcode(i), words, first + count / 4);
+}
+
+static bool clean_names(struct spirv *module)
+{
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    spirv_edit_keep(&edit);
+    edit.front.count = SPIRV_HEADER;
+    SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? 0 : module->annotations)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpName) || spirv_is(i, SpvOpMemberName))
+            put_clean(&edit, i);
+        else
+            spirv_copy(&edit, &edit.front, i);
+    }
+    return spirv_edit_end(&edit, module);
 }
 
 /* What a spec can name has a name. */
@@ -331,7 +371,8 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
         good = reread(&module, SPIRV_INLINE);
     if (good)
         set_undefined(&module);
-    good = good && name_all(&module) && spirv_combine(&module) && lower_version(&module);
+    good = good && clean_names(&module) && name_all(&module) && spirv_combine(&module) &&
+           lower_version(&module);
     if (good)
         return spirv_take(&module, count);
     spirv_free(&module);

@@ -208,12 +208,29 @@ static void join_annotations(struct joining *j)
     }
 }
 
+/* A load; of a built-in that the shader declares with the other sign, as HLSL does, converted. */
+static void join_load(struct joining *j, const uint32_t *load)
+{
+    uint32_t variable = map(j, load[3]), type = map(j, load[1]), own = type;
+    if (variable < j->own->words[3] && spirv_is(spirv_definition(j->own, variable), SpvOpVariable))
+        own = spirv_definition(j->own, spirv_definition(j->own, variable)[1])[3];
+    if (own == type) {
+        copy_mapped(j, &j->edit.code, load);
+        return;
+    }
+    uint32_t value = SPIRV_VALUE(&j->edit, &j->edit.code, SpvOpLoad, own, variable);
+    SPIRV_PUT(&j->edit, &j->edit.code, SpvOpBitcast, type, map(j, load[2]), value);
+}
+
 static void join_code(struct joining *j)
 {
     const struct spirv *own = j->own, *more = j->more;
     spirv_append(&j->edit, &j->edit.code, own->words + own->code, own->count - own->code);
     SPIRV_EACH(more, at, more->code, more->count)
-    copy_mapped(j, &j->edit.code, more->words + at);
+    if (spirv_is(more->words + at, SpvOpLoad))
+        join_load(j, more->words + at);
+    else
+        copy_mapped(j, &j->edit.code, more->words + at);
     spirv_put_name(&j->edit, map(j, spirv_entry(more)), "diptych_globals(");
 }
 

@@ -183,12 +183,58 @@ def forms(tap):
         tap.result(f"they compute what GLSL says, on {side}, {exactness}", reasons)
 
 
+HLSL_VERTEX = """struct Out { float4 place : SV_Position; float2 uv : TEXCOORD0; };
+Out main(uint id : SV_VertexID)
+{
+    Out o;
+    o.uv = float2(id << 1 & 2, id & 2);
+    o.place = float4(2 * o.uv - 1, 0, 1);
+    return o;
+}
+"""
+HLSL_FRAGMENT = """Texture2D photo : register(t0);
+SamplerState soft : register(s1);
+SamplerState hard : register(s2);
+cbuffer Values : register(b3) { float4 tint; };
+float4 take(Texture2D from, SamplerState by, float2 uv) { return from.Sample(by, uv); }
+float4 main(float4 place : SV_Position, float2 uv : TEXCOORD0) : SV_Target
+{
+    return tint + take(photo, soft, uv) * 2 + photo.Sample(hard, uv) * 4 + photo.Load(int3(0, 0, 0)) * 8 + float4(uv, 0, 0);
+}
+"""
+HLSL_SPEC = """pipeline: tried
+params: {tint: {value: [0.5, 0.5, 0.5, 0.5], live: true}}
+images:
+  white: {format: rgba8, size: [4, 4]}
+  color: {format: rgba32f, size: frame}
+samplers: {soft: {kind: filter, filter: linear, wrap: clamp}}
+passes:
+  - {name: fill, dispatch: white, writes: [white], shader: fill.glsl}
+  - name: run
+    draw: {vertices: 3}
+    reads: [{name: white, as: photo_soft, sampler: soft}, {name: white, as: photo_hard, sampler: soft}]
+    writes: [color]
+    shader: [v.spv, f.spv]
+"""
+
+
+def hlsl(tap):
+    put("v.hlsl", HLSL_VERTEX)
+    put("f.hlsl", HLSL_FRAGMENT)
+    put("fill.glsl", "void main() { if (invocation().x < 4 && invocation().y < 4) white_store(invocation().xy, vec4(1)); }\n")
+    put("a.yaml", HLSL_SPEC)
+    for stage in ("vert", "frag"):
+        bodies.run("glslangValidator", "-D", "-V", "-e", "main", "-S", stage, f"{stage[0]}.hlsl", "-o", f"{stage[0]}.spv")
+    tap.result("HLSL: textures by two samplers, names that GLSL does not have", agrees([14.5625, 14.5625, 14.5, 14.5]))
+
+
 def main():
     tap = bodies.Tap()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         if shutil.which("spirv-opt"):
             forms(tap)
+            hlsl(tap)
         else:
             tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
