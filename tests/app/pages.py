@@ -1,4 +1,4 @@
-"""Looks at a page as a reader does, in Chromium without a window: pages.py PAGE.html light|dark. Prints what is wrong (pages.js)."""
+"""Looks at a page as a reader does, in Chromium without a window: pages.py PAGE.html light|dark... Prints what is wrong (pages.js)."""
 import html
 import os
 import re
@@ -33,8 +33,8 @@ def look(path, scheme):
 
 
 def main():
-    wrong = look(sys.argv[1], sys.argv[2])
-    print("\n".join(wrong[:20]))
+    wrong = [line for scheme in sys.argv[2:] for line in look(sys.argv[1], scheme)]
+    print("\n".join(wrong[:100]))
     return bool(wrong)
 
 

@@ -102,6 +102,8 @@ check_status 2 "a run that differs and one that cannot be" last_line "0 agree, 1
     --spec "$work/faulty/mips.yaml" --size 4x4 --grid passes.show.local=8,5000 -o "$work/fault"
 check "... are told with the pass and the reason" json_holds "$work/fault/summary.json" \
     '(d["runs"][0]["pass"], d["runs"][0]["verdict"]) == ("fill", "differ") and "workgroup" in d["runs"][1]["error"]'
+reads_well "... on a page that reads well" "$work/fault/index.html"
+check "... and says first how it went" grep -q '<p class="verdict differ">' "$work/fault/index.html"
 
 # ---- What is measured -------------------------------------------------------------------------------------------------
 
@@ -140,6 +142,8 @@ measured=("${grey[@]}" --measure agree,time,error,own --grid level=0.1,0.4 --fra
 check "times and errors of two levels and two backends are 4 rows" \
     last_line "4 rows in $folder/measured/rows.csv: 4 done, 0 failed" "${measured[@]}" --json "$folder/measured.json"
 check "... which are right" /usr/bin/python3 -c "$rows" "$folder/measured" "0.1 0.4"
+reads_well "... on a page that reads well" "$folder/measured/index.html"
+check "... with its plots" grep -q '<img src="relative_mse.svg"' "$folder/measured/index.html"
 check "... and JSON" grep -q '"own_relative_mse"' "$folder/measured.json"
 # shellcheck disable=SC2016
 check "... and plots along the levels, with a line for each backend, and their numbers" /usr/bin/python3 -c '

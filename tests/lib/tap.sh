@@ -59,6 +59,14 @@ json_holds() { # file expression, in Python, of the document d
     /usr/bin/python3 -c 'import json, sys; d = json.load(open(sys.argv[1])); sys.exit(not eval(sys.argv[2]))' "$@"
 }
 
+reads_well() { # description page: nothing cut, contrast by WCAG AA, keys, a verdict on the screen; light and dark
+    if command -v chromium >/dev/null; then
+        check "$1" /usr/bin/python3 -B "$root/tests/app/pages.py" "$2" light dark
+    else
+        skip "$1" "chromium is not installed"
+    fi
+}
+
 skip() { # description reason
     tap_count=$((tap_count + 1))
     echo "ok $tap_count - $1 # SKIP $2"
