@@ -3,12 +3,12 @@
 #include <cjson/cJSON.h>
 #include <malloc.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
 #include "base/limit.h"
 #include "console/options.h"
-#include "console/outcome.h"
 #include "compare/confine.h"
 #include "base/nearest.h"
 
@@ -181,6 +181,39 @@ static int describe_verbs(void)
     for (size_t i = 0; i < DT_ARRAY_COUNT(verbs); i++)
         options_describe(&verbs[i]);
     return EXIT_FINE;
+}
+
+/* ---- The run ---------------------------------------------------------------------------------- */
+
+enum { OUTCOME_FORMAT = 1 };
+
+static cJSON *outcome_json(const struct console *console, const char *verb, int status)
+{
+    char *errors = format_string("[%s\n  ]", console->kept.data ? console->kept.data : "");
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "verb", verb);
+    cJSON_AddNumberToObject(root, "format", OUTCOME_FORMAT);
+    cJSON_AddNumberToObject(root, "exit_status", status);
+    cJSON_AddRawToObject(root, "errors", errors ? errors : "[]");
+    free(errors);
+    while (console->result && console->result->child) {
+        cJSON *item = cJSON_DetachItemViaPointer(console->result, console->result->child);
+        cJSON_AddItemToObject(root, item->string, item);
+    }
+    return root;
+}
+
+/* --json: the result of a verb, or its errors, in one shape: {"verb", "format": 1, "exit_status",
+ * "errors": [...]} and the verb's own keys. An error, warning or note has "severity" and
+ * "message", and if it has a place, "file", "line" and "column". Logs its error. */
+static bool outcome_write(struct console *console, const char *verb, const char *path, int status)
+{
+    cJSON *root = outcome_json(console, verb, status);
+    console_hold(console);
+    bool good = file_write_json(path, root, &console->log);
+    console_release(console);
+    cJSON_Delete(root);
+    return good;
 }
 
 /* Asked before hours of work whether the file can be written, and after them with all that is known. */

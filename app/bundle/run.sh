@@ -1,6 +1,6 @@
 #!/bin/sh
 # Compares every pipeline that diptych ships on every device of this machine, measures them, and leaves one folder: ./run [FOLDER [WIDTHxHEIGHT]].
-# Needs glibc 2.36 or newer, the drivers, and Python for the page; no network. In the folder, index.html has devices, verdicts and frame times, summary.txt the same as text.
+# Needs glibc 2.36 or newer, the drivers, and Python; no network. In the folder, index.html has devices, verdicts and frame times, summary.txt the same as text.
 here=$(cd "$(dirname "$0")" && pwd)
 out=${1:-$here/results-$(uname -n)}
 size=${2:-640x360}

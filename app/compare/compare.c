@@ -691,8 +691,7 @@ static bool run_comparison(struct compare *compare)
     if (compare->complete)
         conclude(compare);
     return good && (!options->golden || golden_end(compare)) &&
-           (!options->html || compare_write_html(compare)) &&
-           (!options->junit || compare_write_junit(compare)) &&
+           ((!options->html && !options->junit) || compare_write_pages(compare)) &&
            (!options->write_contracts || measured_write(compare->sheets, compare->pair_count,
                                                         options->write_contracts, console));
 }

@@ -1,5 +1,5 @@
 /* Results of `diptych compare`: compare.c fills them, compare_table.c prints them,
- * compare_json.c writes them as JSON, page and XML. */
+ * compare_json.c writes them as JSON, and hands them over for page and XML. */
 #pragma once
 
 #include "console/folder.h"
@@ -88,6 +88,4 @@ void golden_free(struct golden *golden);          /* takes a zeroed one */
 void compare_print(const struct compare *compare);         /* on stdout */
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
 
-/* --html and --junit; log their errors. */
-bool compare_write_html(const struct compare *compare);
-bool compare_write_junit(const struct compare *compare);
+bool compare_write_pages(const struct compare *compare); /* --html and --junit; logs its errors */

@@ -1,10 +1,7 @@
-/* JSON, page and JUnit's XML of `compare`; see compare.h. */
+/* JSON of `compare`, and what its page and XML are made of; see compare.h. */
 #include <cjson/cJSON.h>
-#include <stdlib.h>
 
-#include "base/files.h"
 #include "compare/compare.h"
-#include "console/fill.h"
 
 /* ---- JSON -------------------------------------------------------------------------------------- */
 
@@ -56,12 +53,12 @@ cJSON *compare_json(const struct compare *compare)
     return root;
 }
 
-/* ---- The page ---------------------------------------------------------------------------------- */
+/* ---- Page and JUnit's XML ---------------------------------------------------------------------- */
 
-bool compare_write_html(const struct compare *compare)
+bool compare_write_pages(const struct compare *compare)
 {
-    const struct setup *setup = &compare->options.setup;
-    char *path = format_string("%s/index.html", compare->options.html);
+    const struct options *options = &compare->options;
+    const struct setup *setup = &options->setup;
     cJSON *page = cJSON_CreateObject();
     cJSON_AddStringToObject(page, "pipeline", compare->pipeline.info->name);
     cJSON_AddStringToObject(page, "scene", setup->scene ? setup->scene : "");
@@ -70,78 +67,17 @@ bool compare_write_html(const struct compare *compare)
     for (uint32_t i = 0; i < setup->set_count; i++)
         cJSON_AddItemToArray(sets, cJSON_CreateString(setup->sets[i]));
     sheets_page(page, compare->sheets, compare->pair_count);
-    cJSON *golden = cJSON_AddObjectToObject(page, "golden");
-    if (compare->options.golden && !compare->options.update) {
-        cJSON_AddStringToObject(golden, "folder", compare->options.golden);
+    if (options->golden && !options->update) {
+        cJSON *golden = cJSON_AddObjectToObject(page, "golden");
+        cJSON_AddStringToObject(golden, "folder", options->golden);
         cJSON_AddItemToObject(golden, "differing",
                               cJSON_Duplicate(compare->golden.differing, true));
     }
+    cJSON_AddBoolToObject(page, "repeated", options->repeat);
     if (compare->elsewhere.list)
         cJSON_AddItemToObject(page, "elsewhere", cJSON_Duplicate(compare->elsewhere.list, true));
-    if (setup->sanitize) {
-        cJSON *sanitized = cJSON_AddObjectToObject(page, "sanitized");
-        cJSON_AddItemToObject(sanitized, "undefined", all_undefined(compare));
-    }
-    bool good = path && fill_page(compare->console, "compare.html", path, page);
-    cJSON_Delete(page);
-    free(path);
-    return good;
-}
-
-/* ---- JUnit ------------------------------------------------------------------------------------- */
-
-static const char *string_of(const cJSON *item, const char *key)
-{
-    return cJSON_GetStringValue(cJSON_GetObjectItem(item, key));
-}
-
-/* A suite whose only case passes, if it has no other. */
-static void end_suite(cJSON *suite, const char *kind, const char *fine)
-{
-    if (!cJSON_GetObjectItem(suite, "cases")->child)
-        sheet_case(suite, kind, fine, NULL);
-}
-
-/* --sanitize: a case per finding. */
-static void add_findings(cJSON *suite, const struct compare *compare)
-{
-    cJSON *list = all_undefined(compare), *item;
-    cJSON_ArrayForEach(item, list)
-    {
-        char *place = format_string("%s:%d:%d", string_of(item, "file"),
-                                    cJSON_GetObjectItem(item, "line")->valueint,
-                                    cJSON_GetObjectItem(item, "column")->valueint);
-        sheet_case(suite, string_of(item, "pass"), place, string_of(item, "message"));
-        free(place);
-    }
-    cJSON_Delete(list);
-}
-
-bool compare_write_junit(const struct compare *compare)
-{
-    const struct options *options = &compare->options;
-    const char *pipeline = compare->pipeline.info->name;
-    cJSON *suites = cJSON_CreateArray(), *suite;
-    const cJSON *item;
-    if (options->golden && !options->update) { /* a case per resource that differs */
-        suite = sheet_suite(suites, pipeline, "golden");
-        cJSON_ArrayForEach(item, compare->golden.differing) sheet_case(
-            suite, string_of(item, "pass"), string_of(item, "resource"), string_of(item, "is"));
-        end_suite(suite, "golden", "all resources are as kept");
-    }
-    if (options->repeat) { /* a case per pass and side with several results */
-        suite = sheet_suite(suites, pipeline, "repeated runs");
-        cJSON_ArrayForEach(item, compare->elsewhere.list) if (cJSON_HasObjectItem(item, "distinct"))
-            sheet_case(suite, "repeat", string_of(item, "pass"), string_of(item, "message"));
-        end_suite(suite, "repeat", "all runs are equal");
-    }
-    if (options->setup.sanitize) {
-        suite = sheet_suite(suites, pipeline, "undefined behaviour");
-        add_findings(suite, compare);
-        end_suite(suite, "sanitize", "nothing undefined");
-    }
-    bool good = sheets_junit(suites, compare->sheets, compare->pair_count, options->junit,
-                             compare->console);
-    cJSON_Delete(suites);
-    return good;
+    if (setup->sanitize)
+        cJSON_AddItemToObject(cJSON_AddObjectToObject(page, "sanitized"), "undefined",
+                              all_undefined(compare));
+    return sheets_write(page, options, compare->console);
 }

@@ -9,7 +9,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "base/installed.h"
+#include "console/tool.h"
 
 /* The request as stdin. */
 static bool give_request(const struct console *console, cJSON *request)
@@ -45,17 +45,28 @@ static bool set_path(const struct console *console)
     return good;
 }
 
+static bool hand_over(struct console *console, const char *verb, cJSON *request)
+{
+    bool good = give_request(console, request) && set_path(console);
+    cJSON_Delete(request);
+    return good ||
+           report_error(&console->log, "%s: cannot be handed to Python: %s", verb, strerror(errno));
+}
+
+bool python_child(struct console *console, const char *verb, const char *what, cJSON *request)
+{
+    const struct tool tool = {.what = what, .hint = "install the package python3"};
+    char *const argv[] = {"/usr/bin/python3", "-m", "diptych", (char *)verb, NULL};
+    return hand_over(console, verb, request) && tool_run(&tool, argv, -1, console);
+}
+
 int python_verb(struct console *console, const char *verb, cJSON *request)
 {
     sigset_t none;
     sigemptyset(&none);
     const char *argv[] = {"python3", "-m", "diptych", verb, NULL};
-    bool good = give_request(console, request) && set_path(console);
-    cJSON_Delete(request);
-    if (!good) {
-        report_error(&console->log, "%s: cannot be handed to Python: %s", verb, strerror(errno));
+    if (!hand_over(console, verb, request))
         return EXIT_USAGE;
-    }
     fflush(stdout);
     pthread_sigmask(SIG_SETMASK, &none, NULL); /* console_open blocks some */
     execv("/usr/bin/python3", (char *const *)argv);

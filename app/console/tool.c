@@ -140,3 +140,24 @@ bool tool_is_there(const char *name)
     }
     return found;
 }
+
+void words_add(struct words *words, const char *word)
+{
+    words->failed =
+        words->failed || words->count == TOOL_WORDS || !(words->list[words->count] = strdup(word));
+    words->count += !words->failed;
+}
+
+void words_pair(struct words *words, const char *option, const char *value)
+{
+    if (!value)
+        return;
+    words_add(words, option);
+    words_add(words, value);
+}
+
+void words_free(struct words *words)
+{
+    for (uint32_t i = 0; i < words->count; i++)
+        free(words->list[i]);
+}

@@ -22,5 +22,16 @@ bool tool_quiet(char *const argv[], struct console *console);
 /* Runs argv[0] with our streams; its exit status, or -1, logged. */
 int tool_status(char *const argv[], struct console *console);
 
+/* A command line that grows; NULL stands behind the last word. Begins zeroed. */
+enum { TOOL_WORDS = 512 };
+struct words {
+    char *list[TOOL_WORDS + 1]; /* owned */
+    uint32_t count;
+    bool failed; /* out of memory, or too many */
+};
+void words_add(struct words *words, const char *word);
+void words_pair(struct words *words, const char *option, const char *value); /* NULL: nothing */
+void words_free(struct words *words);
+
 /* Whether there is a program of that name in a folder of PATH. */
 bool tool_is_there(const char *name);

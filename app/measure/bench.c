@@ -1,17 +1,53 @@
 /* `diptych bench`: times of every pass. Each backend runs in its own processes, and the processes
  * take turns frame by frame: other load on the machine then affects all backends alike, and ratios
- * compare times that were measured side by side. */
-#include "measure/bench.h"
-
-#include <math.h>
+ * compare times that were measured side by side. Python makes medians and tables of them:
+ * app/python/diptych/bench.py. */
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
-#include "console/tool.h"
+#include "base/installed.h"
+#include "console/python.h"
+#include "measure/cost.h"
+#include "run/session.h"
+#include "run/worker.h"
 #include "spec/inputs.h"
 
-enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3 };
+enum { DEFAULT_FRAMES = 20, DEFAULT_WARMUP = 3, COPY_BYTES = 32 << 20 };
+
+/* A pipeline with its options; options.setup.frames counts warm-up and measured frames. */
+struct programme {
+    struct pipeline pipeline;
+    struct options options;
+};
+
+/* A worker that runs one frame of a pipeline per turn, with the times of each measured frame. */
+struct lane {
+    struct worker worker;
+    const struct dt_pipeline *info;
+    uint32_t taken;               /* frames so far, at most bench.frames */
+    double *frame_ms, *record_ms; /* one per frame; owned */
+    double *pass_ms;              /* frames x passes; owned, NULL without timestamps */
+};
+
+struct bench_side {
+    const struct side *side;
+    struct lane whole;  /* without timestamps, which can slow a frame down */
+    struct lane passes; /* with them */
+    struct lane machine;
+};
+
+struct bench {
+    struct console *console;
+    const struct options *options;
+    uint32_t frames, warmup;
+    struct sides sides;
+    struct bench_side *list;           /* as many as there are sides */
+    struct programme subject, machine; /* to time; templates/machine.yaml */
+    struct scene scene;
+    double *copy_ms;   /* by memcpy on the CPU, COPY_BYTES to and fro; frames values, owned */
+    uint8_t *original; /* 2 x COPY_BYTES, owned */
+};
 
 /* ---- Lanes ----------------------------------------------------------------------------------- */
 
@@ -24,8 +60,10 @@ static bool lane_allocate(struct lane *lane, uint32_t frames, bool timing)
     return lane->frame_ms && lane->record_ms && (!timing || lane->pass_ms);
 }
 
-bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
-                struct programme *programme, bool timing)
+/* A worker of a lane: started, run to the end of its next frame, whose times count if `taken`, and ended. programme->options.setup.frames
+ * counts all its frames. Log their errors; lane_free in any case, also of a zeroed one. */
+static bool lane_start(struct lane *lane, struct bench *bench, const struct side *side,
+                       struct programme *programme, bool timing)
 {
     const uint32_t frames = programme->options.setup.frames;
     const struct worker_info info = {.session = {.side = side,
@@ -60,14 +98,14 @@ static bool lane_take(struct lane *lane)
 }
 
 /* After the last frame, to WORKER_FINISHED. */
-bool lane_advance(struct lane *lane, bool taken)
+static bool lane_advance(struct lane *lane, bool taken)
 {
     struct worker_place place;
     return worker_resume(&lane->worker, DT_RUN) && worker_wait(&lane->worker, &place) &&
            (!taken || lane_take(lane));
 }
 
-void lane_free(struct lane *lane)
+static void lane_free(struct lane *lane)
 {
     worker_close(&lane->worker);
     free(lane->frame_ms);
@@ -75,43 +113,81 @@ void lane_free(struct lane *lane)
     free(lane->pass_ms);
 }
 
-struct spread bench_pass_ms(const struct lane *lane, uint32_t pass)
-{
-    return spread_of(lane->pass_ms + pass, lane->taken, lane->info->pass_count);
-}
+/* ---- What Python gets ------------------------------------------------------------------------ */
 
-/* ---- What there is to do, and what can be done ------------------------------------------------ */
-
-struct work bench_work(const struct bench *bench, const struct programme *programme, uint32_t pass)
+/* Bytes that a pass reads and writes. */
+static struct work work_in(const struct bench *bench, const struct programme *programme,
+                           uint32_t pass)
 {
-    const struct work_frame frame = {
-        .pipeline = programme->pipeline.info,
-        .size = {programme->options.setup.size[0], programme->options.setup.size[1]},
-        .vertex_count = bench->scene.data.vertex_count,
-        .index_count = bench->scene.data.index_count};
+    const uint32_t *size = programme->options.setup.size;
+    const struct work_frame frame = {.pipeline = programme->pipeline.info,
+                                     .size = {size[0], size[1]},
+                                     .vertex_count = bench->scene.data.vertex_count,
+                                     .index_count = bench->scene.data.index_count};
     return work_of(&frame, pass);
 }
 
-struct ceiling bench_ceiling(const struct bench *bench, const struct bench_side *side)
+static void add_lane(cJSON *side, const char *name, const struct lane *lane)
 {
-    struct ceiling ceiling = {0};
-    for (uint32_t i = 0; i < side->machine.info->pass_count; i++) {
-        struct work work = bench_work(bench, &bench->machine, i);
-        double ms = bench_pass_ms(&side->machine, i).median;
-        ceiling.bytes_per_ms = fmax(ceiling.bytes_per_ms, (work.read + work.written) / ms);
+    uint32_t passes = lane->info->pass_count;
+    cJSON *item = cJSON_AddObjectToObject(side, name);
+    cJSON_AddItemToObject(item, "frame_ms",
+                          cJSON_CreateDoubleArray(lane->frame_ms, (int)lane->taken));
+    cJSON_AddItemToObject(item, "record_ms",
+                          cJSON_CreateDoubleArray(lane->record_ms, (int)lane->taken));
+    cJSON *frames = cJSON_AddArrayToObject(item, "pass_ms");
+    for (uint32_t i = 0; lane->pass_ms && i < lane->taken; i++)
+        cJSON_AddItemToArray(
+            frames, cJSON_CreateDoubleArray(lane->pass_ms + (size_t)i * passes, (int)passes));
+}
+
+static void add_work(const struct bench *bench, cJSON *request)
+{
+    const struct dt_pipeline *info = bench->subject.pipeline.info;
+    cJSON *passes = cJSON_AddArrayToObject(request, "passes");
+    cJSON *machine = cJSON_AddArrayToObject(request, "machine");
+    for (uint32_t i = 0; i < info->pass_count; i++) {
+        struct work work = work_in(bench, &bench->subject, i);
+        cJSON *pass = cJSON_CreateObject();
+        cJSON_AddStringToObject(pass, "pass", info->passes[i].name);
+        cJSON_AddNumberToObject(pass, "bytes_read", work.read);
+        cJSON_AddNumberToObject(pass, "bytes_written", work.written);
+        cJSON_AddItemToArray(passes, pass);
     }
-    return ceiling;
+    for (uint32_t i = 0; i < bench->machine.pipeline.info->pass_count; i++) {
+        struct work work = work_in(bench, &bench->machine, i);
+        cJSON_AddItemToArray(machine, cJSON_CreateNumber(work.read + work.written));
+    }
 }
 
-double bench_copy_bytes_per_ms(const struct bench *bench)
+static void add_all(const struct bench *bench, cJSON *request)
 {
-    return 2.0 * COPY_BYTES / spread_of(bench->copy_ms, bench->frames, 1).median;
+    cJSON_AddStringToObject(request, "pipeline", bench->subject.pipeline.info->name);
+    cJSON_AddNumberToObject(request, "width", bench->options->setup.size[0]);
+    cJSON_AddNumberToObject(request, "height", bench->options->setup.size[1]);
+    cJSON_DeleteItemFromObject(request, "frames");
+    cJSON_DeleteItemFromObject(request, "warmup");
+    cJSON_AddNumberToObject(request, "frames", bench->frames);
+    cJSON_AddNumberToObject(request, "warmup", bench->warmup);
+    cJSON_AddNumberToObject(request, "copy_bytes", 2.0 * COPY_BYTES);
+    cJSON_AddItemToObject(request, "copy_ms",
+                          cJSON_CreateDoubleArray(bench->copy_ms, (int)bench->frames));
+    add_work(bench, request);
+    cJSON *sides = cJSON_AddArrayToObject(request, "sides");
+    for (uint32_t i = 0; i < bench->sides.count; i++) {
+        const struct bench_side *side = &bench->list[i];
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "side", side->side->label);
+        cJSON_AddStringToObject(item, "device", side->whole.worker.device);
+        cJSON_AddStringToObject(item, "driver", side->whole.worker.driver);
+        add_lane(item, "whole", &side->whole);
+        add_lane(item, "passes", &side->passes);
+        add_lane(item, "machine", &side->machine);
+        cJSON_AddItemToArray(sides, item);
+    }
 }
 
-double bench_floor_ms(const struct work *work, const struct ceiling *ceiling)
-{
-    return (work->read + work->written) / ceiling->bytes_per_ms;
-}
+/* ---- The run --------------------------------------------------------------------------------- */
 
 static void copy_on_cpu(struct bench *bench, uint32_t at)
 {
@@ -120,8 +196,6 @@ static void copy_on_cpu(struct bench *bench, uint32_t at)
     bench->copy_ms[at] = milliseconds_now() - start;
     bench->original[at % COPY_BYTES]++; /* so that every copy moves new data */
 }
-
-/* ---- The run --------------------------------------------------------------------------------- */
 
 static bool start_all(struct bench *bench)
 {
@@ -228,10 +302,9 @@ int verb_bench(struct console *console, const struct options *options)
         return EXIT_USAGE;
     }
     bool good = bench_prepare(&bench) && run_all(&bench);
-    if (good) {
-        bench_print(&bench);
-        console->result = bench_json(&bench);
-    }
+    cJSON *request = good ? options_json(options, VERB_BENCH) : NULL;
+    if (good)
+        add_all(&bench, request);
     bench_release(&bench);
-    return good ? EXIT_FINE : EXIT_FAILED;
+    return good ? python_verb(console, "bench", request) : EXIT_FAILED;
 }

@@ -1,140 +1,196 @@
-/* `diptych cost`: what a frame costs on a GPU, without one: the figures of its compiler and arithmetic. */
+/* `diptych cost` and `diptych list`: what a pipeline has and does in a frame, and what a GPU's compiler makes of it, for Python:
+ * app/python/diptych/cost.py and listing.py. */
+#include "measure/cost.h"
+
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include "measure/cost.h"
+#include "console/python.h"
+#include "picture/texels.h"
 #include "run/session.h"
 #include "spec/inputs.h"
+#include "spec/list.h"
 
 enum { MAX_GPUS = 16 };
 
-static const char unknown[] = "Bounds by arithmetic. Not known: rasterization, caches, hidden "
-                              "latency, how passes overlap; loops "
-                              "count as if they turned a few times.\n"
-                              "waves: most on a SIMD, and what keeps them from being more. "
-                              "started: waves of a frame. ms: they "
-                              "keep all SIMDs busy;\nwave ms: one of each stage; bytes ms: all "
-                              "that is read and written, once, at the "
-                              "memory's rate. !: more than the instruction cache.\n";
-
 struct costing {
     struct console *console;
-    struct options *options;
+    struct setup setup; /* with the size of an input */
     struct pipeline pipeline;
     struct scene scene;
-    struct cost_frame frame;
-    struct cost_gpu gpus[MAX_GPUS];
-    uint32_t count;
+    cJSON *request;
 };
 
-/* "5%" or "5" */
-static bool read_limit(const char *text, double *limit, const struct dt_log *log)
+static double bytes_of(const struct work_frame *frame, uint32_t resource, uint32_t mips)
 {
-    char *end;
-    *limit = strtod(text ? text : "5", &end) / 100;
-    return ((!text || end != text) && (!*end || strcmp(end, "%") == 0) && isfinite(*limit) &&
-            *limit >= 0) ||
-           report_error(log, "--limit %s: must be a percentage, like 5%%", text);
-}
-
-/* The next name of a list with commas, or NULL at its end. */
-static const char *next_name(const char **at, size_t *length)
-{
-    const char *name = *at;
-    *length = strcspn(name, ",");
-    *at = name + *length + (name[*length] == ',');
-    return *name ? name : NULL;
-}
-
-static bool check_gpus(const struct options *options, const struct dt_log *log)
-{
-    const char *at = options->gpu ? options->gpu : "", *name;
-    size_t length;
-    uint32_t count = 0;
-    if (options->gpu && options->setup.device)
-        return report_error(log, "--gpu and --device: name a chip, or a device that is there");
-    while ((name = next_name(&at, &length))) {
-        if (!cost_chip(name, length, log))
-            return false;
-        count++;
+    const struct dt_resource *info = &frame->pipeline->resources[resource];
+    double bytes = 0;
+    for (uint32_t mip = 0; mips >> mip; mip++) {
+        uint32_t extent[3];
+        resource_extent(frame->pipeline, resource, frame->size, mip, extent);
+        if (mips >> mip & 1)
+            bytes += (double)resource_elements(info, extent) * resource_stride(info);
     }
-    if (count > MAX_GPUS)
-        return report_error(log, "--gpu: must name at most %d chips", MAX_GPUS);
-    return options->setup.device || cost_has_radv(log);
+    return bytes;
 }
 
-static bool ask_gpus(struct costing *costing)
+struct work work_of(const struct work_frame *frame, uint32_t index)
 {
-    const struct options *options = costing->options;
-    const char *at = options->gpu ? options->gpu : "navi21", *name;
-    size_t length;
-    if (options->setup.device)
-        return cost_ask(&costing->gpus[costing->count++], NULL, options->setup.device,
-                        &costing->pipeline, costing->console);
-    while ((name = next_name(&at, &length))) {
-        const struct cost_chip *chip = cost_chip(name, length, &costing->console->log);
-        if (!cost_ask(&costing->gpus[costing->count++], chip, NULL, &costing->pipeline,
-                      costing->console))
-            return false;
+    const struct dt_pass *pass = &frame->pipeline->passes[index];
+    struct work work = {0};
+    for (uint32_t i = 0; i < pass->read_count; i++)
+        work.read += bytes_of(frame, pass->reads[i],
+                              resource_mips_before(frame->pipeline, index, pass->reads[i]));
+    for (uint32_t i = 0; i < pass->write_count; i++)
+        work.written +=
+            bytes_of(frame, pass->writes[i], pass->write_mips ? pass->write_mips[i] : 1);
+    if (pass->kind == DT_PASS_DRAW_SCENE)
+        work.read += (double)frame->vertex_count * sizeof(struct dt_vertex) +
+                     (double)frame->index_count * sizeof(uint32_t);
+    return work;
+}
+
+/* The pixels of a draw's first target, or of the viewport or scissor in it; 0: a dispatch. */
+static double drawn_pixels(const struct costing *costing, uint32_t pass,
+                           const struct plan_work *work)
+{
+    const struct dt_program *program = &costing->pipeline.vk->panel->programs[pass];
+    const struct dt_target *target = program->color_count ? program->colors : program->depth;
+    uint32_t extent[3];
+    if (!target)
+        return 0;
+    resource_extent(costing->pipeline.info, target->resource, costing->setup.size, target->mip,
+                    extent);
+    double all = (double)extent[0] * extent[1];
+    return work->has_area ? fmin(all, (double)work->area.width * work->area.height) : all;
+}
+
+/* How much each pass runs in one frame, as the plan says. */
+static void add_work(const struct costing *costing, cJSON *list)
+{
+    const struct setup *setup = &costing->setup;
+    const struct work_frame frame = {.pipeline = costing->pipeline.info,
+                                     .size = {setup->size[0], setup->size[1]},
+                                     .vertex_count = costing->scene.data.vertex_count,
+                                     .index_count = costing->scene.data.index_count};
+    uint32_t pass = 0;
+    cJSON *item;
+    cJSON_ArrayForEach(item, list)
+    {
+        const struct plan *plan = costing->pipeline.plan;
+        struct plan_work does = plan_work(plan, pass, setup->size, costing->pipeline.live);
+        struct work bytes = work_of(&frame, pass);
+        cJSON *work = cJSON_AddObjectToObject(item, "work");
+        cJSON_AddBoolToObject(work, "runs", does.runs);
+        cJSON_AddNumberToObject(work, "local", plan_group(plan, pass));
+        cJSON_AddNumberToObject(work, "pixels", drawn_pixels(costing, pass, &does));
+        cJSON_AddNumberToObject(work, "bytes", bytes.read + bytes.written);
+        pass++;
     }
-    return true;
 }
 
-static bool add_times(struct costing *costing)
-{
-    const char *path = costing->options->bench;
-    bool good = true;
-    for (uint32_t i = 0; path && good && i < costing->count; i++)
-        good =
-            cost_measured(&costing->gpus[i], costing->pipeline.info, path, &costing->console->log);
-    return good;
-}
-
-static bool prepare(struct costing *costing)
+static bool take_pipeline(struct costing *costing)
 {
     struct console *console = costing->console;
-    struct setup *setup = &costing->options->setup;
-    setup->for_gpu = true;
+    struct setup *setup = &costing->setup;
     if (!pipeline_load(&costing->pipeline, console, setup) ||
         !inputs_find_size(&costing->pipeline, setup, &console->log) ||
         (setup->scene &&
          !session_load_scene(&costing->scene, console, costing->pipeline.info, setup)))
         return false;
-    return cost_count(&costing->frame, &costing->pipeline, setup->scene ? &costing->scene : NULL,
-                      setup->size, &console->log);
+    uint32_t count;
+    const char *const *files = plan_sources(costing->pipeline.plan, &count);
+    cJSON *list = list_json(&costing->pipeline, setup->size);
+    cJSON_AddStringToObject(list, "spec", costing->pipeline.spec);
+    cJSON_AddItemToObject(list, "files", cJSON_CreateStringArray(files, (int)count));
+    add_work(costing, cJSON_GetObjectItem(list, "passes"));
+    cJSON_AddItemToObject(costing->request, "list", list);
+    if (setup->scene)
+        cJSON_AddNumberToObject(costing->request, "indices", costing->scene.data.index_count);
+    cJSON_AddItemToObject(costing->request, "chips", cost_chips_json());
+    return true;
 }
 
-static int report_cost(struct costing *costing, double limit)
+/* Adds what the device tells, or each chip of a list with commas between. */
+static bool ask(struct costing *costing, const char *device, const char *names)
 {
-    struct console *console = costing->console;
-    uint32_t worse = 0;
-    for (uint32_t i = 0; i < costing->count; i++)
-        cost_print(&costing->gpus[i], &costing->frame);
-    fputs(unknown, stdout);
-    console->result =
-        cost_json(costing->gpus, costing->count, &costing->frame, &costing->options->setup);
-    if (costing->options->earlier &&
-        !cost_against(console->result, costing->options->earlier, limit, &worse, &console->log))
-        return EXIT_USAGE;
-    return worse ? EXIT_DIFFER : EXIT_FINE;
+    const struct dt_log *log = &costing->console->log;
+    cJSON *gpus = cJSON_AddArrayToObject(costing->request, "gpus");
+    bool good = true;
+    for (size_t length; good && (device || *names); device = NULL, names += length) {
+        length = device ? strlen(names) : strcspn(names, ",");
+        const struct cost_chip *chip = device ? NULL : cost_chip(names, length, log);
+        cJSON *gpu = cost_ask(chip, device, &costing->pipeline, costing->console);
+        good = gpu && cJSON_AddItemToArray(gpus, gpu);
+        length += names[length] == ',';
+    }
+    return good;
+}
+
+static bool check_gpus(const char *names, const struct dt_log *log)
+{
+    uint32_t count = 0;
+    for (size_t length; names && *names; names += length + (names[length] == ','), count++) {
+        length = strcspn(names, ",");
+        if (!cost_chip(names, length, log))
+            return false;
+    }
+    return count <= MAX_GPUS || report_error(log, "--gpu: must name at most %d chips", MAX_GPUS);
+}
+
+/* "5%" or "5" */
+static bool read_limit(cJSON *request, const char *text, const struct dt_log *log)
+{
+    char *end;
+    double limit = strtod(text ? text : "5", &end) / 100;
+    cJSON_DeleteItemFromObject(request, "limit");
+    cJSON_AddNumberToObject(request, "limit", limit);
+    return ((!text || end != text) && (!*end || strcmp(end, "%") == 0) && isfinite(limit) &&
+            limit >= 0) ||
+           report_error(log, "--limit %s: must be a percentage, like 5%%", text);
+}
+
+/* Hands over to Python, or ends with that status. */
+static int finish(struct costing *costing, bool good, const char *verb, int failed)
+{
+    if (costing->setup.scene)
+        scene_free(&costing->scene);
+    pipeline_unload(&costing->pipeline);
+    if (good)
+        return python_verb(costing->console, verb, costing->request);
+    cJSON_Delete(costing->request);
+    return failed;
 }
 
 int verb_cost(struct console *console, const struct options *options)
 {
-    struct options own = *options;
-    struct costing costing = {.console = console, .options = &own};
-    double limit;
-    bool good = read_limit(options->limit, &limit, &console->log) &&
-                check_gpus(options, &console->log) && prepare(&costing) && ask_gpus(&costing) &&
-                add_times(&costing);
-    int status = good ? report_cost(&costing, limit) : EXIT_USAGE;
-    for (uint32_t i = 0; i < costing.count; i++)
-        cost_gpu_free(&costing.gpus[i]);
-    free(costing.frame.passes);
-    if (options->setup.scene)
-        scene_free(&costing.scene);
-    pipeline_unload(&costing.pipeline);
-    return status;
+    struct costing costing = {.console = console, .setup = options->setup};
+    const char *device = options->setup.device, *names = options->gpu;
+    costing.setup.for_gpu = true;
+    costing.request = options_json(options, VERB_COST);
+    bool good = read_limit(costing.request, options->limit, &console->log);
+    if (good && names && device)
+        good = report_error(&console->log,
+                            "--gpu and --device: name a chip, or a device that is there");
+    good = good && check_gpus(names, &console->log) && (device || cost_has_radv(&console->log)) &&
+           take_pipeline(&costing) &&
+           ask(&costing, device,
+               device  ? ""
+               : names ? names
+                       : "navi21");
+    return finish(&costing, good, "cost", EXIT_USAGE);
+}
+
+int verb_list(struct console *console, const struct options *options)
+{
+    struct costing costing = {.console = console, .setup = options->setup};
+    const char *gpu = options->gpu;
+    costing.setup.for_gpu = gpu;
+    costing.setup.scene = NULL;
+    costing.request = options_json(options, VERB_LIST);
+    bool good = take_pipeline(&costing) &&
+                (!gpu || (cost_chip(gpu, strlen(gpu), &console->log) &&
+                          cost_has_radv(&console->log) && ask(&costing, NULL, gpu)));
+    return finish(&costing, good, "list", EXIT_FAILED);
 }

@@ -10,7 +10,7 @@
 #include "base/nearest.h"
 #include "measure/cost.h"
 
-const struct cost_chip cost_chips[] = {
+static const struct cost_chip chips[] = {
     {.name = "polaris10",
      .family = "POLARIS10",
      .product = "Radeon RX 480",
@@ -67,38 +67,41 @@ const struct cost_chip cost_chips[] = {
      .most_waves = 32,
      .group_simds = 4},
 };
-const uint32_t cost_chip_count = DT_ARRAY_COUNT(cost_chips);
 
 const struct cost_chip *cost_chip(const char *name, size_t length, const struct dt_log *log)
 {
-    const char *names[DT_ARRAY_COUNT(cost_chips)];
-    char word[32], all[128] = "";
-    for (uint32_t i = 0; i < cost_chip_count; i++) {
-        names[i] = cost_chips[i].name;
+    const char *names[DT_ARRAY_COUNT(chips)];
+    char word[32], all[128] = "; there are";
+    for (size_t i = 0; i < DT_ARRAY_COUNT(chips); i++) {
+        names[i] = chips[i].name;
         if (strncasecmp(name, names[i], length) == 0 && !names[i][length])
-            return &cost_chips[i];
-        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i ? ", " : "", names[i]);
+            return &chips[i];
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s %s", i ? "," : "", names[i]);
     }
     snprintf(word, sizeof word, "%.*s", (int)length, name);
-    const char *hint = nearest_name(word, names, cost_chip_count);
-    if (hint)
-        report_error(log, "--gpu %s: unknown chip; did you mean \"%s\"?", word, hint);
-    else
-        report_error(log, "--gpu %s: unknown chip; there are %s", word, all);
+    report_error(log, "--gpu %s: unknown chip%s", word,
+                 name_hint('"', word, names, DT_ARRAY_COUNT(chips), all).text);
     return NULL;
 }
 
-const struct cost_chip *cost_chip_of(const char *device)
+cJSON *cost_chips_json(void)
 {
-    for (uint32_t i = 0; i < cost_chip_count; i++) {
-        const char *family = cost_chips[i].family;
-        for (size_t length; *family; family += length + (family[length] == '|')) {
-            length = strcspn(family, "|");
-            char radv[32];
-            snprintf(radv, sizeof radv, "RADV %.*s)", (int)length, family);
-            if (strstr(device, radv))
-                return &cost_chips[i];
-        }
+    cJSON *list = cJSON_CreateArray();
+    for (size_t i = 0; i < DT_ARRAY_COUNT(chips); i++) {
+        const struct cost_chip *chip = &chips[i];
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "name", chip->name);
+        cJSON_AddStringToObject(item, "family", chip->family);
+        cJSON_AddStringToObject(item, "product", chip->product);
+        cJSON_AddNumberToObject(item, "simds", chip->simds);
+        cJSON_AddNumberToObject(item, "ghz", chip->ghz);
+        cJSON_AddNumberToObject(item, "gb_s", chip->gb_s);
+        cJSON_AddNumberToObject(item, "code_kib", chip->code_kib);
+        cJSON_AddNumberToObject(item, "vgprs", chip->vgprs);
+        cJSON_AddNumberToObject(item, "granularity", chip->granularity);
+        cJSON_AddNumberToObject(item, "most_waves", chip->most_waves);
+        cJSON_AddNumberToObject(item, "group_simds", chip->group_simds);
+        cJSON_AddItemToArray(list, item);
     }
-    return NULL;
+    return list;
 }

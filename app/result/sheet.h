@@ -2,7 +2,7 @@
  * JUnit's XML read it. */
 #pragma once
 
-#include "console/console.h"
+#include "console/options.h"
 #include "result/contracts.h"
 #include "result/difference.h"
 #include "picture/strip.h"
@@ -94,16 +94,11 @@ void sheet_row_json(struct cJSON *root, const struct sheet *sheet, const struct 
 void sheets_json(struct cJSON *root, const struct sheet *const *sheets, uint32_t count);
 const struct sheet *sheets_told(const struct sheet *const *sheets, uint32_t count);
 
-/* Adds "devices" and "pairs", for templates/report/compare.html. */
+/* Adds "pairs": JSON with what the page shows beyond it. */
 void sheets_page(struct cJSON *page, const struct sheet *const *sheets, uint32_t count);
-
-/* Writes JUnit's XML, templates/report/junit.xml: a suite for each sheet, then `suites`, a list that is emptied, or NULL.
- * False: logged. */
-bool sheets_junit(struct cJSON *suites, const struct sheet *const *sheets, uint32_t count,
-                  const char *path, struct console *console);
-/* Adds a suite without cases; a case. `failure` NULL: it passes. */
-struct cJSON *sheet_suite(struct cJSON *suites, const char *pipeline, const char *title);
-void sheet_case(struct cJSON *suite, const char *pass, const char *name, const char *failure);
+/* Writes --html and --junit: app/python/diptych/comparison.py fills templates/report/compare.html and junit.xml. Deletes the
+ * page. False: logged. */
+bool sheets_write(struct cJSON *page, const struct options *options, struct console *console);
 
 /* Folders of --pictures and --html, or NULL. */
 struct sheet_files {

@@ -1,10 +1,7 @@
-/* `diptych list`: the parameters, resources and passes of a pipeline, as a table and as JSON. Opens no
- * backend. */
+/* The parameters, resources and passes of a pipeline as JSON, for `list` and for hosts. Opens no backend. */
 #include "spec/list.h"
 
-#include <inttypes.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,189 +47,6 @@ static uint32_t param_values(const struct pipeline *pipeline, const struct dt_pa
         values[i] = shortest(values[i]);
     return count < 4 ? count : 4;
 }
-
-/* What a pass calls: the verb that draws or dispatches, and its arguments. */
-struct call {
-    const struct dt_verb_info *verb;
-    char kind[32]; /* "draw vertices" */
-    int64_t arguments[4];
-    const char *names[4]; /* of arguments that are resources */
-};
-
-static struct call call_of(const struct pipeline *pipeline, uint32_t pass, const uint32_t size[2])
-{
-    struct call call = {0};
-    const struct dt_pipeline *info = pipeline->info;
-    call.verb = plan_work(pipeline->plan, pass, size, pipeline->live, call.arguments);
-    for (size_t i = 0; call.verb->name[i] && i + 1 < sizeof call.kind; i++)
-        call.kind[i] = (char)(call.verb->name[i] == '_' ? ' ' : call.verb->name[i]);
-    for (int i = 0; i < 4 && call.verb->arguments[i]; i++)
-        if (call.verb->arguments[i][0] == '%')
-            call.names[i] = call.arguments[i] < info->resource_count
-                                ? info->resources[call.arguments[i]].name
-                                : "scene.indices";
-    return call;
-}
-
-/* ---- Table ----------------------------------------------------------------------------------- */
-
-/* A line of columns, without the blanks behind the last that holds something. */
-static void print_line(const char *format, ...) __attribute__((format(printf, 1, 2)));
-static void print_line(const char *format, ...)
-{
-    char *line = NULL;
-    va_list arguments;
-    va_start(arguments, format);
-    int length = vasprintf(&line, format, arguments);
-    va_end(arguments);
-    if (length < 0)
-        return;
-    while (length > 0 && line[length - 1] == ' ')
-        line[--length] = 0;
-    puts(line);
-    free(line);
-}
-
-static void print_value(const struct pipeline *pipeline, const struct dt_param *param, char *text,
-                        size_t size)
-{
-    double values[4];
-    uint32_t count = param_values(pipeline, param, values);
-    size_t used = 0;
-    for (uint32_t i = 0; i < count && used < size; i++) {
-        const char *open = i ? ", " : count > 1 ? "[" : "";
-        const char *close = i + 1 == count && count > 1 ? "]" : "";
-        if (param->type == DT_TYPE_BOOL)
-            used += (size_t)snprintf(text + used, size - used, "%s", values[i] ? "true" : "false");
-        else
-            used += (size_t)snprintf(text + used, size - used, "%s%.9g%s", open, values[i], close);
-    }
-}
-
-static void print_params(const struct pipeline *pipeline, int width)
-{
-    const struct dt_pipeline *info = pipeline->info;
-    printf("%u parameters\n", info->param_count);
-    for (uint32_t i = 0; i < info->param_count; i++) {
-        const struct dt_param *param = &info->params[i];
-        char value[96] = "", range[64] = "";
-        print_value(pipeline, param, value, sizeof value);
-        if (isfinite(param->min) && isfinite(param->max))
-            snprintf(range, sizeof range, "%.9g to %.9g", param->min, param->max);
-        else if (isfinite(param->min))
-            snprintf(range, sizeof range, "from %.9g", param->min);
-        else if (isfinite(param->max))
-            snprintf(range, sizeof range, "to %.9g", param->max);
-        print_line("  %-*s  %-5s  %-9s  %-14s  %-4s  %s", width, param->name,
-                   type_info(param->type)->name, value, range, param->live ? "live" : "",
-                   param->doc ? param->doc : "");
-    }
-}
-
-/* A struct's fields, or nothing for a buffer of a scalar or vector, which says its type itself. */
-static void print_fields(const struct dt_resource *resource, int indent)
-{
-    if (resource->kind != DT_BUFFER || !resource->fields[0].name[0])
-        return;
-    printf("  %*s  {", indent, "");
-    for (uint32_t i = 0; i < resource->field_count; i++) {
-        const struct dt_field *field = &resource->fields[i];
-        printf("%s%s: %s", i ? ", " : "", field->name, type_info(field->type)->name);
-        if (field->array_count)
-            printf("[%u]", field->array_count);
-    }
-    printf("}\n");
-}
-
-static void print_resources(const struct dt_pipeline *info, const uint32_t size[2], int width)
-{
-    printf("\n%u resources, at %ux%u\n", info->resource_count, size[0], size[1]);
-    for (uint32_t i = 0; i < info->resource_count; i++) {
-        const struct dt_resource *resource = &info->resources[i];
-        bool buffer = resource->kind == DT_BUFFER;
-        const char *type = !buffer ? format_info(resource->format)->name
-                           : resource->fields[0].name[0]
-                               ? "struct"
-                               : type_info(resource->fields[0].type)->name;
-        uint32_t extent[3];
-        char shape[64];
-        resource_extent(info, i, size, 0, extent);
-        int used = buffer ? snprintf(shape, sizeof shape, "%u", extent[0])
-                          : snprintf(shape, sizeof shape, "%ux%u", extent[0], extent[1]);
-        if (resource->layered)
-            used += snprintf(shape + used, sizeof shape - (size_t)used, "x%u", extent[2]);
-        if (resource->mips > 1)
-            snprintf(shape + used, sizeof shape - (size_t)used, ", %u mips", resource->mips);
-        print_line("  %-*s  %-6s  %-10s  %-14s  %-7s  %s", width, resource->name,
-                   buffer ? "buffer" : shape_name(resource->shape), type, shape,
-                   resource->input     ? "input"
-                   : resource->history ? "history"
-                                       : "",
-                   resource->doc ? resource->doc : "");
-        print_fields(resource, width);
-    }
-}
-
-static void print_names(const struct dt_pipeline *info, const char *head, const uint16_t *list,
-                        uint32_t count, int indent)
-{
-    for (uint32_t i = 0; i < count; i++)
-        if (i)
-            printf(", %s", info->resources[list[i]].name);
-        else
-            printf("  %*s  %-6s %s", indent, "", head, info->resources[list[i]].name);
-    if (count)
-        printf("\n");
-}
-
-static void print_passes(const struct pipeline *pipeline, const uint32_t size[2], int width,
-                         list_more *more, const void *user)
-{
-    const struct dt_pipeline *info = pipeline->info;
-    printf("\n%u passes, in order of execution\n", info->pass_count);
-    for (uint32_t i = 0; i < info->pass_count; i++) {
-        const struct dt_pass *pass = &info->passes[i];
-        struct call call = call_of(pipeline, i, size);
-        char text[160];
-        int used = snprintf(text, sizeof text, "%s", call.kind);
-        for (int k = 0; k < 4 && call.verb->arguments[k] && used < (int)sizeof text; k++)
-            used += call.names[k]
-                        ? snprintf(text + used, sizeof text - (size_t)used, " %s", call.names[k])
-                        : snprintf(text + used, sizeof text - (size_t)used, " %" PRId64,
-                                   call.arguments[k]);
-        print_line("  %-*s  %-24s  %-30s  %s", width, pass->name, text,
-                   pass->shader ? pass->shader : "", pass->doc ? pass->doc : "");
-        print_names(info, "reads", pass->reads, pass->read_count, width);
-        print_names(info, "writes", pass->writes, pass->write_count, width);
-        if (more)
-            more(user, i, width);
-    }
-}
-
-static int widest(int width, const char *name)
-{
-    return (int)strlen(name) > width ? (int)strlen(name) : width;
-}
-
-void list_print(const struct pipeline *pipeline, const uint32_t size[2], list_more *more,
-                const void *user)
-{
-    const struct dt_pipeline *info = pipeline->info;
-    int width = 0;
-    for (uint32_t i = 0; i < info->param_count; i++)
-        width = widest(width, info->params[i].name);
-    for (uint32_t i = 0; i < info->resource_count; i++)
-        width = widest(width, info->resources[i].name);
-    for (uint32_t i = 0; i < info->pass_count; i++)
-        width = widest(width, info->passes[i].name);
-    bool told = info->doc && *info->doc;
-    printf("%s%s%s\n\n", info->name, told ? ": " : "", told ? info->doc : "");
-    print_params(pipeline, width);
-    print_resources(info, size, width);
-    print_passes(pipeline, size, width, more, user);
-}
-
-/* ---- JSON ------------------------------------------------------------------------------------ */
 
 static cJSON *named(const char *name, const char *doc)
 {
@@ -298,19 +112,34 @@ static void add_names(cJSON *item, const char *key, const struct dt_pipeline *in
         cJSON_AddItemToArray(names, cJSON_CreateString(info->resources[list[i]].name));
 }
 
+/* What it calls: the verb that draws or dispatches, and its arguments. */
+static void add_call(cJSON *item, const struct dt_pipeline *info, const struct plan_work *work)
+{
+    char *kind = strdup(work->verb->name); /* "draw vertices" */
+    for (char *at = kind; at && *at; at++)
+        *at = (char)(*at == '_' ? ' ' : *at);
+    cJSON_AddStringToObject(item, "kind", kind ? kind : "");
+    free(kind);
+    cJSON *arguments = cJSON_AddObjectToObject(item, "arguments");
+    for (int i = 0; i < 4 && work->verb->arguments[i]; i++) {
+        const char *name = work->verb->arguments[i];
+        int64_t value = work->arguments[i];
+        if (*name == '%')
+            cJSON_AddStringToObject(arguments, name + 1,
+                                    value < info->resource_count ? info->resources[value].name
+                                                                 : "scene.indices");
+        else
+            cJSON_AddNumberToObject(arguments, name, (double)value);
+    }
+}
+
 static cJSON *pass_json(const struct pipeline *pipeline, uint32_t index, const uint32_t size[2])
 {
     const struct dt_pipeline *info = pipeline->info;
     const struct dt_pass *pass = &info->passes[index];
-    struct call call = call_of(pipeline, index, size);
+    struct plan_work work = plan_work(pipeline->plan, index, size, pipeline->live);
     cJSON *item = named(pass->name, pass->doc);
-    cJSON_AddStringToObject(item, "kind", call.kind);
-    cJSON *arguments = cJSON_AddObjectToObject(item, "arguments");
-    for (int i = 0; i < 4 && call.verb->arguments[i]; i++)
-        if (call.names[i])
-            cJSON_AddStringToObject(arguments, call.verb->arguments[i] + 1, call.names[i]);
-        else
-            cJSON_AddNumberToObject(arguments, call.verb->arguments[i], (double)call.arguments[i]);
+    add_call(item, info, &work);
     if (pass->shader)
         cJSON_AddStringToObject(item, "shader", pass->shader);
     add_names(item, "reads", info, pass->reads, pass->read_count);

@@ -154,13 +154,26 @@ bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage,
     return good;
 }
 
-const struct dt_verb_info *plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
-                                     const void *live, int64_t arguments[4])
+struct plan_work plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
+                           const void *live)
 {
-    const struct step *work = steps_work(&plan->spec.tables->passes[pass].steps);
-    for (int i = 0; i < 4; i++)
-        arguments[i] = amount_value(&work->arguments[i], size[0], size[1], live);
-    return dt_verb_info(work->verb);
+    const struct steps *steps = &plan->spec.tables->passes[pass].steps;
+    const struct step *called = steps_work(steps);
+    struct plan_work work = {.verb = dt_verb_info(called->verb)};
+    for (const struct step *step = steps->list; step < steps->list + steps->count; step++) {
+        int64_t a[4];
+        for (int i = 0; i < 4; i++)
+            a[i] = amount_value(&step->arguments[i], size[0], size[1], live);
+        if (step == called)
+            memcpy(work.arguments, a, sizeof a);
+        if (step->verb == DT_VERB_BEGIN)
+            work.runs = a[0];
+        if (step->verb != DT_VERB_VIEWPORT && step->verb != DT_VERB_SCISSOR)
+            continue;
+        work.has_area = true;
+        work.area = dt_make_rect(a[0], a[1], a[2], a[3]);
+    }
+    return work;
 }
 
 struct plan_input plan_input(const struct plan *plan, uint32_t resource)

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "console/console.h"
+#include "verbs.h"
 
 struct plan;
 
@@ -34,9 +35,15 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count);
  * NULL where the pass has none, and belongs to the plan. False when out of memory. */
 bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
 
-/* The call of a pass that draws or dispatches, with its arguments in a frame of this size. */
-const struct dt_verb_info *plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
-                                     const void *live, int64_t arguments[4]);
+/* What a pass does in a frame of this size: the call that draws or dispatches, with its arguments; viewport or scissor. */
+struct plan_work {
+    const struct dt_verb_info *verb;
+    int64_t arguments[4];
+    bool runs, has_area;
+    struct dt_rect area;
+};
+struct plan_work plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],
+                           const void *live);
 
 /* Of a resource with `input` or `file` in the spec. */
 struct plan_input {

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 
 #include "base/files.h"
-#include "console/fill.h"
 #include "theirs/dumps.h"
 
 /* ---- Sides ------------------------------------------------------------------------------------- */
@@ -190,16 +189,12 @@ static bool pair_up(struct comparison *comparison)
     return !comparison->options->contracts || read_contracts(comparison);
 }
 
-static bool write_page(const struct comparison *comparison)
+static bool write_pages(const struct comparison *comparison)
 {
-    char *path = format_string("%s/index.html", comparison->options->html);
     cJSON *page = cJSON_CreateObject();
-    cJSON_AddStringToObject(page, "pipeline", "Dumps");
+    cJSON_AddStringToObject(page, "pipeline", "");
     sheets_page(page, comparison->sheets, comparison->pair_count);
-    bool good = path && fill_page(comparison->console, "compare.html", path, page);
-    cJSON_Delete(page);
-    free(path);
-    return good;
+    return sheets_write(page, comparison->options, comparison->console);
 }
 
 static bool write_files(const struct comparison *comparison)
@@ -208,8 +203,7 @@ static bool write_files(const struct comparison *comparison)
     const struct sheet *const *sheets = comparison->sheets;
     struct console *console = comparison->console;
     uint32_t count = comparison->pair_count;
-    bool good = (!options->html || write_page(comparison)) &&
-                (!options->junit || sheets_junit(NULL, sheets, count, options->junit, console)) &&
+    bool good = ((!options->html && !options->junit) || write_pages(comparison)) &&
                 (!options->write_contracts ||
                  measured_write(sheets, count, options->write_contracts, console));
     if (good && options->json)

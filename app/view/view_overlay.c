@@ -56,9 +56,9 @@ static uint32_t timed_frames(const struct view_times *times)
     return times->frames < VIEW_TIMED_FRAMES ? times->frames : VIEW_TIMED_FRAMES;
 }
 
-static double median_of(const struct view_times *times, uint32_t pass)
+static double pass_median(const struct view_times *times, uint32_t pass)
 {
-    return spread_of(times->pass_ms + pass, timed_frames(times), times->passes).median;
+    return median_of(times->pass_ms + pass, timed_frames(times), times->passes);
 }
 
 /* ---- The model ------------------------------------------------------------------------------- */
@@ -227,13 +227,12 @@ static cJSON *side_json(const struct view *view, uint32_t index)
     cJSON *item = cJSON_CreateObject(), *passes = cJSON_CreateArray();
     cJSON_AddStringToObject(item, "backend", view->sides.list[index].label);
     cJSON_AddStringToObject(item, "device", session->runtime->device_name(session->handle));
-    cJSON_AddItemToObject(
-        item, "frame_ms",
-        number_or_null(spread_of(times->frame_ms, timed_frames(times), 1).median));
+    cJSON_AddItemToObject(item, "frame_ms",
+                          number_or_null(median_of(times->frame_ms, timed_frames(times), 1)));
     for (uint32_t i = 0; i < times->passes; i++) {
         cJSON *pass = cJSON_CreateObject();
         cJSON_AddStringToObject(pass, "pass", view->pipeline.info->passes[i].name);
-        cJSON_AddItemToObject(pass, "ms", number_or_null(median_of(times, i)));
+        cJSON_AddItemToObject(pass, "ms", number_or_null(pass_median(times, i)));
         cJSON_AddItemToArray(passes, pass);
     }
     cJSON_AddItemToObject(item, "passes", passes);

@@ -1,5 +1,5 @@
-/* What the window leaves: pictures, arrays, overlays, cases of a bisection, the user's settings; and
- * the messages that it shows. */
+/* What the window leaves: pictures, arrays, overlays, cases of a bisection; and the messages
+ * that it shows. */
 #include "view/view.h"
 
 #include <ctype.h>
@@ -10,7 +10,6 @@
 #include "base/files.h"
 #include "compare/apart.h"
 #include "picture/hdr.h"
-#include "console/settings.h"
 #include "picture/array.h"
 #include "run/camera.h"
 
@@ -233,43 +232,6 @@ void view_bisect_end(struct view *view)
     if (view->bisected)
         pthread_join(view->bisector, NULL);
     view->bisected = false;
-}
-
-/* ---- Settings -------------------------------------------------------------------------------- */
-
-enum { SETTINGS = 10 };
-
-static void list_settings(struct overlay_settings *s, struct setting list[SETTINGS])
-{
-    const struct setting all[SETTINGS] = {
-        {.name = "left", .number = &s->left, .least = 50, .most = 4000},
-        {.name = "right", .number = &s->right, .least = 50, .most = 4000},
-        {.name = "bottom", .number = &s->bottom, .least = 30, .most = 4000},
-        {.name = "font", .number = &s->font, .least = 8, .most = 48},
-        {.name = "left_folded", .flag = &s->left_folded, .most = 1},
-        {.name = "right_folded", .flag = &s->right_folded, .most = 1},
-        {.name = "bottom_folded", .flag = &s->bottom_folded, .most = 1},
-        {.name = "hidden", .flag = &s->hidden, .most = 1},
-        {.name = "width", .whole = &s->window[0], .least = 16, .most = 16384},
-        {.name = "height", .whole = &s->window[1], .least = 16, .most = 16384}};
-    memcpy(list, all, sizeof all);
-}
-
-void view_settings_read(struct overlay_settings *settings)
-{
-    struct setting list[SETTINGS];
-    *settings = (struct overlay_settings){
-        .left = 300, .right = 300, .bottom = 130, .font = 15, .window = {1280, 720}};
-    list_settings(settings, list);
-    settings_read("view.yaml", list, SETTINGS);
-}
-
-void view_settings_write(const struct view *view)
-{
-    struct overlay_settings settings = view->settings;
-    struct setting list[SETTINGS];
-    list_settings(&settings, list);
-    settings_write("view.yaml", list, SETTINGS, &view->console->log);
 }
 
 /* ---- Messages -------------------------------------------------------------------------------- */

@@ -18,10 +18,10 @@
 #include "app/console/console.h"
 #include "base/files.h"
 #include "app/picture/hdr.h"
+#include "app/console/spread.h"
 #include "app/result/live.h"
 #include "app/console/options.h"
 #include "app/picture/texels.h"
-#include "app/console/fill.h"
 #include "app/result/dump.h"
 #include "app/picture/picture.h"
 
@@ -243,69 +243,16 @@ static void drafts_become_files_whole(void **state)
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-/* Fills the template with the data, into `text`. If that fails, `ear` has the error. */
-static bool fill(const char *template, const char *data, char text[256], struct ear *ear)
-{
-    static const char path[] = "build/tests/fill.txt", beside[] = "build/tests/fill_beside.txt";
-    const struct dt_log log = log_to(ear);
-    FILE *out = fmemopen(text, 256, "w");
-    cJSON *json = cJSON_Parse(data);
-    assert_non_null(out);
-    assert_non_null(json);
-    assert_true(file_make_folders("build/tests", &log));
-    assert_true(file_write(path, template, strlen(template), &log));
-    assert_true(file_write(beside, "<{{count}}>", 11, &log));
-    bool good = fill_template(out, path, json, &log);
-    fclose(out);
-    cJSON_Delete(json);
-    remove(path);
-    remove(beside);
-    return good;
-}
-
-/* Expected texts follow the specification of mustache for the same tags. */
-static void templates_are_filled(void **state)
+static void medians_leave_out_gaps(void **state)
 {
     (void)state;
-    static const char data[] =
-        "{\"name\": \"<a> & \\\"b\\\"\", \"count\": 3, \"none\": [], \"no\": false, \"list\":"
-        "[{\"name\": \"x\"}, {\"words\": [\"p\", \"q\"]}], \"inner\": {\"count\": 4}}";
-    static const struct {
-        const char *template, *text;
-    } cases[] = {
-        {"{{name}}, {{count}}", "&lt;a&gt; &amp; &quot;b&quot;, 3"},
-        {"{{#list}}[{{count}}]{{/list}}", "[3][3]"},
-        {"{{#list}}{{#@rest}}, {{/@rest}}{{#words}}{{.}}{{^@rest}}+{{/@rest}}{{/words}}{{/list}}",
-         ", p+q"},
-        {"{{#none}}a{{/none}}{{^none}}b{{/none}}{{#absent}}{{absent}}{{/absent}}", "b"},
-        {"{{#no}}a{{/no}}{{^no}}b{{/no}}{{#inner}}{{count}}{{/inner}}{{count}}", "b43"},
-        {"a\n  {{#inner}}\n  b\n  {{/inner}}\nc\n", "a\n  b\nc\n"},
-        {"a { b } {c}", "a { b } {c}"},
-        {"{{>fill_beside.txt}}{{#inner}}{{>fill_beside.txt}}{{/inner}}"
-         "{{#no}}{{>fill_beside.txt}}{{/no}}",
-         "<3><4>"},
-    };
-    char text[256];
-    struct ear ear;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++) {
-        assert_true(fill(cases[i].template, data, text, &ear));
-        assert_string_equal(text, cases[i].text);
-    }
-    static const struct {
-        const char *template, *said;
-    } wrong[] = {
-        {"a\n{{absent}}", ":2:1: error: no text or number `absent`"},
-        {"{{>fill_absent.txt}}", "build/tests/fill_absent.txt"},
-        {"{{#list}}a", "not closed: the section `list`"},
-        {"a\n\n{{/list}}", ":3:1: error: no section is open of the name `list`"},
-        {"{{#list}}{{/lisd}}{{/list}}", "`lisd`"},
-        {"{{name", "this is no tag"},
-    };
-    for (size_t i = 0; i < DT_ARRAY_COUNT(wrong); i++) {
-        assert_false(fill(wrong[i].template, data, text, &ear));
-        assert_int_equal(ear.errors, 1);
-        assert_non_null(strstr(ear.last, wrong[i].said));
-    }
+    static const double odd[] = {5, 1, 3}, even[] = {4, 1, 3, 2}, gaps[] = {NAN, NAN},
+                        table[] = {7, 100, NAN, 200, 9, 300, 8, 400};
+    assert_float_equal(median_of(odd, 3, 1), 3, 0);
+    assert_float_equal(median_of(even, 4, 1), 2.5, 0);
+    assert_float_equal(median_of(table, 4, 2), 8, 0);
+    assert_float_equal(median_of(table + 1, 4, 2), 250, 0);
+    assert_true(isnan(median_of(gaps, 2, 1)) && isnan(median_of(gaps, 0, 1)));
 }
 
 /* Letters before the bits are channels; packed formats have bits behind each letter. */
@@ -782,7 +729,7 @@ int main(void)
         cmocka_unit_test(files_appear_whole),
         cmocka_unit_test(files_keep_their_place),
         cmocka_unit_test(drafts_become_files_whole),
-        cmocka_unit_test(templates_are_filled),
+        cmocka_unit_test(medians_leave_out_gaps),
         cmocka_unit_test(formats_are_what_their_names_say),
         cmocka_unit_test(halves_are_ieee),
         cmocka_unit_test(numbers_are_stored_to_the_nearest),

@@ -535,3 +535,39 @@ def test_python_keeps_its_signals(negative):
     with open_negative(negative), pytest.raises(KeyboardInterrupt):
         os.kill(os.getpid(), signal.SIGINT)
         signal.sigtimedwait([], 1)
+
+
+def test_quantiles_are_those_of_numpy():
+    from diptych import bench
+    for values in ([5, 1, 3], [3, 1, 4, 2], [7.0], [index * 8 % 21 * 10 for index in range(21)]):
+        found = bench.spread(values + [None])
+        assert found == {"count": len(values), **{name: pytest.approx(numpy.quantile(values, q), abs=1e-12)
+                                                  for name, q in (("p5", 0.05), ("median", 0.5), ("p95", 0.95))}}
+    assert bench.spread([None, None]) is None
+
+
+FILLED = {"name": '<a> & "b"', "count": 3, "none": [], "no": False, "list": [{"name": "x"}, {"words": ["p", "q"]}], "inner": {"count": 4}}
+
+
+@pytest.mark.parametrize("template, text", [  # as the specification of mustache says for the same tags
+    ("{{name}}, {{count}}", "&lt;a&gt; &amp; &quot;b&quot;, 3"),
+    ("{{#list}}[{{count}}]{{/list}}", "[3][3]"),
+    ("{{#list}}{{#@rest}}, {{/@rest}}{{#words}}{{.}}{{^@rest}}+{{/@rest}}{{/words}}{{/list}}", ", p+q"),
+    ("{{#none}}a{{/none}}{{^none}}b{{/none}}{{#absent}}{{absent}}{{/absent}}", "b"),
+    ("{{#no}}a{{/no}}{{^no}}b{{/no}}{{#inner}}{{count}}{{/inner}}{{count}}", "b43"),
+    ("a\n  {{#inner}}\n  b\n  {{/inner}}\nc\n", "a\n  b\nc\n"),
+    ("a { b } {c}", "a { b } {c}"),
+    ("{{>beside}}{{#inner}}{{>beside}}{{/inner}}{{#no}}{{>beside}}{{/no}}", "<3><4>"),
+    ("a\n{{absent}}", "no text or number `absent`"),
+    ("{{#list}}a", "not closed: the section `list`"),
+    ("a\n\n{{/list}}", "no section is open of the name `list`"),
+    ("{{#list}}{{/lisd}}{{/list}}", "no section is open of the name `lisd`"),
+])
+def test_templates_are_filled(tmp_path, template, text):
+    from diptych import page
+    (tmp_path / "beside").write_text("<{{count}}>")
+    try:
+        filled = "".join(page.fill(page.parts(template), [(FILLED, None)], str(tmp_path)))
+    except ValueError as error:
+        filled = str(error)
+    assert filled == text

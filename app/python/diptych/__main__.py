@@ -14,7 +14,11 @@ from .console import Console, Failure
 # A verb's module has `main(console, request)`, which returns the exit status and the members of --json.
 # The number is the exit status of a failure.
 VERBS: dict[str, tuple[str, int]] = {
+    "bench": ("bench", 1),
+    "comparison": ("comparison", 2),  # for compare
+    "cost": ("cost", 2),
     "flicker": ("flicker", 1),
+    "list": ("listing", 1),
     "metrics": ("metrics", 1),
     "report": ("report", 2),
     "sweep": ("grid", 2),
@@ -32,7 +36,7 @@ def main() -> int:
     module, failed = VERBS[verb]
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, interrupted)
-    request = json.load(sys.stdin)
+    request = json.loads(sys.stdin.buffer.read().decode(errors="surrogateescape"))
     console = Console(verb, request.pop("errors"))
     status, result = failed, {}
     try:
@@ -42,7 +46,9 @@ def main() -> int:
     except ModuleNotFoundError as error:
         console.error(f"{verb}: needs the Python package {error.name}; install python3-{error.name}")
     except OSError as error:
-        console.error(f"{error.filename}: {error.strerror}" if error.filename else str(error))
+        if not error.filename:  # standard output
+            raise
+        console.error(f"{error.filename}: {error.strerror}")
     if "json" in request:
         console.write_json(request["json"], status, result)
     sys.stdout.flush()
@@ -52,5 +58,7 @@ def main() -> int:
 if __name__ == "__main__":
     try:
         sys.exit(main())
-    except BrokenPipeError:
+    except OSError as error:
+        if not isinstance(error, BrokenPipeError):
+            print("diptych: error: standard output cannot be written", file=sys.stderr)
         os._exit(2)

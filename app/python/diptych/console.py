@@ -14,6 +14,11 @@ class Failure(Exception):
     """The verb cannot go on; the message was printed."""
 
 
+def printable(text: str) -> str:
+    """What a terminal could take for a command, and bytes that are no UTF-8, are written \\xNN."""
+    return re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f\udc80-\udcff]", lambda found: f"\\x{ord(found[0]) & 255:02x}", text)
+
+
 class Console:
     """Of one verb. `errors` are for --json: those that the C program has told come first."""
 
@@ -21,8 +26,7 @@ class Console:
         self.verb, self.errors = verb, errors
 
     def _tell(self, severity: str, text: str) -> None:
-        # what a terminal could take for a command is written \xNN
-        text = re.sub(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]", lambda found: f"\\x{ord(found[0]):02x}", text)
+        text = printable(text)
         print(f"diptych: {severity}: {text}", file=sys.stderr)
         self.errors.append({"severity": severity, "message": text})
 
@@ -50,7 +54,7 @@ def write(path: str, content: str | bytes) -> None:
     draft = f"{path}.diptych-tmp-{os.getpid()}"
     try:
         with open(draft, "wb") as file:
-            file.write(content if isinstance(content, bytes) else content.encode())
+            file.write(content if isinstance(content, bytes) else content.encode(errors="replace"))
         os.replace(draft, path)
     except BaseException:
         if os.path.exists(draft):

@@ -1,4 +1,14 @@
-"""Pages: fills the templates of templates/report, as app/console/fill.h describes them."""
+"""Pages: fills the templates of templates/report from JSON.
+
+    {{name}}               the text or number of that name, escaped for HTML
+    {{#name}}...{{/name}}  once for each item of a list; once inside an object, or when a value is true or a text that is not empty;
+                           else left out
+    {{^name}}...{{/name}}  where the former leaves out
+    {{.}}                  the item itself, in a list of texts
+    {{>FILE}}              another template, beside this one, filled with the same
+    {{#@rest}}...{{/@rest}}  in all items of a list but the first
+
+A name is looked up in the innermost object that has it. A section's tag that stands alone on its line leaves no line."""
 from __future__ import annotations
 
 import html
@@ -35,9 +45,13 @@ def parts(text: str) -> list[Any]:
             stack.append(stack[-1][-1][2])
         elif kind == "/":
             stack.pop()
+            if not stack or stack[-1][-1][1] != name:
+                raise ValueError(f"no section is open of the name `{name}`")
         else:
             stack[-1].append((kind, name))
     stack[-1].append(text[at:])
+    if len(stack) > 1:
+        raise ValueError(f"not closed: the section `{stack[-2][-1][1]}`")
     return stack[0]
 
 
@@ -59,6 +73,8 @@ def fill(tree: list[Any], scopes: list[Any], folder: str) -> Iterator[str]:
                 yield from fill(inside[0], [*scopes, (item, index)], folder)
         elif kind == "^":
             yield from () if items else fill(inside[0], scopes, folder)
+        elif value is None:
+            raise ValueError(f"no text or number `{name}`")
         else:
             yield html.escape(f"{value:.15g}" if isinstance(value, (int, float)) else str(value))
 

@@ -1,7 +1,7 @@
 """`diptych tune`: finds the fastest of the choices that a spec leaves to the generator and that change no bit: sizes of
 workgroups, and storage and loops of ranges. Coordinate descent, in all passes at once: a round changes one value in every
 pass, frames with and without the changes take turns, and each pass keeps its change if that made it faster. At the end, the
-results of all passes are compared with those of the spec as it is. The program lists the choices; see app/measure/tune.c."""
+results of all passes are compared with those of the spec as it is. The program lists the choices; see app/measure/runs.c."""
 from __future__ import annotations
 
 import json

@@ -1,0 +1,81 @@
+"""`diptych list`: what a pipeline has, which the C program hands over (app/measure/cost.c); with --gpu, what a chip's compiler makes
+of each pass."""
+from __future__ import annotations
+
+from typing import Any
+
+from .console import Console
+from .cost import Costs
+
+Json = dict[str, Any]
+
+
+def value_text(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(map(value_text, value)) + "]"
+    return str(value).lower() if isinstance(value, bool) else f"{value:.9g}"
+
+
+def range_text(param: Json) -> str:
+    words = [("from ", "min"), ("to ", "max")]
+    found = [word + value_text(param[key]) for word, key in words if key in param]
+    return " ".join(found) if len(found) < 2 else " ".join(found).removeprefix("from ")
+
+
+def params(listed: Json, width: int) -> list[str]:
+    return [f"  {param['name']:<{width}}  {param['type']:<5}  {value_text(param['value']):<9}  {range_text(param):<14}  "
+            f"{'live' if param['live'] else '':<4}  {param['doc']}" for param in listed["params"]]
+
+
+def resources(listed: Json, width: int) -> list[str]:
+    lines = []
+    for resource in listed["resources"]:
+        fields = resource.get("fields", [])
+        kind, form, shape = resource.get("shape"), resource.get("format"), str(resource.get("count"))
+        if fields:
+            kind, form = "buffer", "struct" if fields[0]["name"] else fields[0]["type"]
+        else:
+            shape = f"{resource['width']}x{resource['height']}" + (f"x{resource['layers']}" if resource["layered"] else "")
+            shape += f", {resource['mips']} mips" if resource["mips"] > 1 else ""
+        use = "input" if resource["input"] else "history" if resource["history"] else ""
+        lines.append(f"  {resource['name']:<{width}}  {kind:<6}  {form:<10}  {shape:<14}  {use:<7}  {resource['doc']}")
+        if form == "struct":
+            inside = [f"{field['name']}: {field['type']}" + (f"[{field['array_count']}]" if "array_count" in field else "")
+                      for field in fields]
+            lines.append(f"  {'':{width}}  {{{', '.join(inside)}}}")
+    return lines
+
+
+def stage_text(costs: Costs, stage: Json) -> str:
+    limit = f" ({stage['limit']})" if stage["limit"] else ""
+    spills = f"{stage['spills']:.0f} spills" if stage["spills"] else "no spills"
+    large = ", more than the instruction cache" if costs.is_large(stage) else ""
+    return (f"{costs.name} {stage['stage']}: {stage['waves']:.0f} waves{limit}, {stage['vgprs']:.0f} VGPRs, {spills}, "
+            f"{stage['code']:.0f} bytes of code{large}")
+
+
+def passes(listed: Json, width: int, costs: Costs | None) -> list[str]:
+    lines = []
+    for number, entry in enumerate(listed["passes"]):
+        call = " ".join(map(str, (entry["kind"], *entry["arguments"].values())))
+        lines.append(f"  {entry['name']:<{width}}  {call:<24}  {entry.get('shader', ''):<30}  {entry['doc']}")
+        lines += [f"  {'':{width}}  {word:<6} {', '.join(entry[word])}" for word in ("reads", "writes") if entry[word]]
+        if costs:
+            lines += [f"  {'':{width}}  {stage_text(costs, stage)}" for stage in costs.stages(number)]
+    return lines
+
+
+def main(_console: Console, request: Json) -> tuple[int, Json]:
+    listed: Json = request["list"]
+    costs = Costs(request, request["gpus"][0]) if "gpus" in request else None
+    width = max(len(item["name"]) for key in ("params", "resources", "passes") for item in listed[key])
+    lines = [listed["pipeline"] + (f": {listed['doc']}" if listed["doc"] else ""), "",
+             f"{len(listed['params'])} parameters", *params(listed, width), "",
+             f"{len(listed['resources'])} resources, at {listed['width']}x{listed['height']}", *resources(listed, width), "",
+             f"{len(listed['passes'])} passes, in order of execution", *passes(listed, width, costs)]
+    print("\n".join(line.rstrip(" ") for line in lines))
+    for number, entry in enumerate(listed["passes"]):
+        del entry["work"]
+        if costs:
+            entry["stages"] = costs.stages(number)
+    return 0, listed
