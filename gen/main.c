@@ -468,6 +468,19 @@ static enum status run_options(const struct options *options)
 
 /* ---- The command line ------------------------------------------------------------------------ */
 
+static enum status print_reference(const struct options *options)
+{
+    const struct dt_log log = {.message = print_option_message};
+    struct text text = {0};
+    char *templates = find_templates(options->templates);
+    bool good = templates && emit_reference(templates, &text, &log);
+    free(templates);
+    if (good)
+        return print_text(&text);
+    text_free(&text);
+    return STATUS_FAILED;
+}
+
 static enum status run_words(int argc, char **argv)
 {
     struct options options = {0};
@@ -479,9 +492,11 @@ static enum status run_words(int argc, char **argv)
         command_help(&command);
     else if (options.version)
         printf("diptych-gen " VERSION "\n"); /* build.ninja defines VERSION */
-    else if (options.schema || options.reference) {
-        (options.schema ? emit_schema : emit_reference)(&text);
+    else if (options.schema) {
+        emit_schema(&text);
         status = print_text(&text);
+    } else if (options.reference) {
+        status = print_reference(&options);
     } else {
         status = run_options(&options);
     }

@@ -45,8 +45,6 @@ bool c_both(const struct c_output *c, void (*emit)(const struct c_output *c, uin
 /* The first comment of a generated file; `what` follows the pipeline's doc or name. */
 void c_head(const struct c_output *c, const char *what);
 
-/* emit_pipeline.c: the reflection, the first half of NAME.c. */
+/* emit_pipeline.c: the reflection, the first half of NAME.c; its end, nothing without --sanitize. */
 void emit_reflection(const struct c_output *c);
-
-/* emit_sites.c: nothing without --sanitize. */
 void emit_sites(const struct c_output *c);

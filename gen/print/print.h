@@ -15,6 +15,6 @@ bool emit_is_same(const struct lowered *tables, const struct lowered *gpu);
 bool emit_drawing(const struct model *model, const char *drawing, struct text *out);
 /* needs.c: --needs, Markdown. */
 void emit_device_needs(const struct lowered *tables, struct text *out);
-void emit_schema(struct text *out);         /* schema.c */
-void emit_reference(struct text *out);      /* reference.c: Markdown */
-void emit_body_reference(struct text *out); /* reference_body.c: its chapter on pass bodies */
+void emit_schema(struct text *out); /* schema.c */
+/* reference.c: Markdown, in language.md of the templates. False: logged. */
+bool emit_reference(const char *templates, struct text *out, const struct dt_log *log);

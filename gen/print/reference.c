@@ -1,8 +1,13 @@
-/* The reference of the spec language as Markdown, from the table that the reader uses. */
+/* The reference of the spec language: templates/language.md, with a section for each of the table that the reader uses. */
+#include <stdlib.h>
 #include <string.h>
 
+#include "base/input.h"
+#include "base/log.h"
 #include "print.h"
 #include "read/table.h"
+
+enum { MOST_WORDS = 1 << 20 }; /* bytes of language.md */
 
 /* Escapes `|`, which would end the table cell. */
 static void add_cell(struct text *out, const char *text)
@@ -55,25 +60,24 @@ static void add_section(struct text *out, enum section section)
         add_key_row(out, key);
 }
 
-void emit_reference(struct text *out)
+bool emit_reference(const char *templates, struct text *out, const struct dt_log *log)
 {
-    text_add(
-        out,
-        "# The spec language\n\n"
-        "Written by `diptych-gen --reference` from the table that its parser uses. A spec is one "
-        "YAML 1.2 document; `diptych-gen --schema` prints a JSON Schema of it for editors.\n\n"
-        "Integer expressions stand wherever a count or a size does: `+ - * / %%`, `<< >>` by 0 to "
-        "31, comparisons, `&& || !`, `a ? b : c`, `min(a, b)`, `max(a, b)`, `ceil_div(a, b)` with "
-        "a positive divisor, parentheses, integers, `true` and `false`, names of parameters and "
-        "constants, a vector's component (`tile.x`), `frame.width` and `frame.height`, and sizes "
-        "of resources with a `file`: `NAME.width`, `NAME.height`, `NAME.count`. They are evaluated "
-        "in 64 bits; a division by zero or an overflow is an error.\n\n"
-        "`--set PATH=VALUE` overrides a value: the path is dotted "
-        "(`metrics.vpl_distance.position`, elements of lists by their `name` or number: "
-        "`passes.shade.local`), a bare name is a parameter.\n\n"
-        "What GLSL may name is [at the end](#body). The language has no stencil, multisampling, "
-        "tessellation, mesh or ray stages.\n");
-    for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++)
-        add_section(out, section);
-    emit_body_reference(out);
+    static const char mark[] = "<!-- sections -->\n";
+    const char *reason = "the line <!-- sections --> is missing";
+    char *path = format_string("%s/language.md", templates);
+    size_t size;
+    char *words = path ? input_read(path, MOST_WORDS, &size, &reason) : NULL;
+    const char *at = words ? strstr(words, mark) : NULL;
+    bool good = at;
+    if (good) {
+        text_add_bytes(out, words, (size_t)(at - words) - 1);
+        for (enum section section = SECTION_TOP; section < SECTION_COUNT; section++)
+            add_section(out, section);
+        text_add(out, "%s", at + strlen(mark));
+    } else {
+        report_error(log, "%s: %s", path ? path : templates, reason);
+    }
+    free(path);
+    free(words);
+    return good;
 }
