@@ -1,4 +1,5 @@
 /* Cameras and lights of a glTF file; see gltf.h. */
+#include "camera_light.h"
 #include "gltf.h"
 
 #include <math.h>
@@ -27,6 +28,64 @@ static struct mesh_view view_at(const double matrix[4][4], float scale)
     return view;
 }
 
+/* ---- Checks ---------------------------------------------------------------------------------- */
+
+/* The checks make directions unit vectors and check ranges; a camera's `target` is the direction that it looks in, until
+ * then. They set `trouble` if it cannot be used. */
+
+/* Makes a unit vector; false if it has no direction. */
+static bool make_unit(float v[3])
+{
+    float length = hypotf(hypotf(v[0], v[1]), v[2]);
+    for (int i = 0; i < 3; i++)
+        v[i] /= length;
+    return length > 1e-12f && isfinite(length);
+}
+
+static bool in_range(const struct key *keys, int count)
+{
+    for (int i = 0; i < count; i++)
+        if (keys[i].type == KEY_NUMBERS && !reader_range(NULL, &keys[i]))
+            return false;
+    return true;
+}
+
+static void check_camera(struct mesh_view *view)
+{
+    struct scene_camera *camera = &view->camera;
+    struct key keys[CAMERA_KEYS];
+    float along = 0;
+    bool good = make_unit(camera->target), upright = make_unit(camera->up);
+    for (int i = 0; i < 3; i++) {
+        along += camera->target[i] * camera->up[i];
+        camera->target[i] += camera->eye[i];
+    }
+    camera_keys(keys);
+    camera_tell(camera, keys);
+    if (!good || !upright || !(fabsf(along) < 0.9999f) || !in_range(keys, CAMERA_KEYS))
+        view->trouble = "its numbers are out of range";
+}
+
+static void check_light(struct mesh_view *view)
+{
+    struct scene_light *light = &view->light;
+    struct key keys[LIGHT_KEYS];
+    int count = light_keys(light->kind, keys);
+    bool good = make_unit(light->direction) &&
+                (light->kind == DT_LIGHT_DIRECTIONAL ||
+                 (light->cone[1] > 0.002f && light->cone[0] <= light->cone[1]));
+    for (int i = 0; i < 3; i++) {
+        light->opening_min[i] = -(float)FAR;
+        light->opening_max[i] = (float)FAR;
+    }
+    light_tell(light, keys);
+    if (!good || !in_range(keys, count))
+        view->trouble = "its numbers are out of range (a cone has at most 85 degrees to either "
+                        "side)";
+}
+
+/* ---- Cameras and lights ---------------------------------------------------------------------- */
+
 static void take_camera(struct gltf *gltf, struct gltf_item camera, struct mesh_view *view)
 {
     struct gltf_item perspective = gltf_part(gltf, camera, "perspective");
@@ -35,7 +94,7 @@ static void take_camera(struct gltf *gltf, struct gltf_item camera, struct mesh_
     if (strcmp(gltf_text(camera, "type", ""), "orthographic") == 0)
         view->trouble = "it is orthographic";
     else
-        mesh_check_camera(view);
+        check_camera(view);
 }
 
 static void take_light(struct gltf *gltf, struct gltf_item light, struct mesh_view *view)
@@ -51,7 +110,7 @@ static void take_light(struct gltf *gltf, struct gltf_item light, struct mesh_vi
     for (int i = 0; i < 3; i++)
         view->light.color[i] = color[i] * intensity / LUMENS_PER_WATT;
     if (view->light.kind == DT_LIGHT_SPOT || strcmp(type, "directional") == 0)
-        mesh_check_light(view);
+        check_light(view);
     else
         view->trouble = "it is neither directional nor a spot";
 }

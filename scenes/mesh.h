@@ -5,8 +5,6 @@
 
 #include "scene.h"
 
-struct aiScene;
-
 /* One layer of the texture array: colour, and an opacity map if the material names one (its red
  * replaces the alpha). All pointers are owned. Of a texture inside the mesh file, `bytes` are the
  * picture file, and `color` is what messages call it. */
@@ -83,10 +81,6 @@ int32_t mesh_add_texture(struct mesh *mesh, struct mesh_texture texture);
 char *mesh_path_beside(const char *mesh_path, const char *name);
 /* Whether the mesh file may name this file; else logs an error. */
 bool mesh_may_name(const struct mesh *mesh, const char *path, const struct dt_log *log);
-/* Make directions unit vectors and check ranges; a camera's `target` is the direction that it looks
- * in, until then. Set `trouble` if it cannot be used. */
-void mesh_check_camera(struct mesh_view *view);
-void mesh_check_light(struct mesh_view *view);
 /* mesh_import for all files but glTF; the mesh has its paths. */
 bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log);
 /* Whether the faces of an OBJ file name vertices, texture coordinates and normals that it has. */
@@ -95,8 +89,6 @@ bool obj_check(const char *path, const struct dt_log *log);
  * not take. */
 void obj_read_library(const char *path, char **names, const struct dt_log *log);
 bool obj_has_name(const char *names, const char *name);
-/* Fills the mesh's views. False when out of memory. */
-bool mesh_views(struct mesh *mesh, const struct aiScene *source, float scale);
 
 /* ---- For scene.c ----------------------------------------------------------------------------- */
 

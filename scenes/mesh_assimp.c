@@ -414,8 +414,7 @@ bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log
     free(opening.names);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};
-    good = good && import_materials(&import) && import_triangles(&import) &&
-           (mesh_views(mesh, source, scale) || import_out_of_memory(&import));
+    good = good && import_materials(&import) && import_triangles(&import);
     if (source)
         aiReleaseImport(source);
     return good;
