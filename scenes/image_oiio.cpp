@@ -1,4 +1,4 @@
-/* OpenImageIO behind three C functions (image_oiio.h). Built into its own shared object, so that
+/* OpenImageIO behind two C functions (image_oiio.h). Built into its own shared object, so that
  * only programs that use image files pay for loading the library. No exception leaves this file. */
 #include "image_oiio.h"
 
@@ -202,25 +202,6 @@ try {
                           bytes.get()))
         return fail(error, image.geterror());
     *texels = bytes.release();
-    return true;
-} catch (const std::exception &exception) {
-    return fail(error, exception.what());
-}
-
-extern "C" bool image_oiio_yee(uint32_t width, uint32_t height, const float *a, const float *b,
-                               float luminance, float field_of_view, uint64_t *failing,
-                               image_error *error)
-try {
-    OIIO::ImageSpec spec((int)width, (int)height, 3, OIIO::TypeDesc::FLOAT);
-    OIIO::ImageBuf left(spec), right(spec);
-    OIIO::ImageBufAlgo::CompareResults results;
-    if (!left.set_pixels(left.roi(), OIIO::TypeDesc::FLOAT, a) ||
-        !right.set_pixels(right.roi(), OIIO::TypeDesc::FLOAT, b))
-        return fail(error, left.geterror() + right.geterror());
-    int count = OIIO::ImageBufAlgo::compare_Yee(left, right, results, luminance, field_of_view);
-    if (count < 0 || left.has_error() || right.has_error())
-        return fail(error, left.geterror() + right.geterror());
-    *failing = (uint64_t)count;
     return true;
 } catch (const std::exception &exception) {
     return fail(error, exception.what());

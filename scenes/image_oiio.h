@@ -24,17 +24,9 @@ typedef bool image_oiio_size_fn(const char *path, uint32_t *width, uint32_t *hei
  * are non-zero. */
 typedef bool image_oiio_read_fn(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                                 void **texels, struct image_error *error);
-/* OpenImageIO's version of Yee, Pattanaik, Greenberg, A perceptual metric for production testing
- * (2004): number of pixels of two pictures, linear RGB in 0..1, that a viewer can tell apart. White
- * of the screen has `luminance` cd/m2; the screen fills `field_of_view` degrees across. OpenImageIO
- * up to 3.1 misses differences of lightness alone (its issue 4948). Python calls it. */
-typedef bool image_oiio_yee_fn(uint32_t width, uint32_t height, const float *a, const float *b,
-                               float luminance, float field_of_view, uint64_t *failing,
-                               struct image_error *error);
 
 image_oiio_size_fn image_oiio_size;
 image_oiio_read_fn image_oiio_read;
-image_oiio_yee_fn image_oiio_yee;
 
 #ifdef __cplusplus
 }

@@ -62,12 +62,3 @@ bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t 
     *texels = read;
     return read || stb_fail(error, "out of memory");
 }
-
-bool image_oiio_yee(uint32_t width, uint32_t height, const float *a, const float *b,
-                    float luminance, float field_of_view, uint64_t *failing,
-                    struct image_error *error)
-{
-    (void)width, (void)height, (void)a, (void)b, (void)luminance, (void)field_of_view,
-        (void)failing;
-    return stb_fail(error, "the bundle has no Yee metric");
-}

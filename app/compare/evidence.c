@@ -1,6 +1,6 @@
 /* Writes evidence folders; see evidence.h. What is in one:
  *   manifest.json               everything else by name, for programs
- *   README.txt, reproduce.sh    for people
+ *   README.txt                  for people
  *   templates/, spec/           the spec with its GLSL bodies and library, as they were
  *   generated/gl, generated/vk  what became of the pass's body
  *   inputs/                     what the pass found, the same for both sides
@@ -11,7 +11,6 @@
 
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 #include <cjson/cJSON.h>
 
@@ -283,12 +282,6 @@ static int label_length(const struct side *side)
     return (int)strcspn(side->label, "#");
 }
 
-/* The replay's command line, without the command. */
-static char *replay_words(const struct side *side)
-{
-    return format_string("replay . --backend '%.*s'", label_length(side), side->label);
-}
-
 static bool write_readme(const struct writing *writing)
 {
     const struct evidence *evidence = writing->evidence;
@@ -297,7 +290,6 @@ static bool write_readme(const struct writing *writing)
     const char *pass = guilty_pass(evidence)->name;
     char *body = body_name(writing);
     char *region = region_describe(&evidence->region, &info->resources[row->resource]);
-    char *words = replay_words(evidence->sides[1]);
     char *text = format_string(
         "Pass %s of the pipeline %s, alone.\n\n"
         "In frame %u of %ux%u, %s and %s were given the same inputs and left different content:\n\n"
@@ -309,56 +301,18 @@ static bool write_readme(const struct writing *writing)
         "    generated/gl/%s.%s.*  what OpenGL was given\n"
         "    generated/vk/%s.%s.*  what Vulkan was given\n\n"
         "To run it again, with any backend and without anything outside this folder:\n\n"
-        "    diptych %s\n\n"
-        "or ./reproduce.sh for both sides. Bodies may be changed here: the next replay takes "
-        "them.\n"
+        "    diptych replay . --backend '%.*s'\n\n"
+        "Bodies may be changed here: the next replay takes them.\n"
         "inputs/, expected/ and actual/ hold raw little-endian numbers, which manifest.json\n"
         "describes in the words of a dump.\n",
         pass, info->name, evidence->frame, evidence->setup->size[0], evidence->setup->size[1],
         evidence->sides[0]->label, evidence->sides[1]->label, row->name, region ? region : "",
         evidence->sides[0]->label, evidence->devices[0], evidence->sides[1]->label,
         evidence->devices[1], body ? body : writing->spec_name, info->name, pass, info->name, pass,
-        words ? words : "");
-    free(words);
+        label_length(evidence->sides[1]), evidence->sides[1]->label);
     free(region);
     free(body);
     return write_evidence_text(writing, "README.txt", text);
-}
-
-/* Adds the lines that replay one side; none for a dump. Frees the text. */
-static char *add_side(char *text, const struct side *side)
-{
-    char *words = replay_words(side);
-    char *longer = !text || !words ? NULL
-                   : side->folder  ? strdup(text)
-                                   : format_string("%secho '== %s'\n\"$diptych\" %s\n", text,
-                                                   side->label, words);
-    free(words);
-    free(text);
-    return longer;
-}
-
-static bool write_script(const struct writing *writing)
-{
-    const struct evidence *evidence = writing->evidence;
-    char *text = format_string(
-        "#!/bin/sh\n"
-        "# Runs pass %s alone on both sides: %s left what is in expected/, and %s what is in\n"
-        "# actual/. DIPTYCH names the command.\n"
-        "cd \"$(dirname \"$0\")\" || exit 2\n"
-        "diptych=${DIPTYCH:-diptych}\n"
-        "command -v \"$diptych\" >/dev/null || {\n"
-        "    echo \"$0: no command $diptych; name it: DIPTYCH=.../build/diptych $0\" >&2\n"
-        "    exit 2\n"
-        "}\n",
-        guilty_pass(evidence)->name, evidence->sides[0]->label, evidence->sides[1]->label);
-    for (int side = 0; side < 2; side++)
-        text = add_side(text, evidence->sides[side]);
-    bool good = write_evidence_text(writing, "reproduce.sh", text);
-    char *path = format_string("%s/reproduce.sh", writing->folder.temporary);
-    good = good && path && chmod(path, 0777) == 0;
-    free(path);
-    return good;
 }
 
 static void add_region(const struct writing *writing)
@@ -462,7 +416,7 @@ bool evidence_write(const struct evidence *evidence, const char *place)
     bool good = folder_begin(&writing.folder, evidence->console, OPTION, place, EVIDENCE_MARK) &&
                 copy_spec(&writing) && copy_generated(&writing) && write_rows(&writing) &&
                 write_blocks(&writing) && write_scene(&writing) && write_readme(&writing) &&
-                write_script(&writing) && write_manifest(&writing);
+                write_manifest(&writing);
     good = folder_end(&writing.folder, good) && good;
     cJSON_Delete(writing.manifest);
     free(writing.spec_name);

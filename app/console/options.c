@@ -142,8 +142,6 @@ static const struct option_row rows[] = {
      "exposure of both pictures (default: log-average luminance of the reference becomes 0.18)"},
     {"--flip", OPTION_CHOICE, AT(flip), VERB_METRICS, 0, "all|ldr",
      "ldr: no FLIP over all exposures, which takes most of the time (default: all)"},
-    {"--yee", OPTION_FLAG, AT(yee), VERB_METRICS, 0, NULL,
-     "also OpenImageIO's version of Yee's metric, which misses differences in lightness alone"},
     {"--pixels-per-degree", OPTION_NUMBER, AT(pixels_per_degree), VERB_METRICS, 0, "N",
      "pixels per degree of visual angle (default: 67.02, a 0.7 m wide 4K monitor at 0.7 m)"},
     {"--pictures", OPTION_STRING, AT(pictures), VERB_COMPARE, 0, "DIR",

@@ -64,7 +64,6 @@ struct options {
     const char *reference; /* picture files; flicker: patterns of them */
     const char *test;
     const char *flip;
-    bool yee;
     bool every_frame;
     double exposure;             /* factor; 0: of the reference's log-average luminance */
     double pixels_per_degree;    /* metrics: 0: not given */

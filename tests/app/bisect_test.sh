@@ -108,14 +108,6 @@ result, = replay["results"]
 assert result["resource"] == "memory" and result["differing"] == 1 and result["as_actual"], result
 assert result["worst"]["element"] == 1, result' "$work/replay.json"
 
-reproduced() {
-    DIPTYCH=$own "$cases/case.count/reproduce.sh" >table 2>&1
-    cat table
-    grep -q "pass count on gl: as expected" table && grep -q "pass count on vk: histogram is not as expected" table
-}
-check "reproduce.sh runs both sides from any folder" reproduced
-check_status 2 "... and says what it lacks" env DIPTYCH=no-such-command "$cases/case.count/reproduce.sh"
-
 # replay runs the body in the folder: without the fault, Vulkan's result is as expected.
 sed -i '/#ifdef VULKAN/,/#endif/d' "$cases/case.count/spec/features_count.glsl"
 check "a body that was mended in the folder" replayed 0 "pass count on vk: as expected" count --backend vk

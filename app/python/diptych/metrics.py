@@ -2,7 +2,6 @@
 error maps. The C program has looked at the options and hands the pictures over."""
 from __future__ import annotations
 
-import ctypes
 import math
 import os
 from dataclasses import dataclass
@@ -15,8 +14,6 @@ from .flip import (MOST_PIXELS_PER_DEGREE, PIXELS_PER_DEGREE, clamp, find_exposu
                    flip_ldr, luminance_of)
 from .png import encode_png
 from .stream import read_picture
-
-YEE_LUMINANCE = 100.0  # of the Yee metric's display: OpenImageIO's default white, cd/m2
 
 # Names in JSON, in order, and titles in tables.
 TITLES = {
@@ -114,25 +111,6 @@ def magma(errors: np.ndarray) -> np.ndarray:
     return (np.stack(channels, axis=-1) + 0.5).astype(np.uint8)
 
 
-def yee_failing(program: str, mapped: list[np.ndarray], density: float) -> float:
-    """Number of pixels of two pictures, linear, 0..1, that a viewer can tell apart: OpenImageIO's
-    version of Yee, Pattanaik, Greenberg, A perceptual metric for production testing (2004).
-    OpenImageIO up to 3.1 misses differences of lightness alone (its issue 4948)."""
-    height, width, _ = mapped[0].shape
-    failing, reason = ctypes.c_uint64(), ctypes.create_string_buffer(512)
-    folder = os.path.dirname(program)
-    places = [os.path.join(folder, place, "libdiptych_image.so") for place in ("", "../lib/diptych")]
-    library = next((place for place in places if os.path.exists(place)), "libdiptych_image.so")
-    compare = ctypes.CDLL(library).image_oiio_yee
-    compare.restype = ctypes.c_bool
-    pixels = [np.ascontiguousarray(picture, np.float32) for picture in mapped]
-    if not compare(width, height, *(ctypes.c_void_p(array.ctypes.data) for array in pixels),
-                   ctypes.c_float(YEE_LUMINANCE), ctypes.c_float(width / density),
-                   ctypes.byref(failing), reason):
-        raise OSError(f"cannot compare images: {reason.value.decode()}")
-    return float(failing.value)
-
-
 # ---- The run -------------------------------------------------------------------------------------
 
 
@@ -174,10 +152,6 @@ class Run:
             values = self.maps.get(kind, np.full((1, 1), np.nan, np.float32))
             found[kind + "_flip"] = distribution_of(values)
             found[kind]["flip"] = found[kind + "_flip"]["mean"]
-        if "yee" in self.request:
-            failing = yee_failing(self.request["program"], [reference.mapped, test.mapped],
-                                  self.density)
-            found["yee"] = {"failing": failing}
         return found
 
     def takes_hdr_flip(self) -> bool:
@@ -235,8 +209,6 @@ def kind_json(numbers: dict[str, Numbers], kind: str) -> dict[str, Any]:
     root: dict[str, Any] = {name: plain(numbers[kind][name]) for name in [*TITLES, "not_finite"]}
     if root["flip"] is not None:
         root["flip"] = dict(flip)
-    if kind == "ldr" and "yee" in numbers:
-        root["yee"] = {**numbers["yee"], "luminance": YEE_LUMINANCE}
     return root
 
 
@@ -277,9 +249,6 @@ def print_all(run: Run, means: dict[str, Numbers], errors: dict[str, Numbers]) -
             if count > 1:
                 line += f" ± {error:<8.2g}" if math.isfinite(error) else " " * 11
         print(line)
-    if "yee" in means:
-        failing = means["yee"]["failing"]
-        print(f"\nYee: {failing:.6g} of {width * height} pixels can be told apart")
     if means["hdr"]["not_finite"] > 0:
         print(f"left out: {means['hdr']['not_finite']:.6g} pixels that are NaN or Inf")
 
