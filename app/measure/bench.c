@@ -141,7 +141,7 @@ static void add_lane(cJSON *side, const char *name, const struct lane *lane)
             frames, cJSON_CreateDoubleArray(lane->pass_ms + (size_t)i * passes, (int)passes));
 }
 
-static void add_work(const struct bench *bench, cJSON *request)
+static void add_invocations(const struct bench *bench, cJSON *request)
 {
     const struct dt_pipeline *info = bench->subject.pipeline.info;
     cJSON *passes = cJSON_AddArrayToObject(request, "passes");
@@ -172,7 +172,7 @@ static void add_all(const struct bench *bench, cJSON *request)
     cJSON_AddNumberToObject(request, "copy_bytes", 2.0 * COPY_BYTES);
     cJSON_AddItemToObject(request, "copy_ms",
                           cJSON_CreateDoubleArray(bench->copy_ms, (int)bench->frames));
-    add_work(bench, request);
+    add_invocations(bench, request);
     cJSON *sides = cJSON_AddArrayToObject(request, "sides");
     for (uint32_t i = 0; i < bench->sides.count; i++) {
         const struct bench_side *side = &bench->list[i];

@@ -67,7 +67,7 @@ static double drawn_pixels(const struct costing *costing, uint32_t pass,
 }
 
 /* How much each pass runs in one frame, as the plan says. */
-static void add_work(const struct costing *costing, cJSON *list)
+static void add_invocations(const struct costing *costing, cJSON *list)
 {
     const struct setup *setup = &costing->setup;
     const struct work_frame frame = {.pipeline = costing->pipeline.info,
@@ -104,7 +104,7 @@ static bool take_pipeline(struct costing *costing)
     cJSON *list = list_json(&costing->pipeline, setup->size);
     cJSON_AddStringToObject(list, "spec", costing->pipeline.spec);
     cJSON_AddItemToObject(list, "files", cJSON_CreateStringArray(files, (int)count));
-    add_work(costing, cJSON_GetObjectItem(list, "passes"));
+    add_invocations(costing, cJSON_GetObjectItem(list, "passes"));
     cJSON_AddItemToObject(costing->request, "list", list);
     if (setup->scene)
         cJSON_AddNumberToObject(costing->request, "indices", costing->scene.data.index_count);
