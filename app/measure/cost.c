@@ -108,7 +108,6 @@ static bool take_pipeline(struct costing *costing)
     cJSON_AddItemToObject(costing->request, "list", list);
     if (setup->scene)
         cJSON_AddNumberToObject(costing->request, "indices", costing->scene.data.index_count);
-    cJSON_AddItemToObject(costing->request, "chips", cost_chips_json());
     return true;
 }
 

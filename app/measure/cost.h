@@ -8,23 +8,6 @@
 #include "scenes/scene.h"
 #include "spec/pipeline.h"
 
-/* ---- cost_chips.c: constants of AMD's chips -------------------------------------------------- */
-
-struct cost_chip {
-    const char *name;    /* for --gpu */
-    const char *family;  /* names for RADV_FORCE_FAMILY, by its versions: with | between */
-    const char *product; /* whose clock and memory these are */
-    double simds, ghz;
-    double gb_s;               /* of memory, 1e9 bytes per second */
-    double code_kib;           /* instruction cache */
-    double vgprs, granularity; /* of a SIMD for waves of 64; registers are given in such steps */
-    double most_waves;         /* of a SIMD, as RADV counts them */
-    double group_simds;        /* SIMDs that share a workgroup and its LDS */
-};
-/* By name; logs the error. */
-const struct cost_chip *cost_chip(const char *name, size_t length, const struct dt_log *log);
-cJSON *cost_chips_json(void); /* all of them */
-
 /* ---- cost.c: bytes of a pass, estimated from the pipeline's reflection ------------------------- */
 
 /* Inputs of the estimate. */
@@ -43,6 +26,14 @@ struct work {
 struct work work_of(const struct work_frame *frame, uint32_t index);
 
 /* ---- cost_run.c ------------------------------------------------------------------------------ */
+
+/* One of AMD's, whose constants are in cost.py. */
+struct cost_chip {
+    const char *name;   /* for --gpu */
+    const char *family; /* names for RADV_FORCE_FAMILY, by its versions: with | between */
+};
+/* By name; logs the error. */
+const struct cost_chip *cost_chip(const char *name, size_t length, const struct dt_log *log);
 
 /* Compiles the pipeline in a child process: for a chip on RADV's null hardware; without one, for the
  * Vulkan device of that name, or the first. {"chip": its name, or null, "device", "driver", "stages": [{"pass", "stage", "subgroup",

@@ -10,8 +10,33 @@
 #include <vulkan/vulkan.h>
 
 #include "base/files.h"
+#include "base/nearest.h"
 #include "measure/cost.h"
 #include "runtime_vk/statistics.h"
+
+/* ---- Chips ----------------------------------------------------------------------------------- */
+
+static const struct cost_chip chips[] = {{"polaris10", "POLARIS10"},
+                                         {"vega10", "VEGA10"},
+                                         {"navi10", "NAVI10"},
+                                         {"navi21", "NAVI21"},
+                                         {"gfx1100", "GFX1100|NAVI31"}};
+
+const struct cost_chip *cost_chip(const char *name, size_t length, const struct dt_log *log)
+{
+    const char *names[DT_ARRAY_COUNT(chips)];
+    char word[32], all[128] = "; there are";
+    for (size_t i = 0; i < DT_ARRAY_COUNT(chips); i++) {
+        names[i] = chips[i].name;
+        if (strncasecmp(name, names[i], length) == 0 && !names[i][length])
+            return &chips[i];
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s %s", i ? "," : "", names[i]);
+    }
+    snprintf(word, sizeof word, "%.*s", (int)length, name);
+    report_error(log, "--gpu %s: unknown chip%s", word,
+                 name_hint('"', word, names, DT_ARRAY_COUNT(chips), all).text);
+    return NULL;
+}
 
 /* ---- RADV ------------------------------------------------------------------------------------ */
 

@@ -27,6 +27,19 @@ FIGURES = {
     "latency": ("Latency",),  # cycles from a wave's begin to its end
 }
 
+# AMD's, as app/measure/cost_run.c names them. Compute units, boost clock and memory: AMD's product pages. SIMDs of a compute unit: 4 of
+# 16 lanes in GCN, 2 of 32 in RDNA. Registers, their steps, waves and instruction cache: AMD's instruction set manuals ("Vega" 2017,
+# "RDNA" 2020, "RDNA 2" 2020, "RDNA3" 2023) and the whitepapers "GCN Architecture" (2012) and "RDNA Architecture" (2019).
+# vgprs: of a SIMD for waves of 64, given in steps of granularity. most_waves: of a SIMD, as RADV counts them: of 32 on RDNA.
+CHIP = ("name", "families", "product", "simds", "ghz", "gb_s", "code_kib", "vgprs", "granularity", "most_waves")
+CHIPS: list[Json] = [dict(zip(CHIP, row)) for row in (
+    ("polaris10", ("POLARIS10",), "Radeon RX 480", 36 * 4, 1.266, 256, 32, 256, 4, 8),
+    ("vega10", ("VEGA10",), "Radeon RX Vega 64", 64 * 4, 1.546, 484, 32, 256, 4, 10),
+    ("navi10", ("NAVI10",), "Radeon RX 5700 XT", 40 * 2, 1.905, 448, 32, 512, 4, 40),
+    ("navi21", ("NAVI21",), "Radeon RX 6900 XT", 80 * 2, 2.25, 512, 32, 512, 8, 32),
+    ("gfx1100", ("GFX1100", "NAVI31"), "Radeon RX 7900 XTX", 96 * 2, 2.5, 960, 32, 768, 12, 32))]
+GROUP_SIMDS = 4  # share a workgroup and its LDS
+
 
 class Work(NamedTuple):
     """How much a pass runs in one frame. Open: arguments that a shader or a scene gives."""
@@ -66,22 +79,22 @@ def sum_known(values: list[float | None]) -> float | None:
     return None if None in values else sum(value for value in values if value is not None)
 
 
+def chip_of(device: str) -> Json | None:
+    """The chip that a driver names in its device's name."""
+    return next((chip for chip in CHIPS if any(f"RADV {name})" in device for name in chip["families"])), None)
+
+
 class Costs:
     """What one compiler makes of all passes. Times are milliseconds, lower bounds; None: not known."""
 
     def __init__(self, request: Json, gpu: Json):
-        self.chips, self.gpu, listed = request["chips"], gpu, request["list"]
-        name = gpu["chip"]
-        self.chip: Json | None = next((chip for chip in self.chips if chip["name"] == name), None) or self.chip_of(gpu["device"])
+        self.gpu, listed = gpu, request["list"]
+        self.chip: Json | None = next((chip for chip in CHIPS if chip["name"] == gpu["chip"]), None) or chip_of(gpu["device"])
         self.name: str = self.chip["name"] if self.chip else gpu["device"]
         self.passes: list[str] = [entry["name"] for entry in listed["passes"]]
         self.size: int = listed["width"] * listed["height"]
         self.work = [work_of(entry, request.get("indices")) for entry in listed["passes"]]
         self.measured: list[float | None] | None = None
-
-    def chip_of(self, device: str) -> Json | None:
-        """The chip that a driver names in its device's name."""
-        return next((chip for chip in self.chips if any(f"RADV {name})" in device for name in chip["family"].split("|"))), None)
 
     def stages(self, number: int) -> list[Json]:
         return [self.stage(number, stage) for stage in self.gpu["stages"] if stage["pass"] == number]
@@ -104,7 +117,7 @@ class Costs:
         registers = math.ceil(stage["vgprs"] / step) * step
         most = chip["vgprs"] * narrow // registers / narrow * unit if registers else math.inf
         if stage["stage"] == "compute":
-            group = math.ceil(work.local / stage["subgroup"]) / chip["group_simds"] / narrow * unit
+            group = math.ceil(work.local / stage["subgroup"]) / GROUP_SIMDS / narrow * unit
             if 0 < group <= waves and waves // group * group < waves:
                 return "group"
         return "" if waves >= chip["most_waves"] else "LDS" if waves < most else "registers"
@@ -152,7 +165,7 @@ class Costs:
         """The times that `bench --json` measured on this device, or on one with this chip."""
         sides = read(console, path).get("sides", [])
         side = next((side for side in sides if side["device"] == self.gpu["device"]
-                     or (self.chip and self.chip_of(side["device"]) == self.chip)), None)
+                     or (self.chip and chip_of(side["device"]) == self.chip)), None)
         if side is None:
             console.fail(f"{path}: has no times of {self.gpu['device']}")
         found = {entry["pass"]: (entry["ms"] or {}).get("median") for entry in side["passes"]}
