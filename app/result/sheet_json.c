@@ -130,7 +130,7 @@ void sheets_json(cJSON *root, const struct sheet *const *sheets, uint32_t count)
 
 /* ---- Page and JUnit's XML ---------------------------------------------------------------------- */
 
-static void add_text(cJSON *item, const char *key, const char *text)
+static void add_shown_text(cJSON *item, const char *key, const char *text)
 {
     cJSON_AddStringToObject(item, key, text ? text : "");
 }
@@ -162,14 +162,14 @@ static cJSON *row_page(const struct sheet *sheet, const struct sheet_row *row)
     if (row->compared)
         difference_write_used(&row->difference, used);
     sheet_write_own(row, own);
-    add_text(page, "title", row->pass);
-    add_text(page, "name", row->name);
-    add_text(page, "body", row->body);
-    add_text(page, "about", row->resource->doc);
-    add_text(page, "largest", worst);
-    add_text(page, "used", used);
-    add_text(page, "own", own);
-    add_text(page, "remark", row->compared ? row->note : NULL);
+    add_shown_text(page, "title", row->pass);
+    add_shown_text(page, "name", row->name);
+    add_shown_text(page, "body", row->body);
+    add_shown_text(page, "about", row->resource->doc);
+    add_shown_text(page, "largest", worst);
+    add_shown_text(page, "used", used);
+    add_shown_text(page, "own", own);
+    add_shown_text(page, "remark", row->compared ? row->note : NULL);
     if (row->compared)
         add_pictures(page, row);
     free(worst);
@@ -187,8 +187,8 @@ void sheets_page(cJSON *page, const struct sheet *const *sheets, uint32_t count)
         add_outcome(pair, sheet);
         for (int side = 0; side < 2; side++) {
             cJSON *device = cJSON_CreateObject();
-            add_text(device, "label", sheet->labels[side]);
-            add_text(device, "device", sheet->devices[side]);
+            add_shown_text(device, "label", sheet->labels[side]);
+            add_shown_text(device, "device", sheet->devices[side]);
             cJSON_AddItemToArray(devices, device);
         }
         for (uint32_t k = 0; k < sheet->count; k++)
@@ -210,7 +210,7 @@ bool sheets_write(cJSON *page, const struct options *options, struct console *co
         cJSON_AddStringToObject(page, "html", options->html);
     if (options->junit)
         cJSON_AddStringToObject(page, "junit", options->junit);
-    add_text(page, "templates", templates);
+    add_shown_text(page, "templates", templates);
     free(templates);
     return python_child(console, "comparison", "writing the page", page);
 }

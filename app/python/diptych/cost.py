@@ -183,7 +183,8 @@ def read(console: Console, path: str) -> Json:
 
 # ---- Tables --------------------------------------------------------------------------------------
 
-COLUMNS = {"vgprs": 5, "waves": 5, "limit": -9, "spills": 6, "code": 7, "lds": 6, "instructions": 6, "cycles": 7, "latency": 8, "started": 8}
+COLUMNS = {"vgprs": 5, "waves": 5, "limit": -9, "spills": 6, "code": 7, "lds": 6, "instructions": 6, "cycles": 7, "latency": 8,
+           "started": 8}
 HEADS = {"vgprs": "VGPRs", "lds": "LDS", "instructions": "instr"}
 
 
