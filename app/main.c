@@ -24,9 +24,10 @@ static const struct verb verbs[] = {
      "it gets\nthe first side's inputs.\nWith dumps nothing is run but --run: the last line names "
      "the "
      "first pass that differs, lines before it say "
-     "why.\nLines that begin with `elsewhere:` tell what other devices or runs may do.\nExit "
-     "status: 0 the backends agree, 1 they differ, or --sanitize or --repeat has found something, "
-     "2 it could not run.",
+     "why.\nLines that begin with `elsewhere:` tell what other devices or runs may do.\nThe "
+     "verdict `not finite`: both have NaN or infinity in the same places, which no contract "
+     "accepts.\nExit status: 0 the backends agree, 1 they differ, or leave NaN or infinity, or "
+     "--sanitize or --repeat has found something, 2 it could not run.",
      verb_compare, EXIT_USAGE},
     {"import", VERB_IMPORT, "make a spec of shaders, or of a preset of RetroArch",
      "The shaders stay as they are; the spec declares what they read and write. It checks and runs "

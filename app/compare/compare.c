@@ -2,6 +2,7 @@
  * pass. All sides step through the passes together, so only one resource of each is in memory. */
 #include "compare/compare.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -128,6 +129,10 @@ static bool keep_result(struct pair *pair, struct sheet_row *result, uint32_t fr
     if (!pair->broken && verdict == VERDICT_DIFFERS) {
         pair->broken = result;
         pair->broken_frame = frame;
+    }
+    if (!pair->odd && verdict == VERDICT_NOT_FINITE && !sheet_is_early(&pair->sheet, result)) {
+        pair->odd = result;
+        pair->odd_frame = frame;
     }
     if (!pair->broken || pair->broken_frame == frame) { /* for blame */
         result->differs = found->differing || found->size_differs;
@@ -442,8 +447,14 @@ static void conclude(struct compare *compare)
         struct sheet *sheet = &pair->sheet;
         sheet->devices[0] = compare->devices[0];
         sheet->devices[1] = compare->devices[i + 1];
-        sheet->agree = !pair->broken && (sheet->on_equal_inputs || !measured_breaks(sheet));
+        sheet->agree =
+            !pair->broken && !pair->odd && (sheet->on_equal_inputs || !measured_breaks(sheet));
         conclude_blame(compare, pair);
+        if (!pair->broken && pair->odd) {
+            bool nan = isnan(pair->odd->difference.worst.values[0]);
+            sheet->not_finite = new_event(pair->odd, pair->odd_frame);
+            cJSON_AddStringToObject(sheet->not_finite.more, "what", nan ? "NaN" : "infinity");
+        }
         if (!pair->broken)
             continue;
         sheet->first_break = new_event(pair->broken, pair->broken_frame);

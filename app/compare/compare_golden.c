@@ -237,7 +237,7 @@ bool golden_end(struct compare *compare)
     if (!compare->golden.differing)
         return golden_out_of_memory(compare);
     for (uint32_t i = 0; i < compare->pair_count; i++)
-        differ |= compare->pairs[i].broken != NULL;
+        differ |= compare->pairs[i].broken || compare->pairs[i].odd;
     if (!compare->options.update)
         compare_all(compare);
     else if (!differ)

@@ -1,4 +1,5 @@
 /* The table that `compare` prints; see compare.h. */
+#include <cjson/cJSON.h>
 #include <stdio.h>
 
 #include "compare/compare.h"
@@ -67,6 +68,11 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     const struct dt_pipeline *info = compare->pipeline.info;
     if (pair->sheet.on_equal_inputs && !compare->twins)
         print_edges(compare, pair);
+    if (pair->sheet.not_finite.row) {
+        printf("both agree; pass %s leaves %s\n", pair->odd->pass,
+               cJSON_GetStringValue(cJSON_GetObjectItem(pair->sheet.not_finite.more, "what")));
+        return;
+    }
     if (!pair->broken && !pair->sheet.agree) {
         printf("the first runs agree, but not all do\n");
         return;
@@ -124,7 +130,7 @@ static void print_far(const struct twin *twin)
 void compare_print(const struct compare *compare)
 {
     bool several = compare->pair_count > 1;
-    const struct pair *told = &compare->pairs[0]; /* the first that differs */
+    const struct pair *told = &compare->pairs[0]; /* the first that differs, or leaves NaN */
     for (uint32_t i = 0; i < compare->sides.count; i++)
         printf("%s: %s\n", compare->sides.list[i].label, compare->devices[i]);
     for (uint32_t i = 0; i < compare->pair_count; i++) {
@@ -133,7 +139,8 @@ void compare_print(const struct compare *compare)
         printf("\n");
         if (several)
             print_outcome(compare, pair);
-        told = pair->broken && !told->broken ? pair : told;
+        bool odd = pair->sheet.not_finite.row && told->sheet.agree;
+        told = (pair->broken && !told->broken) || odd ? pair : told;
     }
     if (several && told->broken)
         printf("\n%s against %s differ\n", told->sides[1]->label, told->sides[0]->label);

@@ -466,7 +466,7 @@ static bool compare_row(struct comparison *comparison, uint32_t index)
         difference_json(result, &found, resource, labels);
     good = (good && cJSON_AddItemToArray(comparison->results, result)) ||
            player_fail(player, "out of memory");
-    comparison->differ |= good && difference_verdict(&found) == VERDICT_DIFFERS;
+    comparison->differ |= good && difference_verdict(&found) >= VERDICT_NOT_FINITE;
     free(copies[0].data);
     free(copies[1].data);
     comparison->copies[index].data = NULL;

@@ -177,6 +177,22 @@ static bool both_covered(const struct frame *frame, uint64_t element)
     return true;
 }
 
+/* NaN in both copies, or the same Inf. */
+static bool odd_in_both(enum number_kind kind, const struct number_pair *pair)
+{
+    return not_finite(kind, pair->bits[0]) && (pair->values[0] == pair->values[1] ||
+                                               (isnan(pair->values[0]) && isnan(pair->values[1])));
+}
+
+/* What is odd in both copies stays the worst only while nothing else is there. */
+static void keep_worst(struct difference *difference, const struct number_pair *pair, bool both)
+{
+    const struct number_pair *worst = &difference->worst;
+    bool weak = !isfinite(worst->error) && !difference->not_in_both;
+    if (!worst->valid || (!both && (weak || pair->error > worst->error)))
+        difference->worst = *pair;
+}
+
 static void add_element(struct difference *difference, const struct frame *frame, uint64_t element)
 {
     bool differs = false, beyond = false;
@@ -197,13 +213,14 @@ static void add_element(struct difference *difference, const struct frame *frame
             pair.values[i] = number_value(component->kind, frame->copies[i].data + at);
         pair.component = *component;
         pair.error = measure_number(frame->contract->kind, component->kind, pair.bits, pair.values);
-        if (frame->contract->kind == DT_CONTRACT_FLIPS && !differs)
+        bool both = odd_in_both(component->kind, &pair);
+        if (frame->contract->kind == DT_CONTRACT_FLIPS && !differs && !both)
             keep_flip(difference, &pair);
-        if (!difference->worst.valid || pair.error > difference->worst.error)
-            difference->worst = pair;
+        keep_worst(difference, &pair, both);
         difference->not_finite += odd;
-        differs |= !same;
-        beyond |= odd || is_beyond(frame->contract, pair.error);
+        difference->not_in_both += odd && !both;
+        differs |= !both;
+        beyond |= !both && (odd || is_beyond(frame->contract, pair.error));
     }
     bool edge = frame->edges && frame->edges[element];
     difference->differing += differs;
@@ -264,7 +281,7 @@ bool difference_measure_draw(struct difference *difference, const struct dt_reso
     if (!difference->size_differs)
         add_elements(difference, &now);
     difference->broken =
-        difference->size_differs || difference->not_finite ||
+        difference->size_differs || difference->not_in_both ||
         difference->beyond > allowed(&resource->contract, difference->elements) ||
         (double)difference->at_edges > resource->contract.tolerance * (double)difference->elements;
     free(numbers.components);
@@ -461,6 +478,8 @@ enum verdict difference_verdict(const struct difference *difference)
 {
     if (difference->broken)
         return VERDICT_DIFFERS;
+    if (difference->not_finite)
+        return VERDICT_NOT_FINITE;
     return difference->differing ? VERDICT_WITHIN : VERDICT_EQUAL;
 }
 
@@ -485,6 +504,6 @@ double difference_used(const struct difference *difference)
 
 const char *verdict_name(enum verdict verdict)
 {
-    static const char *const names[] = {"equal", "within", "DIFFERS"};
+    static const char *const names[] = {"equal", "within", "not finite", "DIFFERS"};
     return names[verdict];
 }

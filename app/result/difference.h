@@ -7,9 +7,10 @@
 struct cJSON;
 
 enum verdict {
-    VERDICT_EQUAL,   /* bit for bit, and finite */
-    VERDICT_WITHIN,  /* bits differ, within the contract's tolerance */
-    VERDICT_DIFFERS, /* beyond the contract, or NaN or Inf */
+    VERDICT_EQUAL,      /* bit for bit, and finite */
+    VERDICT_WITHIN,     /* bits differ, within the contract's tolerance */
+    VERDICT_NOT_FINITE, /* one of these, but for NaN or the same Inf, in the same places */
+    VERDICT_DIFFERS,    /* beyond the contract, or NaN or Inf in one copy */
 };
 
 /* One number of one element, in both copies. */
@@ -40,19 +41,21 @@ struct difference {
     uint64_t elements;           /* or texels */
     uint64_t differing;          /* with at least one differing number */
     uint64_t beyond;     /* with at least one number beyond the tolerance; flips: all that differ */
-    uint64_t not_finite; /* numbers that are NaN or Inf in either copy */
-    uint64_t at_edges;   /* `raster`: with a differing number, at an edge; not in `beyond` */
+    uint64_t not_finite; /* numbers that are NaN or Inf in either copy, */
+    uint64_t not_in_both;  /* and of these, those that are neither NaN nor the same Inf in both */
+    uint64_t at_edges;     /* `raster`: with a differing number, at an edge; not in `beyond` */
     uint64_t other_depths; /* of a draw: both copies show a surface; not in `differing` */
     bool size_differs;     /* the copies have different sizes: nothing else was compared */
     bool broken;           /* the copies are beyond the contract */
     uint32_t extent[3];
-    struct number_pair worst; /* the largest error; the first NaN or Inf is the largest of all */
+    struct number_pair
+        worst; /* the largest error; of all, the first NaN or Inf in one copy, and the least, in both */
     struct flip flips[MOST_FLIPS];
     uint32_t flip_count;
 };
 
 /* Compares the copies of one frame. Only declared fields count, not padding. A denormal float counts as
- * a zero of its sign. NaN and Inf always fail, also with equal bits. False when out of memory. */
+ * a zero of its sign. No contract accepts NaN and Inf. False when out of memory. */
 bool difference_measure(struct difference *difference, const struct dt_resource *resource,
                         uint32_t frame, const struct dt_bytes copies[2]);
 
@@ -105,7 +108,7 @@ enum verdict difference_verdict(const struct difference *difference);
 /* How much of the contract's bound the copies use: 1 is all, more breaks it. NAN: the contract has no bound, or the
  * numbers have no distance. */
 double difference_used(const struct difference *difference);
-const char *verdict_name(enum verdict verdict); /* "equal", "within", "DIFFERS" */
+const char *verdict_name(enum verdict verdict); /* "equal", "within", "not finite", "DIFFERS" */
 
 /* ---- What is told (difference_report.c). `labels` name the two copies, like "gl" and "vk". --- */
 

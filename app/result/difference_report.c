@@ -92,17 +92,18 @@ static char *describe_pair(const struct number_pair *pair, const char *const lab
 
 /* ---- In words -------------------------------------------------------------------------------- */
 
-/* The error without its place: "0.25", "2 ulp", "3 flips", "7 numbers are NaN or Inf, the
+/* The error without its place: "0.25", "2 ulp", "3 flips", "7 numbers are NaN or Inf in both, the
  * first". */
 static char *describe_size(const struct difference *difference, const struct dt_contract *contract)
 {
     bool relative = contract->kind == DT_CONTRACT_REL || contract->kind == DT_CONTRACT_OF_EXACT;
     const char *unit = contract->kind == DT_CONTRACT_ULP ? " ulp" : relative ? " relative" : "";
-    if (difference->not_finite == 1)
-        return format_string("1 number is NaN or Inf,");
-    if (difference->not_finite)
-        return format_string("%" PRIu64 " numbers are NaN or Inf, the first",
-                             difference->not_finite);
+    const char *both = difference->not_in_both ? "" : " in both";
+    if (!isfinite(difference->worst.error) && difference->not_finite == 1)
+        return format_string("1 number is NaN or Inf%s,", both);
+    if (!isfinite(difference->worst.error))
+        return format_string("%" PRIu64 " numbers are NaN or Inf%s, the first",
+                             difference->not_finite, both);
     if (contract->kind == DT_CONTRACT_FLIPS)
         return format_string("%" PRIu64 " flip%s, the first", difference->differing,
                              difference->differing == 1 ? "" : "s");

@@ -29,6 +29,7 @@ void sheet_free(struct sheet *sheet)
     cJSON_Delete(sheet->first_break.more);
     cJSON_Delete(sheet->guilty.more);
     cJSON_Delete(sheet->not_repeatable.more);
+    cJSON_Delete(sheet->not_finite.more);
     free(sheet->rows);
     *sheet = (struct sheet){0};
 }
@@ -54,7 +55,7 @@ const struct sheet *sheets_told(const struct sheet *const *sheets, uint32_t coun
 /* ---- The table --------------------------------------------------------------------------------- */
 
 struct widths {
-    int pass, name, own;
+    int pass, name, verdict, own;
     bool used; /* some contract has a bound */
 };
 
@@ -77,13 +78,14 @@ static bool is_told(const struct sheet *sheet, const struct sheet_row *row)
 
 static struct widths measure(const struct sheet *sheet)
 {
-    struct widths widths = {6, 8, (int)strlen(own_heading(sheet)), false};
+    struct widths widths = {6, 8, 7, (int)strlen(own_heading(sheet)), false};
     for (uint32_t i = 0; i < sheet->count; i++) {
         const struct sheet_row *row = &sheet->rows[i];
         if (!is_told(sheet, row))
             continue;
         widths.pass = wider(widths.pass, row->pass);
         widths.name = wider(widths.name, row->name);
+        widths.verdict = wider(widths.verdict, sheet_verdict(row));
         widths.used |= row->compared && !isnan(difference_used(&row->difference));
     }
     return widths;
@@ -150,8 +152,8 @@ static void print_row(const struct sheet *sheet, const struct sheet_row *row,
     }
     if (!sheet->lone)
         printf("%-*s  ", widths->pass, row->pass);
-    printf("%-*s  %10s  %10s  %-7s  ", widths->name, row->name, elements, differing,
-           sheet_verdict(row));
+    printf("%-*s  %10s  %10s  %-*s  ", widths->name, row->name, elements, differing,
+           widths->verdict, sheet_verdict(row));
     if (widths->used)
         printf("%8s  ", used);
     print_own(sheet, row, widths->own);
@@ -168,9 +170,9 @@ void sheet_print(const struct sheet *sheet)
     const struct widths widths = measure(sheet);
     if (!sheet->lone)
         printf("%-*s  ", widths.pass, "pass");
-    printf("%-*s  %10s  %10s  %-7s  %s%s%slargest error\n", widths.name, "resource", "elements",
-           "differing", "verdict", widths.used ? "of bound  " : "", own_heading(sheet),
-           widths.own ? "  " : "");
+    printf("%-*s  %10s  %10s  %-*s  %s%s%slargest error\n", widths.name, "resource", "elements",
+           "differing", widths.verdict, "verdict", widths.used ? "of bound  " : "",
+           own_heading(sheet), widths.own ? "  " : "");
     for (uint32_t i = 0; i < sheet->count; i++)
         if (is_told(sheet, &sheet->rows[i]))
             print_row(sheet, &sheet->rows[i], &widths);

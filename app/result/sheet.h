@@ -72,8 +72,9 @@ struct sheet {
     bool agree;
     bool on_equal_inputs; /* the results are the passes' own errors */
     struct sheet_event first_break, guilty, not_repeatable;
-    enum measured_kind kind; /* of the sides' difference */
-    uint32_t runs;           /* --measure, of each side; 0: was not asked for */
+    struct sheet_event not_finite; /* both agree, and leave NaN or Inf */
+    enum measured_kind kind;       /* of the sides' difference */
+    uint32_t runs;                 /* --measure, of each side; 0: was not asked for */
 };
 
 bool sheet_begin(struct sheet *sheet, uint32_t rows, const struct dt_log *log); /* false: logged */

@@ -105,8 +105,10 @@ static void add_outcome(cJSON *root, const struct sheet *sheet)
         cJSON_AddItemToObject(root, "measured", measured_json(sheet));
     if (sheet->on_equal_inputs)
         cJSON_AddBoolToObject(root, "on_equal_inputs", true);
-    if (sheet->pipeline)
+    if (sheet->pipeline) {
         add_event(root, "first_break", sheet, &sheet->first_break);
+        add_event(root, "not_finite", sheet, &sheet->not_finite);
+    }
     add_event(root, "guilty", sheet, &sheet->guilty);
     if (sheet->guilty.row)
         add_members(root, sheet->guilty.row->why);

@@ -92,6 +92,7 @@ static bool measure_shown(struct view *view, uint32_t side, uint32_t index,
 {
     static const enum overlay_mark marks[] = {[VERDICT_EQUAL] = OVERLAY_EQUAL,
                                               [VERDICT_WITHIN] = OVERLAY_WITHIN,
+                                              [VERDICT_NOT_FINITE] = OVERLAY_DIFFERS,
                                               [VERDICT_DIFFERS] = OVERLAY_DIFFERS};
     struct view_verdict *verdict = &view->verdict;
     const struct row *row = &verdict->rows.outputs.list[index];

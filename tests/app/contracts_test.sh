@@ -45,8 +45,16 @@ check "one flip too many is a difference" finds 1 "pass decide is the first to b
     "${flip[@]}" "${loose[@]}" --set contracts.sides.flips=0
 check "an exact resource beside it is held to the bit" finds 1 "pass decide is the first to break: side_margins" "${flip[@]}"
 
-check "infinity in both is a difference under any tolerance" finds 1 \
-    "24 numbers are NaN or Inf, the first at [0], frame 0: gl Inf (0x7f800000), vk Inf (0x7f800000)" "${compare[@]}" --set parts=0
+told="24 numbers are NaN or Inf in both, the first at [0], frame 0: gl Inf (0x7f800000), vk Inf (0x7f800000)"
+check "infinity in both is not finite, under any tolerance" finds 1 "$told" "${compare[@]}" --set parts=0 --html "$work/page" \
+    --json "$work/found.json" --junit "$work/found.xml"
+check "... the last line says so, and blames no pass" [ "$(tail -n 1 "$work/found")" = "both agree; pass decide leaves infinity" ]
+check "... JSON" json_holds "$work/found.json" 'not d["agree"] and d["not_finite"]["pass"] == "decide" and d["not_finite"]["what"] == "infinity" and \
+    d["first_break"] is d["guilty"] is None and "not finite" in [r["verdict"] for r in d["results"]]'
+check "... the page" grep -q "agree; pass decide leaves infinity" "$work/page/index.html"
+check "... JUnit" grep -q 'failure message="both agree; 24 numbers' "$work/found.xml"
+check "a difference beside it is told before" finds 1 "pass decide is the first to break" \
+    "${flip[@]}" --set parts=0
 
 pictures() { # expected number of strips; options...
     local expected=$1 found file

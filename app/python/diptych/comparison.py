@@ -72,9 +72,10 @@ def page_data(request: Json) -> Json:
 
 def row_case(row: Json) -> Json:
     case, more = {"pass": row["page"]["title"], "name": row["page"]["name"]}, row["page"]
-    if row["verdict"] != "DIFFERS":
+    if row["verdict"] not in ("DIFFERS", "not finite"):
         return case
-    count = f"{row['differing']} of {row['elements']} differ; " if "elements" in row else ""
+    differ = f"{row['differing']} of {row['elements']} differ; " if "elements" in row else ""
+    count = "both agree; " if row["verdict"] == "not finite" else differ
     return {**case, "failure": count + more["largest"] + (more["remark"] and f"; {more['remark']}")}
 
 

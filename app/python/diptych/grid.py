@@ -390,8 +390,8 @@ class Sweep:
 
 
 def find_place(result: dict[str, Any]) -> dict[str, Any] | None:
-    """The guilty pass of a comparison, or the first that broke; of several pairs, the first that has one."""
-    for place in (result.get("guilty"), result.get("first_break"), *map(find_place, result.get("pairs", []))):
+    """The guilty pass of a comparison, or the first that broke or left NaN; of several pairs, the first that has one."""
+    for place in (result.get("guilty"), result.get("first_break"), result.get("not_finite"), *map(find_place, result.get("pairs", []))):
         if isinstance(place, dict):
             return place
     return None

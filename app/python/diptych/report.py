@@ -299,7 +299,7 @@ class Report:
         item: dict[str, Any] = {"id": number, "scene": scene.name, "pictures": pictures, "plot_times": self.plot_times(scene),
                                 "scene_published": self.told(self.published_of(scene)), "stages": self.stages(scene)}
         compared = flow.result(f"{scene.folder}/all.compare.json") if len(flow.sides) > 1 else None
-        broken = (compared or {}).get("first_break")
+        broken = next((compared[key] for key in ("first_break", "not_finite") if compared and compared.get(key)), None)
         item["agree"] = compared is not None and broken is None
         item["guilty"] = (compared["guilty"] or broken)["pass"] if compared and broken else ""
         if flow.result(self.measured(scene, last)):
