@@ -10,7 +10,7 @@
 
 /* ---- Reserved names -------------------------------------------------------------------------- */
 
-static const char *const reserved_words =
+static const char *const glsl_words =
     /* GLSL 4.60, sections 3.6 and 3.7, and GL_KHR_vulkan_glsl; more of them: is_glsl_type */
     " active asm atomic_uint attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid "
     " class coherent common const continue default discard do double dvec2 dvec3 dvec4 else enum "
@@ -22,7 +22,9 @@ static const char *const reserved_words =
     " samplerShadow shared short sizeof smooth static struct subpassInput subpassInputMS "
     " subroutine superp switch template this true typedef uint uniform union unsigned using "
     " usubpassInput usubpassInputMS uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while "
-    " writeonly "
+    " writeonly main ";
+
+static const char *const c_words =
     /* C23 */
     " alignas alignof auto char constexpr nullptr register signed static_assert thread_local "
     " typeof typeof_unqual _Alignas _Alignof _Atomic _BitInt _Bool _Complex _Decimal128 "
@@ -33,7 +35,7 @@ static const char *const reserved_words =
     " import module mutable new noexcept not not_eq operator or or_eq private protected "
     " reinterpret_cast requires static_cast throw try typeid typename virtual wchar_t xor xor_eq "
     /* names and macros of the headers that generated C includes, and of compilers */
-    " NULL int16_t int32_t int64_t int8_t linux main offsetof size_t uint16_t uint32_t "
+    " NULL int16_t int32_t int64_t int8_t linux offsetof size_t uint16_t uint32_t "
     " uint64_t uint8_t unix ";
 
 /* Functions of GLSL that a declaration would hide. */
@@ -131,15 +133,23 @@ static bool is_windows_macro(const char *name)
 
 enum { MOST_NAME = 100 }; /* PIPELINE.PASS.comp.spv is the name of a file */
 
+enum scope {
+    EVERYWHERE,
+    SCOPED, /* in the scope of another name */
+    BODIES  /* no C has it */
+};
+
 /* What is wrong with a name, as a format for it; NULL: nothing. */
-static const char *refusal_of(const char *name, bool scoped)
+static const char *refusal_of(const char *name, enum scope scope)
 {
+    bool c = scope != BODIES, scoped = scope == SCOPED;
     return !strncmp(name, "gl_", 3) ? "`%s`: names that start with gl_ belong to GLSL"
-           : strstr(name, "__") ? "`%s`: names with two underscores in a row are reserved in GLSL"
-           : in_words(reserved_words, name) || is_glsl_type(name)
+           : c && strstr(name, "__")
+               ? "`%s`: names with two underscores in a row are reserved in GLSL"
+           : in_words(glsl_words, name) || is_glsl_type(name) || (c && in_words(c_words, name))
                ? "`%s` is a reserved word of GLSL, C or C++; choose another name"
-           : is_macro(name) ? "`%s` may be a macro of a C header; choose another name"
-           : *name == '_' && isupper((unsigned char)name[1])
+           : c && is_macro(name) ? "`%s` may be a macro of a C header; choose another name"
+           : c && *name == '_' && isupper((unsigned char)name[1])
                ? "`%s`: C reserves names that start with _ and a capital"
            : !scoped && in_words(function_words, name)
                ? "`%s` is a function of GLSL; choose another name"
@@ -150,12 +160,12 @@ static const char *refusal_of(const char *name, bool scoped)
 
 bool name_is_free(const char *name)
 {
-    return strlen(name) <= MOST_NAME && !refusal_of(name, false) && !is_windows_macro(name);
+    return strlen(name) <= MOST_NAME && !refusal_of(name, EVERYWHERE) && !is_windows_macro(name);
 }
 
-static void check_word(struct checker *c, const char *name, struct loc loc, bool scoped)
+static void check_word(struct checker *c, const char *name, struct loc loc, enum scope scope)
 {
-    const char *refusal = refusal_of(name, scoped);
+    const char *refusal = refusal_of(name, scope);
     if (strlen(name) > MOST_NAME)
         diag_error(c->diag, loc, "the name `%.20s...` has %zu characters; at most %d", name,
                    strlen(name), MOST_NAME);
@@ -320,7 +330,7 @@ static void check_structure(struct checker *c, const struct structure *structure
         diag_error(c->diag, structure->loc,
                    "`%s` is taken: the generated C has a struct of that name", structure->name);
     for (uint32_t i = 0; i < structure->field_count; i++) {
-        check_word(c, structure->fields[i].name, structure->fields[i].loc, true);
+        check_word(c, structure->fields[i].name, structure->fields[i].loc, SCOPED);
         check_member(c, structure->fields[i].name, structure->fields[i].loc);
     }
 }
@@ -374,7 +384,7 @@ static void check_defines(struct checker *c, const struct pass *pass, struct dec
     for (uint32_t i = 0; i < pass->define_count; i++) {
         const char *name = pass->defines[i].name;
         const struct declaration macro = {name, name, 0, pass->defines[i].loc};
-        check_word(c, name, macro.loc, false);
+        check_word(c, name, macro.loc, EVERYWHERE);
         for (size_t k = 0; k < count; k++)
             check_derived(c, &macro, 1, &list[k]);
         refuse_taken(c, pass, name, macro.loc, list, count, "");
@@ -399,7 +409,7 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
             declared_find(c->pipeline, DECLARED_RESOURCE, access->name);
         if (!access->as || !strcmp(access->as, word_of(c, access->name)))
             continue;
-        check_word(c, access->as, access->as_loc, false);
+        check_word(c, access->as, access->as_loc, BODIES);
         check_word_once(c, pass, i);
         refuse_taken(c, pass, access->as, access->as_loc, list, count, " for `as`");
         for (size_t k = 0; k < count; k++)
@@ -433,9 +443,9 @@ void check_names(struct checker *c)
     collect(c, list);
     size_t count = all - p->pass_count; /* passes have a scope of their own */
     if (p->name)
-        check_word(c, p->name, p->loc, true);
+        check_word(c, p->name, p->loc, SCOPED);
     for (size_t i = 0; i < all; i++) {
-        check_word(c, list[i].word, list[i].loc, i >= count);
+        check_word(c, list[i].word, list[i].loc, i >= count ? SCOPED : EVERYWHERE);
         check_derived(c, list, count, &list[i]);
         for (size_t k = i < count ? 0 : count; k < i; k++)
             if (!strcmp(list[i].word, list[k].word)) {
@@ -602,7 +612,7 @@ static void resolve_ranges(struct checker *c, struct pass *pass)
 {
     for (uint32_t i = 0; i < pass->range_count; i++) {
         struct range *range = &pass->ranges[i];
-        check_word(c, range->name, range->loc, false);
+        check_word(c, range->name, range->loc, EVERYWHERE);
         if (!range->of || !resolve_buffer(c, range->of, range->of_loc))
             continue;
         for (uint32_t k = 0; k < pass->access_count; k++)

@@ -225,6 +225,7 @@ static const struct check operations[] = {
     {SpvOpUDiv, "divide", "/", "@0x / @1x", 0, 2, false},
     {SpvOpSMod, "modulo", "%", "@0x % @1x", 0, 2, false},
     {SpvOpUMod, "modulo", "%", "@0x % @1x", 0, 2, false},
+    {SpvOpSRem, "divide", "%", "@0x % @1x", 0, 2, false},
     {SpvOpShiftLeftLogical, "shift", "<<", "a shift by @0x of 32 bits", 1, 1, false},
     {SpvOpShiftRightLogical, "shift", ">>", "a shift by @0x of 32 bits", 1, 1, false},
     {SpvOpShiftRightArithmetic, "shift", ">>", "a shift by @0x of 32 bits", 1, 1, false},
@@ -251,6 +252,8 @@ static const struct check functions[] = {
     {GLSLstd450SClamp, "clamp", "clamp", "clamp from @0i to @1i", 1, 2, false},
     {GLSLstd450UClamp, "clamp", "clamp", "clamp from @0u to @1u", 1, 2, false},
     {GLSLstd450FMix, "mix", "mix", "mix of a NaN", 0, 3, false},
+    {GLSLstd450PackHalf2x16, "half", "packHalf2x16", "packHalf2x16 makes infinity of @0f", 0, 1,
+     false},
     {GLSLstd450Normalize, "normalize", "normalize", "normalize of zero", 0, 1, true},
 };
 
@@ -342,6 +345,7 @@ static bool is_safe(const struct sanitizer *s, const uint32_t *instruction)
     case SpvOpUMod:
         return constant_of(from, instruction[4], &value) && value;
     case SpvOpSDiv:
+    case SpvOpSRem:
         return constant_of(from, instruction[4], &value) && value && value != UINT32_MAX;
     case SpvOpShiftLeftLogical:
     case SpvOpShiftRightLogical:
@@ -350,6 +354,36 @@ static bool is_safe(const struct sanitizer *s, const uint32_t *instruction)
     default:
         return false;
     }
+}
+
+/* The last operand of a division, % or shift, such that no value ends the driver; 0: the operation may stay. */
+static uint32_t put_safe(struct sanitizer *s, const struct check *check,
+                         const uint32_t *instruction)
+{
+    uint32_t parts[4] = {0};
+    if (!check->function || spirv_length(instruction) != 5 || is_safe(s, instruction))
+        return 0;
+    const uint32_t *whole = spirv_type(s->from, instruction[4]);
+    uint32_t width = width_of(whole);
+    for (uint32_t i = 0; i < width; i++) {
+        struct values values = {.count = check->count};
+        char mangled[64];
+        int length = snprintf(mangled, sizeof mangled, "diptych_safe_%s(", check->function);
+        for (uint32_t k = 0; k < check->count; k++) {
+            uint32_t id = instruction[3 + check->first + k];
+            const uint32_t *type = spirv_type(s->from, id);
+            char letter = spirv_letter(scalar_of(s->from, type));
+            values.ids[k] = width > 1 ? put_part(s, id, type, i) : id;
+            length += snprintf(mangled + length, sizeof mangled - (size_t)length, "%c1;",
+                               letter ? letter : '?');
+        }
+        parts[i] = sanitizer_call(s, mangled, &values);
+        if (!parts[i])
+            return 0;
+    }
+    return width == 1 ? parts[0]
+                      : spirv_put_value(&s->edit, &s->edit.code, SpvOpCompositeConstruct, whole[1],
+                                        parts, width);
 }
 
 /* Before the operation: its operands. Returns whether it is undefined; 0: it has no such check. */
@@ -374,6 +408,23 @@ static uint32_t put_operands(struct sanitizer *s, const struct check *check,
         bad = found ? put_bool(s, SpvOpLogicalOr, bad, found) : bad;
     }
     return bad;
+}
+
+/* min, max and clamp of a NaN. */
+static void put_dropped(struct sanitizer *s, const uint32_t *instruction)
+{
+    bool extended = spirv_is(instruction, SpvOpExtInst) && instruction[3] == s->glsl;
+    const char *word = extended ? prove_word(instruction, s->glsl) : NULL;
+    char text[64];
+    if (!word ||
+        (strcmp(word, "min") != 0 && strcmp(word, "max") != 0 && strcmp(word, "clamp") != 0))
+        return;
+    snprintf(text, sizeof text, "@0f goes into `%s`, which drops it", word);
+    const struct check check = {.function = "dropped",
+                                .word = word,
+                                .text = text,
+                                .count = (uint8_t)(spirv_length(instruction) - 5)};
+    put_operands(s, &check, instruction);
 }
 
 /* Whether all components of a value of floats are finite; 0: it has no floats of 32 bits. */
@@ -722,6 +773,9 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     struct check check;
     bool checked = s->request->kinds & SANITIZE_ARITHMETIC && find_check(s, i, &check);
     uint32_t bad = checked ? put_operands(s, &check, i) : 0;
+    uint32_t safe = checked ? put_safe(s, &check, i) : 0;
+    if (s->request->kinds & SANITIZE_ARITHMETIC)
+        put_dropped(s, i);
     put_before(s, i);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_before(s, i);
@@ -738,6 +792,8 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         more = put_header(s, i);
     else if (loops && spirv_is(i, SpvOpUnreachable))
         put_return(s, function);
+    else if (safe)
+        PUT(s, spirv_opcode(i), i[1], i[2], i[3], safe);
     else if (!quads_discard(s, i))
         spirv_copy(&s->edit, &s->edit.code, i);
     if (checked)

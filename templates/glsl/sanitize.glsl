@@ -158,6 +158,37 @@ bool diptych_shift(const int count, const uint site, const uint what)
     return diptych_shift(uint(count), site, what);
 }
 
+/* What is computed with instead, where the check finds a fault: CPUs end a program that divides by zero, or INT_MIN by -1. */
+int diptych_safe_divide(const int a, const int b)
+{
+    return mix(b, 1, any(bvec2(b == 0, all(bvec2(b == -1, uint(a) == 0x80000000u)))));
+}
+
+uint diptych_safe_divide(const uint a, const uint b)
+{
+    return max(b, 1u);
+}
+
+int diptych_safe_modulo(const int a, const int b)
+{
+    return diptych_safe_divide(a, b);
+}
+
+uint diptych_safe_modulo(const uint a, const uint b)
+{
+    return max(b, 1u);
+}
+
+int diptych_safe_shift(const int count)
+{
+    return count & 31;
+}
+
+uint diptych_safe_shift(const uint count)
+{
+    return count & 31u;
+}
+
 bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
 {
     return diptych_told(any(bvec3(offset < 0, bits < 0, bits > 32 - offset)), uint(offset), uint(bits), site, what);
@@ -279,6 +310,23 @@ bool diptych_clamp(const float low, const float high, const uint site, const uin
 bool diptych_mix(const float x, const float y, const float a, const uint site, const uint what)
 {
     return diptych_told(any(bvec3(diptych_nan(x), diptych_nan(y), diptych_nan(a))), 0u, 0u, site, what);
+}
+
+/* A NaN goes into a function that gives another number instead. */
+bool diptych_dropped(const float x, const float y, const uint site, const uint what)
+{
+    return diptych_told(any(bvec2(diptych_nan(x), diptych_nan(y))), mix(y, x, diptych_nan(x)), 0.0, site, what);
+}
+
+bool diptych_dropped(const float x, const float low, const float high, const uint site, const uint what)
+{
+    return diptych_dropped(x, mix(low, high, diptych_nan(high)), site, what);
+}
+
+/* Finite numbers that are infinite as halves. */
+bool diptych_half(const float x, const uint site, const uint what)
+{
+    return diptych_told(all(bvec2(abs(x) >= 65520.0, diptych_finite(x))), x, 0.0, site, what);
 }
 
 bool diptych_normalize(const float x, const uint site, const uint what)

@@ -70,6 +70,7 @@ def body(code, functions=""):
     return f"{functions}void main() {{\n{START}    float r = 0.0;\n    {code}\n    result[i] = r;\n}}\n"
 
 
+NAN = "float nan = uintBitsToFloat(0x7fc00000u);\n"
 # What the line says, the column that it names (the text from there on), the message, the least invocation.
 WRONG = [
     # indices
@@ -126,6 +127,13 @@ WRONG = [
     ("r = mat2(x * 1e36, 1.0, 1.0, 1.0)[0].x * one; r = dot(vec2(r), vec2(r));", "dot", "`dot` of finite numbers makes inf", 1),
     ("uint k = uint(1.0 - x); r = float(k);", "uint(", "-1 as a uint", 2),
     ("r = degrees(x * 1e36);", "degrees", "`degrees` of finite numbers makes inf", 6),
+    ("r = max(x + nan, 0.0);", "max", "nan goes into `max`, which drops it", 0, NAN),
+    ("r = min(vec2(x, i < 7 ? x : nan), 1.0).y;", "min", "nan goes into `min`, which drops it", 7, NAN),
+    ("r = clamp(i < 9 ? x : nan, 0.0, 1.0);", "clamp", "nan goes into `clamp`, which drops it", 9, NAN),
+    ("r = unpackHalf2x16(packHalf2x16(vec2(1.0, x * 2e3))).y;", "packHalf2x16", "packHalf2x16 makes infinity of 66000", 33),
+    # what ends a CPU's driver
+    ("int least = null - 2147483647 - 1; r = float(least / -(i - 3));", "/ -(", "-2147483648 / -1", 4),
+    ("ivec2 k = ivec2(1, i - 5), n = ivec2(null - 2147483647 - 1); r = float((n % k).y);", "% k", "-2147483648 % 1", 0),
     # loops
     ("for (int k = 0; k >= 0; k += null) if (i != 5) break;", "for", "loops of more than 65,000 turns", 5),
     ("while (true) if (i < 63) break;", "while", "loops of more than 65,000 turns", 63),
@@ -221,6 +229,8 @@ FINE = [
     "r = float(7u % uint(i + 1));", "r = float(1 << (i & 31));", "r = float(-8 >> i / 2);",
     "r = float(bitfieldExtract(i, i / 2, 1));", "r = float(clamp(i, 50, 50));", "r = float(int(x * 3.4e7));",
     "r = float(uint(x - zero));", "r = 1.0 / (x + 1.0);", "r = (x * 1e36) * 1.0;", "r = exp(x);", "r = sqrt(63.0 - x);",
+    "r = max(x - 1.0, 0.0) + min(1.0, x / 3.0) + clamp(1.0 / (x + 1.0), 0.0, x) + max(uintBitsToFloat(0xff800000u), x);",
+    "r = unpackHalf2x16(packHalf2x16(vec2(x * 1e3, uintBitsToFloat(0x7f800000u)))).x;",
     "r = log(x + 1.0);", "r = pow(x, 0.5);", "r = asin(x / 64.0);", "r = atan(x, 1.0);", "r = normalize(vec3(x, 1.0, zero)).y;",
     "r = smoothstep(x, 64.0, 5.0);", "r = clamp(5.0, x, 63.0);", "r = uintBitsToFloat(0x7f800000u) * one;",
     "r = isnan(uintBitsToFloat(0x7fc00000u + uint(i))) ? 1.0 : 2.0;",

@@ -29,6 +29,10 @@ MORE = [
     ("r = normalize(x);", "normalize", "normalize of zero", 0),
     ("r = normalize(vec2(x)).x;", "normalize", "normalize of zero", 0),
     ("r = normalize(vec4(x)).x;", "normalize", "normalize of zero", 0),
+    ("r = max(x, uintBitsToFloat(0x7fc00000u));", "max", "nan goes into `max`", 0),
+    ("r = clamp(x, uintBitsToFloat(0x7fc00000u), 1.0);", "clamp", "nan goes into `clamp`", 0),
+    ("r = clamp(x, 0.0, uintBitsToFloat(0x7fc00000u));", "clamp", "nan goes into `clamp`", 0),
+    ("r = float(rem(7, i - 3));", "rem", "7 % 0", 3, "#extension GL_EXT_spirv_intrinsics : require\nspirv_instruction(id = 138) int rem(int a, int b);\n"),
     ("r = log2(x);", "log2", "log2(0)", 0),
     ("r = (x + 1e38) + 3.1e38;", "+ 3.1", "`+` of finite numbers makes inf", 0),
     ("r = (x - 3.3e38) - 3.1e38;", "- 3.1", "`-` of finite numbers makes -inf", 0),
@@ -54,7 +58,7 @@ MORE = [
     ("stack_atomicAdd(ivec3(0, 0, i / 32 + 1), 1u); r = 1.0;", "stack_atomicAdd", "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
 ]
 # What the message of a check has that is no row of the tables.
-TOLD = {"index": "index", "mip": "mip ", "texel": "texel", "made": "makes", "assigned": "value", "turn": "turns"}
+TOLD = {"index": "index", "mip": "mip ", "texel": "texel", "made": "makes", "assigned": "value", "turn": "turns", "dropped": "goes into"}
 
 # File, what is left out, what stands there instead, and a part of the message that then is missed.
 MEMORY = [
