@@ -1,22 +1,29 @@
 /* --sanitize=variable: variables that are read before they have a value. Each variable of a body has a word of bits beside it,
  * one bit per scalar if these are up to 32, else one per part: set by stores, copied where a value is only copied, and passed with a
  * pointer to a function. A read whose value is used, not just copied, is reported if one of its bits is not set. A read of a whole
- * struct or array is reported if none of its bits is set. */
+ * struct or array is reported if none of its bits is set.
+ *
+ * Outputs are variables, too: a fragment shader must write what its targets store, a vertex shader its position. Bits of its other
+ * outputs go to the fragment shader, in flat outputs of their own. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "formats.h"
 #include "sanitizer.h"
 
-struct assigned {     /* of an id */
-    uint32_t bits;    /* variables and pointers to them: the word; 0: not followed */
-    const char *name; /* of a parameter that a temporary variable is passed as */
-    uint32_t uses;    /* of a loaded value */
-    uint32_t target;  /* the variable that it is stored to, if that is all */
-    size_t user;      /* offset of the only instruction that uses it; 0: there are others */
-    uint32_t word;    /* of that instruction */
-    uint32_t parts;   /* mask of the components that are used */
+struct assigned {        /* of an id */
+    uint32_t bits;       /* variables and pointers to them: the word; 0: not followed */
+    const char *name;    /* of a parameter that a temporary variable is passed as */
+    uint32_t uses;       /* of a loaded value */
+    uint32_t target;     /* the variable that it is stored to, if that is all */
+    size_t user;         /* offset of the only instruction that uses it; 0: there are others */
+    uint32_t word;       /* of that instruction */
+    uint32_t parts;      /* mask of the components that are used */
+    uint32_t file, line; /* of the first store to a variable */
+    uint32_t
+        flag; /* inputs, and outputs of a vertex shader: the variable that holds the bits between the stages */
 };
 
 bool assigned_begin(struct sanitizer *s)
@@ -25,20 +32,70 @@ bool assigned_begin(struct sanitizer *s)
     return s->ids;
 }
 
+static bool in_stage(const struct sanitizer *s, uint32_t model)
+{
+    const uint32_t *entry = spirv_entry_point(s->from);
+    return entry && entry[1] == model;
+}
+
+/* What stages hand on at a location. */
+static bool is_handed_on(const struct sanitizer *s, const uint32_t *variable)
+{
+    enum { MOST_LOCATIONS = 16 }; /* the next ones hold bits */
+    const uint32_t *type = spirv_definition(s->from, spirv_definition(s->from, variable[1])[3]);
+    bool input = in_stage(s, SpvExecutionModelFragment) && variable[3] == SpvStorageClassInput;
+    bool output = in_stage(s, SpvExecutionModelVertex) && variable[3] == SpvStorageClassOutput;
+    return (input || output) && s->request->pass->own_vertices &&
+           !spirv_is(type, SpvOpTypeStruct) && spirv_scalars(s->from, type[1]) <= 32 &&
+           spirv_decoration(s->from, variable[2], SpvDecorationLocation) < MOST_LOCATIONS &&
+           spirv_decoration(s->from, variable[2], SpvDecorationComponent) == UINT32_MAX;
+}
+
+/* Bits that an output must have in the end: channels of a target, depth, gl_Position. 0: it may be left. */
+static uint32_t final_bits(const struct sanitizer *s, const uint32_t *variable)
+{
+    const struct spirv *from = s->from;
+    const struct pass *pass = s->request->pass;
+    const uint32_t *type = spirv_definition(from, spirv_definition(from, variable[1])[3]);
+    uint32_t location = spirv_decoration(from, variable[2], SpvDecorationLocation);
+    if (variable[3] != SpvStorageClassOutput)
+        return 0;
+    if (in_stage(s, SpvExecutionModelVertex))
+        return spirv_is(type, SpvOpTypeStruct) &&
+                       spirv_member_decoration(from, type[1], 0, SpvDecorationBuiltIn) ==
+                           SpvBuiltInPosition &&
+                       spirv_scalars(from, type[1]) <= 32
+                   ? 0xf
+                   : 0;
+    if (!in_stage(s, SpvExecutionModelFragment))
+        return 0;
+    if (spirv_decoration(from, variable[2], SpvDecorationBuiltIn) == SpvBuiltInFragDepth)
+        return 1;
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        if (access->kind & DT_WRITE_COLOR && access->attachment == (int)location &&
+            access->resource && !spirv_is(type, SpvOpTypeArray))
+            return ((1u << format_info(access->resource->format)->channels) - 1) & ~access->keep &
+                   ((1u << spirv_scalars(from, type[1])) - 1);
+    }
+    return 0;
+}
+
 /* What a variable holds; NULL: it is not followed. */
 static const uint32_t *pointee(const struct sanitizer *s, uint32_t variable)
 {
     const struct spirv *from = s->from;
     const uint32_t *i = spirv_definition(from, variable);
-    bool own = spirv_is(i, SpvOpVariable) && spirv_length(i) == 4 &&
-               (i[3] == SpvStorageClassFunction || i[3] == SpvStorageClassPrivate);
-    if (!own && !spirv_is(i, SpvOpFunctionParameter))
+    if (spirv_is(i, SpvOpFunctionParameter)
+            ? !spirv_is(spirv_definition(from, i[1]), SpvOpTypePointer)
+            : !spirv_is(i, SpvOpVariable))
         return NULL;
     const uint32_t *type = spirv_definition(from, i[1]);
-    if (!spirv_is(type, SpvOpTypePointer) ||
-        (type[2] != SpvStorageClassFunction && type[2] != SpvStorageClassPrivate))
+    bool own = type[2] == SpvStorageClassFunction || type[2] == SpvStorageClassPrivate;
+    bool variable_here = spirv_is(i, SpvOpVariable);
+    if (variable_here && (spirv_length(i) != 4 || !(own || final_bits(s, i) || is_handed_on(s, i))))
         return NULL;
-    return spirv_definition(from, type[3]);
+    return own || variable_here ? spirv_definition(from, type[3]) : NULL;
 }
 
 static uint32_t bits_of(struct sanitizer *s, uint32_t variable)
@@ -73,10 +130,20 @@ static void use(struct sanitizer *s, size_t at, uint32_t word)
 
 void assigned_find(struct sanitizer *s, const struct spirv_function *function)
 {
+    uint32_t file = 0, line = 0;
     SPIRV_EACH(s->from, at, function->begin, function->end)
     {
         const uint32_t *i = s->from->words + at;
         uint32_t result = spirv_result_word(i);
+        if (spirv_is(i, SpvOpLine)) {
+            file = (uint32_t)atoi((const char *)(spirv_definition(s->from, i[1]) + 2));
+            line = i[2];
+        }
+        if (spirv_is(i, SpvOpStore) && file) {
+            struct assigned *of = &s->ids[memory_base(s->from, i[1])];
+            of->line = of->file ? of->line : line;
+            of->file = of->file ? of->file : file;
+        }
         for (uint32_t word = 1; word < spirv_length(i); word++)
             if (word != result && !(result == 2 && word == 1) && !spirv_is_literal(i, word) &&
                 i[word] < s->from->words[3] && !spirv_is(i, SpvOpLine))
@@ -84,9 +151,36 @@ void assigned_find(struct sanitizer *s, const struct spirv_function *function)
     }
 }
 
-/* A call begins with no values. */
+/* The variable that holds the bits of one that stages hand on. */
+static uint32_t flag_of(struct sanitizer *s, const uint32_t *variable)
+{
+    struct spirv_edit *edit = &s->edit;
+    struct assigned *of = &s->ids[variable[2]];
+    uint32_t location = spirv_decoration(s->from, variable[2], SpvDecorationLocation);
+    if (of->flag)
+        return of->flag;
+    uint32_t type =
+        spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){variable[3], sanitizer_uint(s)}, 2);
+    of->flag = edit->bound++;
+    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, of->flag, variable[3]);
+    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, of->flag, SpvDecorationLocation,
+              location + 16);
+    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, of->flag, SpvDecorationFlat);
+    spirv_append(edit, &s->handed_on, &of->flag, 1);
+    return of->flag;
+}
+
+/* Bits come with inputs; a call begins with no values. */
 void assigned_reset(struct sanitizer *s, const struct spirv_function *function)
 {
+    bool entry = function->id == spirv_entry(s->from);
+    SPIRV_EACH(s->from, at, entry ? s->from->declarations : s->from->code, s->from->code)
+    {
+        const uint32_t *i = s->from->words + at;
+        if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassInput && is_handed_on(s, i) &&
+            bits_of(s, i[2]))
+            PUT(s, SpvOpStore, bits_of(s, i[2]), sanitizer_load(s, flag_of(s, i)));
+    }
     SPIRV_EACH(s->from, at, function->begin, function->end)
     {
         const uint32_t *i = s->from->words + at;
@@ -204,11 +298,13 @@ static void put_copy(struct sanitizer *s, uint32_t to, uint32_t from)
     PUT(s, SpvOpStore, to, bits);
 }
 
-/* Whether a loaded value is only copied into a variable. */
+/* Whether a loaded value is only copied into a variable, which is not stored to a target. */
 static bool is_copied(struct sanitizer *s, const uint32_t *load)
 {
     const struct assigned *value = &s->ids[load[2]];
-    return value->uses == 1 && value->target && bits_of(s, value->target) &&
+    const uint32_t *target = spirv_definition(s->from, value->target);
+    bool ends = value->target && spirv_is(target, SpvOpVariable) && final_bits(s, target);
+    return value->uses == 1 && value->target && !ends && bits_of(s, value->target) &&
            !spirv_is(spirv_definition(s->from, load[3]), SpvOpAccessChain);
 }
 
@@ -368,6 +464,36 @@ static void put_pointers(struct sanitizer *s, const uint32_t *call, bool back)
     }
 }
 
+/* At the end of the entry point: outputs that nothing has written, at the first store to each. */
+static void put_outputs(struct sanitizer *s)
+{
+    const struct spirv *from = s->from;
+    uint32_t file = s->file, line = s->line;
+    SPIRV_EACH(from, at, from->declarations, from->code)
+    {
+        const uint32_t *i = from->words + at;
+        uint32_t wanted = spirv_is(i, SpvOpVariable) && bits_of(s, i[2]) ? final_bits(s, i) : 0;
+        bool output = spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput;
+        if (output && is_handed_on(s, i) && bits_of(s, i[2]))
+            PUT(s, SpvOpStore, flag_of(s, i), sanitizer_load(s, bits_of(s, i[2])));
+        if (!wanted)
+            continue;
+        const struct assigned *of = &s->ids[i[2]];
+        bool position = in_stage(s, SpvExecutionModelVertex);
+        const char *name = position ? "gl_Position" : spirv_name(from, i[2]);
+        char text[128];
+        s->file = of->file ? of->file : file;
+        s->line = of->file ? of->line : line;
+        snprintf(text, sizeof text, "`%.60s` is not written", name ? name : "an output");
+        struct values values = {{sanitizer_load(s, bits_of(s, i[2])), sanitizer_number(s, wanted)},
+                                2};
+        sanitizer_place(s, &values, sanitizer_site(s, NULL, name ? name : "", text));
+        sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
+    }
+    s->file = file;
+    s->line = line;
+}
+
 static void put_result(struct sanitizer *s, const uint32_t *instruction)
 {
     struct values values = {{sanitizer_number(s, 0), sanitizer_number(s, 1)}, 2};
@@ -389,6 +515,8 @@ void assigned_before(struct sanitizer *s, const uint32_t *instruction)
         put_pointers(s, instruction, false);
     else if (spirv_is(instruction, SpvOpReturnValue))
         put_result(s, instruction);
+    else if (spirv_is(instruction, SpvOpReturn) && s->function == spirv_entry(s->from))
+        put_outputs(s);
 }
 
 void assigned_after(struct sanitizer *s, const uint32_t *instruction)

@@ -862,11 +862,15 @@ static void copy_front(struct sanitizer *s)
         if (!twice && !spirv_is(i, SpvOpString) && !spirv_is(i, SpvOpSource) &&
             !spirv_is(i, SpvOpSourceContinued) && !spirv_is(i, SpvOpModuleProcessed))
             spirv_copy(edit, &edit->front, i);
-        if (spirv_is(i, SpvOpEntryPoint) && from->words[1] >= 0x10400 && !edit->failed) {
-            edit->front.data[edit->front.count - spirv_length(i)] += (uint32_t)s->variables.count
-                                                                     << 16;
+        if (!spirv_is(i, SpvOpEntryPoint) || edit->failed)
+            continue;
+        size_t length = edit->front.count - spirv_length(i);
+        if (from->words[1] >= 0x10400)
             spirv_append(edit, &edit->front, s->variables.data, s->variables.count);
-        }
+        spirv_append(edit, &edit->front, s->handed_on.data, s->handed_on.count);
+        if (!edit->failed)
+            edit->front.data[length] =
+                (uint32_t)(edit->front.count - length) << 16 | SpvOpEntryPoint;
     }
 }
 
@@ -907,6 +911,7 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
     free(s.seen.data);
     free(s.ids);
     free(s.variables.data);
+    free(s.handed_on.data);
     free(s.counters);
     return spirv_edit_end(&s.edit, module);
 }

@@ -19,7 +19,8 @@ struct sanitizer {
     struct assigned *ids;    /* by id */
     struct content *content; /* of content.c */
     struct quads *quads;     /* of quads.c */
-    struct spirv_words variables; /* of this pass, in the private storage class */
+    struct spirv_words variables; /* of this pass, in the private storage class, */
+    struct spirv_words handed_on; /* and inputs or outputs */
 };
 
 struct values { /* operands of a check */

@@ -132,7 +132,7 @@ WRONG = [
     ("r = clamp(i < 9 ? x : nan, 0.0, 1.0);", "clamp", "nan goes into `clamp`, which drops it", 9, NAN),
     ("r = unpackHalf2x16(packHalf2x16(vec2(1.0, x * 2e3))).y;", "packHalf2x16", "packHalf2x16 makes infinity of 66000", 33),
     # what ends a CPU's driver
-    ("int least = null - 2147483647 - 1; r = float(least / -(i - 3));", "/ -(", "-2147483648 / -1", 4),
+    ("int least = null - 2147483647 - 1; r = float(least / -(i + 1));", "/ -(", "-2147483648 / -1", 0),
     ("ivec2 k = ivec2(1, i - 5), n = ivec2(null - 2147483647 - 1); r = float((n % k).y);", "% k", "-2147483648 % 1", 0),
     # loops
     ("for (int k = 0; k >= 0; k += null) if (i != 5) break;", "for", "loops of more than 65,000 turns", 5),
@@ -206,15 +206,18 @@ WRONG_DRAW = [
     ("if (p.x < 5) r = dFdx(x * x);", "dFdx", PARTED, 4),
     ("for (int k = 0; k < 3; k++) if (k == p.x % 2) r += fwidth(x);", "fwidth", PARTED, 0),
     ("if (p.x % 4 == 1) discard; r = dFdxFine(x);", "dFdxFine", PARTED, 0),
-    ("if (p.x < 5) return; r = dFdy(x);", "dFdy", PARTED, 5),
+    ("if (p.x < 5) { result = vec4(x); return; } r = dFdy(x);", "dFdy", PARTED, 5),
     ("if (p.y == 7) f(); else f();", "dFdyCoarse", PARTED, 0, "float f() {\n    return dFdyCoarse(gl_FragCoord.x); // here\n}\n"),
     ("for (int k = 0; k < 3; k++) { if (k > p.x) break; r += dFdx(x * float(k)); }", "dFdx", PARTED, 0),
     ("if (p.x == 3) r = texture(pyramid_texture, uv).x;", "texture", PARTED, 3),
     ("r = p.x == 3 ? dFdx(x) : 0.0;", "dFdx", PARTED, 3),
     ("if (p.x == 3) r = pyramid_sample(uv).x;", "pyramid_sample", PARTED, 3),
     ("r = sqrt(4.0 - x);", "sqrt", "sqrt(-0.5)", 4),
+    ("if (p.x != 3) result = vec4(x); return;", "result", "`result` is not written", 3),
+    ("result.rg = vec2(x); if (p.y > 2) return;", "result", "`result` is not written", 0),
 ]
 FINE_DRAW = [
+    "result = vec4(x); if (p.x == 3) return;", "result.rgb = vec3(x); result.a = r; if (p.x == 3) discard; else return;",
     "r = dFdx(x * x); if (p.x < 4) r += dFdy(x);", "if (p.x / 2 == 3) for (int k = 0; k < 3; k++) r += dFdx(x * float(k));",
     "r = dFdx(x); if (p.x % 4 == 1) discard;", "if (x < 0.0) discard; r = dFdxFine(x);", "for (int k = 0; k < p.x; k++) r += 1.0; r += dFdx(x);",
     "if (nought < one) r = fwidth(x);", "if (p.x == 3) r = textureLod(pyramid_texture, uv, 1.0).x; r += texture(pyramid_texture, uv).x;",

@@ -67,6 +67,41 @@ for backend in gl vk@llvmpipe; do
     check "$backend: memory of another resource counts as unwritten" shares "$backend"
 done
 
+# What a vertex shader leaves out, and the fragment shader reads.
+printf '%s\n' 'pipeline: vary' 'images: {picture: {format: rgba32f, size: [8, 8]}}' 'passes:' \
+    '  - {name: show, draw: {vertices: 3}, writes: [picture], shader: vary.glsl}' >"$work/vary.yaml"
+varies() { # what the fragment shader reads; condition of the position; finding...
+    local read=$1 when=$2
+    shift 2
+    cat >"$work/vary.glsl" <<END
+#ifdef VERTEX
+layout(location = 0) out vec4 tint;
+layout(location = 1) flat out uint kind;
+void main()
+{
+    if ($when) gl_Position = vec4(4.0 * vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) - 1.0, 0.5, 1.0);
+    tint.rgb = vec3(0.5);
+    kind = 2u;
+}
+#else
+layout(location = 0) in vec4 tint;
+layout(location = 1) flat in uint kind;
+void main() { picture = vec4($read, float(kind)); }
+#endif
+END
+    for backend in gl vk@llvmpipe; do
+        "$diptych" render --spec "$work/vary.yaml" --size 8x8 --backend "$backend" --sanitize --dump "$work/vary" >"$work/found"
+        [ $? = $# ] || return
+        cat "$work/found"
+        [ "$(grep -c undefined: "$work/found")" = $# ] && { [ $# = 0 ] || grep -qF "$1" "$work/found"; } || return
+    done
+}
+# shellcheck disable=SC2016
+check "a varying with a part that nothing wrote is found where it is read" varies "tint.gba" true 'vary.glsl:13:30: undefined: `tint` is read before'
+# shellcheck disable=SC2016
+check "... and a position" varies "tint.rgb" "gl_VertexIndex != 5 && gl_VertexIndex != 1" 'vary.glsl:6:53: undefined: `gl_Position` is not written'
+check "... and no part that nothing reads" varies "tint.bgr" true
+
 refused() {
     "$diptych" compare --spec "$work/fine.yaml" --size 16x16 --sanitize=index,numbers 2>&1 |
         grep -q 'unknown kind "numbers"; there are index, arithmetic'
