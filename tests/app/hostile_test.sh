@@ -81,7 +81,7 @@ if [ -n "${DIPTYCH_LONG:-}" ]; then # every call, for a small pipeline; a large 
     small=("$gen" "$work/fill.yaml" --templates templates -o "$out")
     check "a small generation when any call fails" env "OLD=--set exactness=fast" FOREIGN=1 "${failing[@]}" 0 "$out" -- "${small[@]}"
 fi
-check "generation when a call fails" env "OLD=--set bins=8" FOREIGN=1 "${failing[@]}" $((samples * 6)) "$out" -- "${generate[@]}"
+check "generation when a call fails" env "OLD=--set bins=8" FOREIGN=1 "${failing[@]}" $((samples * 3)) "$out" -- "${generate[@]}"
 sweeps_its_own() { # removes temporary files of a killed run, but no file with a similar name
     mkdir -p "$out"
     touch "$out/notes.tmp-99999999" "$out/old.h.diptych-tmp-99999999"
