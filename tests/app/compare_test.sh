@@ -67,7 +67,8 @@ fi
 for pipeline in ssvp ${DIPTYCH_LONG:+rsm}; do
     # shellcheck disable=SC2016
     check "$pipeline agrees in five ways: two forms of OpenGL, OSMesa, OpenGL over Vulkan, Vulkan" bash -c '"${@:2}" | grep -Fx "$1 pairs agree"' - $pairs \
-        "$diptych" compare --scene $scene --spec "templates/$pipeline.yaml" --size 37x23 --set rsm_size=128 --backend gl,gl+glsl,osmesa$zink,vk
+        "$diptych" compare --scene $scene --spec "templates/$pipeline.yaml" --size 37x23 --set rsm_size=128 --set first_vpls=64 \
+        --backend gl,gl+glsl,osmesa$zink,vk
 done
 
 # ---- Blame -------------------------------------------------------------------------------------------------------------
@@ -279,7 +280,7 @@ all_gone() { # text: no process has it in its command
 }
 alone() { # signal status: a comparison that the signal ends leaves no worker
     local mark=$work/mark-$1 got
-    "$diptych" compare --scene "$scene" --size 640x360 --frames 1000 --json "$mark" >"$work/table" 2>"$work/said" &
+    "$diptych" compare --scene "$scene" --spec "$spec" --size 640x360 --frames 100000 --json "$mark" >"$work/table" 2>"$work/said" &
     local parent=$!
     wait_until has_workers "$mark"
     kill "-$1" "$parent"

@@ -3,7 +3,7 @@
 . "$(dirname "$0")/../lib/tap.sh"
 cd "$root" || exit
 warnings=(-Wall -Wextra -Wpedantic -Wconversion -Werror)
-specs=(ssvp post) # post: parameters without a bound, inputs
+specs=(tests/specs/features templates/post) # each feature once; parameters without a bound, inputs
 mingw=x86_64-w64-mingw32
 
 # MinGW gets only Vulkan's headers of this system; the others are not for MinGW.
@@ -11,8 +11,8 @@ mkdir "$work/include" "$work/hosts"
 ln -s /usr/include/vulkan /usr/include/vk_video "$work/include"
 folders=(-Itemplates/c -Iruntime_gl -Iruntime_vk -Iscenes -Iapp/play)
 for spec in "${specs[@]}"; do
-    "$build/diptych-gen" "templates/$spec.yaml" -o "$work/hosts" >/dev/null || exit
-    echo "#include \"$spec.h\"" >>"$work/hosts/all.h"
+    "$build/diptych-gen" "$spec.yaml" -o "$work/hosts" >/dev/null || exit
+    echo "#include \"${spec##*/}.h\"" >>"$work/hosts/all.h"
 done
 printf '#include <%s.h>\n' diptych panel diptych_gl diptych_vk diptych_scene diptych_play >>"$work/hosts/all.h"
 printf '#ifdef _WIN32\n#include <windows.h>\n#endif\n#include "all.h"\n' >"$work/hosts/all.c"
