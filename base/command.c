@@ -117,7 +117,8 @@ static bool is_choice(const char *choices, const char *value)
     return false;
 }
 
-bool option_size(const char *text, uint32_t size[2], const struct dt_log *log)
+/* WIDTHxHEIGHT */
+static bool read_size(const char *text, uint32_t size[2], const struct dt_log *log)
 {
     const char *height = read_count(text, 'x', 1, OPTIONS_MAX_SIZE, &size[0]);
     return (height && read_count(height, 0, 1, OPTIONS_MAX_SIZE, &size[1])) ||
@@ -161,7 +162,7 @@ static bool store(void *options, const struct option_row *row, const char *value
         return parse_option_number(value, place) ||
                report_error(log, "%s %s: must be a number above 0", row->name, value);
     case OPTION_SIZE:
-        return option_size(value, place, log);
+        return read_size(value, place, log);
     case OPTION_SET:
         if (!strchr(value, '=') || value[0] == '=')
             return report_error(log, "%s %s: must be %s, like %s", row->name, value, row->argument,

@@ -65,6 +65,3 @@ void command_help(const struct command_line *command);
  * "program" or "verb", name, summary, details. Per option: "option", name, argument, "required" or
  * nothing, help. */
 void command_describe(const struct command_line *command);
-
-/* Reads WIDTHxHEIGHT, the value of --size; logs an error. */
-bool option_size(const char *text, uint32_t size[2], const struct dt_log *log);

@@ -167,7 +167,6 @@ void gl_image_destroy(struct dt_gl_runtime *rt, struct gl_image *image);
 /* Layers `layer` to `layer + layers - 1` of a mip. */
 bool gl_image_write(struct dt_gl_runtime *rt, const struct gl_image *image, uint32_t mip,
                     uint32_t layer, uint32_t layers, const void *texels);
-uint32_t gl_mip_layers(const struct gl_image *image, uint32_t mip); /* or its depth */
 
 /* Set every byte. */
 bool gl_buffer_fill(struct dt_gl_runtime *rt, const struct gl_buffer *buffer, int byte);

@@ -144,7 +144,8 @@ bool gl_image_import(struct dt_gl_runtime *rt, struct gl_image *image, GLuint te
                own_format, image->width, image->height, image->layers, image->mips);
 }
 
-uint32_t gl_mip_layers(const struct gl_image *image, uint32_t mip)
+/* Or its depth. */
+static uint32_t gl_mip_layers(const struct gl_image *image, uint32_t mip)
 {
     return image->shape == DT_SHAPE_3D ? (uint32_t)gl_mip_size(image->layers, mip) : image->layers;
 }

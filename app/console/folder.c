@@ -36,7 +36,8 @@ static bool is_marked(const char *place, const char *mark)
     return marked;
 }
 
-bool folder_is_empty(const char *place)
+/* True also where there is no folder; false where it cannot be listed. */
+static bool folder_is_empty(const char *place)
 {
     DIR *listing = opendir(place);
     int entries = 0;

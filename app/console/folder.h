@@ -12,9 +12,6 @@ struct folder {
     char *temporary; /* NULL: nothing was begun */
 };
 
-/* True also where there is no folder; false where it cannot be listed. */
-bool folder_is_empty(const char *place);
-
 /* Refuses a place that is neither free, nor an empty folder, nor one of the same kind, whose
  * manifest.json has the key `mark`. Strings but the place are borrowed. On false the error is logged; folder_end either way. */
 bool folder_begin(struct folder *folder, struct console *console, const char *option,

@@ -34,7 +34,7 @@ void sheet_free(struct sheet *sheet)
     *sheet = (struct sheet){0};
 }
 
-const char *sheet_verdict(const struct sheet_row *row)
+static const char *sheet_verdict(const struct sheet_row *row)
 {
     return row->compared ? verdict_name(difference_verdict(&row->difference)) : row->verdict;
 }

@@ -79,7 +79,6 @@ struct sheet {
 
 bool sheet_begin(struct sheet *sheet, uint32_t rows, const struct dt_log *log); /* false: logged */
 void sheet_free(struct sheet *sheet); /* takes a zeroed one */
-const char *sheet_verdict(const struct sheet_row *row);
 bool sheet_is_early(const struct sheet *sheet, const struct sheet_row *row);
 
 void sheet_print(const struct sheet *sheet); /* the table, on stdout */

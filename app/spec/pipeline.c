@@ -24,7 +24,8 @@ struct load {
     char *cache; /* NULL: none */
 };
 
-char *pipeline_spec_path(const char *spec, const struct dt_log *log)
+/* Of NULL: of the project's own; logged; free(). */
+static char *find_spec_path(const char *spec, const struct dt_log *log)
 {
     char *templates = spec ? NULL : templates_folder(log);
     char *wanted = spec        ? find_spec(spec, log)
@@ -59,7 +60,9 @@ static char *folder_in(const char *base, const char *name)
     return NULL;
 }
 
-char *pipeline_cache(const char *tools)
+/* Folder of compiled shaders: build/cache where that can be written, else the user's own cache folder, as for
+ * what is installed; free(). NULL: neither can be written, and there is no cache. */
+static char *cache_folder(const char *tools)
 {
     const char *home = getenv("HOME");
     char *own = home ? format_string("%s/.cache", home) : NULL;
@@ -75,14 +78,14 @@ char *pipeline_cache(const char *tools)
 static bool find_files(struct load *load, const struct setup *setup, const struct dt_log *log)
 {
     *load = (struct load){.tools = tools_folder(log)};
-    load->spec = load->tools ? pipeline_spec_path(setup->spec, log) : NULL;
+    load->spec = load->tools ? find_spec_path(setup->spec, log) : NULL;
     load->templates = !load->spec        ? NULL
                       : setup->templates ? realpath(setup->templates, NULL)
                                          : templates_folder(log);
     if (load->spec && !load->templates)
         report_error(log, "%s: cannot be read: %s",
                      setup->templates ? setup->templates : "templates", strerror(errno));
-    load->cache = load->templates ? pipeline_cache(load->tools) : NULL;
+    load->cache = load->templates ? cache_folder(load->tools) : NULL;
     return load->templates;
 }
 

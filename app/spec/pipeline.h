@@ -19,13 +19,6 @@ struct pipeline {
     uint32_t frame_size[2]; /* the only one that --input fits; 0: any */
 };
 
-/* Folder of compiled shaders: build/cache where that can be written, else the user's own cache folder, as for
- * what is installed; free(). NULL: neither can be written, and there is no cache. */
-char *pipeline_cache(const char *tools);
-
-/* The real path of a spec, NULL: of the project's own; logged; free(). */
-char *pipeline_spec_path(const char *spec, const struct dt_log *log);
-
 /* Reads, checks and plans; compiles the shaders that the cache does not have: in build/cache beside the
  * executable, or in $XDG_CACHE_HOME/diptych when it is installed or that cannot be written. --set of a live
  * parameter only changes its default. On false the error is logged and nothing is left loaded. */

@@ -9,13 +9,14 @@
 
 /* ---- Literals and names ---------------------------------------------------------------------- */
 
-void c_upper(struct text *out, const char *name)
+static void c_upper(struct text *out, const char *name)
 {
     for (; *name; name++)
         text_add(out, "%c", *name == '.' ? '_' : toupper((unsigned char)*name));
 }
 
-void c_enumerator(const struct c_output *c, const char *group, const char *name)
+/* SSVP_PASS_GBUFFER */
+static void c_enumerator(const struct c_output *c, const char *group, const char *name)
 {
     c_add(c, "@N_@s_@U", group, name);
 }

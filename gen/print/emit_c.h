@@ -20,9 +20,6 @@ struct c_output {
  * argument: @s a text, @w the same as an identifier, @U in capitals, @q as a string with quotes, @c as a
  * comment; @u a uint32_t; @R and @P names of a resource and a pass by index; @E an expression. */
 void c_add(const struct c_output *c, const char *text, ...);
-void c_upper(struct text *out, const char *name);
-/* SSVP_PASS_GBUFFER */
-void c_enumerator(const struct c_output *c, const char *group, const char *name);
 void c_resource(const struct c_output *c,
                 uint32_t resource); /* or the name of an enum dt_builtin */
 void c_pass(const struct c_output *c, uint32_t pass);
