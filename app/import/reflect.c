@@ -3,13 +3,15 @@
 
 #include <spirv_cross/spirv_cross_c.h>
 #include <stdio.h>
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "base/files.h"
+#include "base/text.h"
 #include "diptych.h"
 #include "formats.h"
-#include "gen/glsl/glslang.h"
+#include "gen/glsl/initials.h"
 #include "gen/model/foreign.h"
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
@@ -401,6 +403,25 @@ bool reflect_module(const uint32_t *words, size_t count, int stage, struct refle
     return good && reflect_words(own, count, reflection, why);
 }
 
+/* In a block a bool is a uint: bvec2(true, false) is uvec2(1, 0). */
+static void take_initial(void *user, const char *name, const char *value)
+{
+    struct reflection *reflection = user;
+    for (uint32_t i = 0; i < reflection->count; i++) {
+        struct reflected *item = &reflection->list[i];
+        struct text text = {0};
+        if (item->kind != REFLECTED_VALUE || item->initial || strcmp(item->name, name) != 0)
+            continue;
+        text_add(&text, "%s", *value == 'b' ? item->type : value);
+        for (const char *at = *value == 'b' ? strchr(value, '(') : ""; *at; at++)
+            if (!isalpha((unsigned char)*at))
+                text_add(&text, "%c", *at);
+            else if (*at == 't' || *at == 'f')
+                text_add(&text, *at == 't' ? "1" : "0");
+        item->initial = text.data;
+    }
+}
+
 bool reflect(const char *text, int stage,
              bool (*include)(const void *user, const char *from, const char *name,
                              struct glslang_file *file),
@@ -413,12 +434,17 @@ bool reflect(const char *text, int stage,
     *why = NULL;
     *reflection = (struct reflection){0};
     uint32_t *words = code && spirv_init() ? glslang_compile(&job, &count, why) : NULL;
+    bool good = words && reflect_words(words, count, reflection, why);
+    if (good)
+        glsl_initials(&job, take_initial, reflection);
     free(code);
-    return words && reflect_words(words, count, reflection, why);
+    return good;
 }
 
 void reflect_free(struct reflection *reflection)
 {
+    for (uint32_t i = 0; i < reflection->count; i++)
+        free(reflection->list[i].initial);
     free(reflection->list);
     *reflection = (struct reflection){0};
 }

@@ -30,6 +30,7 @@ struct reflected {
     uint32_t location;  /* input, output */
     uint64_t bytes;     /* buffer: least size */
     double number;      /* constant */
+    char *initial;      /* value: a constructor; NULL: none */
 };
 
 struct reflection {

@@ -1,5 +1,6 @@
 /* Single shaders as specs. Reflection tells names, kinds and formats; sizes, contents and values are
  * guesses that run, each with a comment. */
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -175,6 +176,29 @@ static void write_filled(struct text *out, const char *type)
     text_add(out, bracket ? ")" : "1)");
 }
 
+/* The frame's size, for a vector whose name says so; NULL: another. */
+static const char *size_named(const struct reflected *item)
+{
+    static const char *const words[] = {"resolution",  "viewport",   "dimension",  "extent",
+                                        "screensize",  "framesize",  "imagesize",  "windowsize",
+                                        "texturesize", "rendersize", "buffersize", "targetsize"};
+    static const char *const sizes[] = {"frame.width, frame.height", "frame.width, frame.height, 1",
+                                        "frame.width, frame.height, 1.0 / frame.width, 1.0 / "
+                                        "frame.height"};
+    char plain[64] = "";
+    size_t length = 0;
+    int components = components_of(item->type);
+    for (const char *at = item->name; *at && length + 1 < sizeof plain; at++)
+        if (*at != '_')
+            plain[length++] = (char)tolower((unsigned char)*at);
+    if (components < 2 || *item->type == 'b' || strchr(item->type, '[') || strstr(plain, "inv"))
+        return NULL;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (strstr(plain, words[i]))
+            return sizes[components - 2];
+    return !strcmp(plain, "size") ? sizes[components - 2] : NULL;
+}
+
 static bool can_be_filled(const struct making *making, const struct reflected *item,
                           const char *what)
 {
@@ -200,18 +224,26 @@ static bool write_value(struct making *making, const struct reflected *item)
     if (!can_be_filled(making, item, "uniform"))
         return false;
     bool real = *type == 'f' || *type == 'v';
-    const char *one = real ? "1.0" : "1";
-    if (plain && name_is_free(item->name)) {
+    const char *one = real ? "1.0" : "1", *size = item->initial ? NULL : size_named(item);
+    if (plain && !size && name_is_free(item->name)) {
         text_add(&making->params, "  %s: {value: %s", item->name, vector ? "[" : "");
-        for (int i = 0; i < components_of(type); i++)
+        for (const char *at = item->initial ? strchr(item->initial, '(') + 1 : ")"; *at != ')';
+             at++)
+            text_add(&making->params, *at == 'u' ? "" : "%c", *at);
+        for (int i = 0; !item->initial && i < components_of(type); i++)
             text_add(&making->params, "%s%s", i ? ", " : "", one);
-        text_add(&making->params, "%s, type: %s, live: true}  # its value is a guess\n",
-                 vector ? "]" : "", type);
+        text_add(&making->params, "%s, type: %s, live: true}%s\n", vector ? "]" : "", type,
+                 item->initial ? "" : "  # its value is a guess");
         return true;
     }
     text_add(&making->values, "  %s: \"", item->name);
-    write_filled(&making->values, type);
-    text_add(&making->values, "\"  # a guess\n");
+    if (item->initial)
+        text_add(&making->values, "%s", item->initial);
+    else if (size)
+        text_add(&making->values, "%s(%s)", type, size);
+    else
+        write_filled(&making->values, type);
+    text_add(&making->values, item->initial ? "\"\n" : "\"  # a guess\n");
     return true;
 }
 

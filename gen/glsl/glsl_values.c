@@ -1,6 +1,7 @@
 /* The values of a whole shader's uniforms and inputs, as functions in front of its text. Its blocks
  * and attributes are its own; spirv/bind.c fills them from these functions. */
 #include "glsl.h"
+#include "initials.h"
 
 #include <string.h>
 
@@ -53,6 +54,32 @@ static bool has_value(const struct glsl *glsl, const char *name)
            find_value(glsl->pipeline->values, glsl->pipeline->value_count, name);
 }
 
+/* The initializer of a uniform that has no other value. */
+static void add_initial(void *user, const char *name, const char *value)
+{
+    struct glsl *glsl = user;
+    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++)
+        if (!strcmp(glsl->pipeline->params[i].name, name))
+            return;
+    if (!has_value(glsl, name))
+        text_add(&glsl->parts[PART_VALUES], "%.*s diptych_value_%s() { return %s; }\n",
+                 (int)strcspn(value, "("), value, name, value);
+}
+
+static void add_initials(struct glsl *glsl)
+{
+    struct text text = {0};
+    text_add(&text, "#version 460\n");
+    glsl_macros(glsl, &text);
+    glsl_defines(glsl, &text);
+    text_add(&text, "%s", glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "");
+    const struct glslang_job job = {
+        .code = text.data, .stage = glsl->stage, .include = glsl_include, .user = glsl->files};
+    if (!text.failed && glslang_start())
+        glsl_initials(&job, add_initial, glsl);
+    text_free(&text);
+}
+
 /* Parameters by their names, while the values are read. */
 static void add_names(struct glsl *glsl, struct text *functions, struct text *ends)
 {
@@ -82,6 +109,7 @@ void glsl_values(struct glsl *glsl)
     *out = (struct text){0};
     add_names(glsl, &functions, &ends);
     text_add(out, "%s%s", functions.data ? functions.data : "", ends.data ? ends.data : "");
+    add_initials(glsl);
     out->failed |= functions.failed || ends.failed;
     text_free(&functions);
     text_free(&ends);

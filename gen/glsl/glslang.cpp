@@ -20,6 +20,12 @@ enum { VERSION_GLSL = 460 };
 
 void set_targets(glslang::TShader &shader, EShLanguage stage, const glslang_job &job)
 {
+    if (job.opengl) {
+        shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientOpenGL, VERSION_GLSL);
+        shader.setEnvClient(glslang::EShClientOpenGL, glslang::EShTargetOpenGL_450);
+        shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_0);
+        return;
+    }
     shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, VERSION_GLSL);
     shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
     shader.setEnvTarget(glslang::EShTargetSpv, job.minor == 5   ? glslang::EShTargetSpv_1_5
@@ -82,7 +88,8 @@ void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
     shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
     set_targets(shader, stages[job.stage], job);
     if (job.whole) {
-        shader.setEnvInputVulkanRulesRelaxed();
+        if (!job.opengl)
+            shader.setEnvInputVulkanRulesRelaxed();
         shader.setAutoMapBindings(true);
         shader.setAutoMapLocations(true);
     }
@@ -116,19 +123,20 @@ extern "C" bool glslang_start(void)
 extern "C" uint32_t *glslang_compile(const glslang_job *job, size_t *count, char **log)
 try {
     EShLanguage stage = stages[job->stage];
+    const EShMessages own = job->opengl ? static_cast<EShMessages>(EShMsgSpvRules) : rules;
     glslang::TShader shader(stage);
     glslang::TProgram program;
     Files files(*job);
     Text text;
     *log = nullptr;
     set_text(shader, *job, text);
-    if (!shader.parse(GetDefaultResources(), VERSION_GLSL, ECoreProfile, false, false, rules,
+    if (!shader.parse(GetDefaultResources(), VERSION_GLSL, ECoreProfile, false, false, own,
                       files)) {
         *log = strdup(shader.getInfoLog());
         return nullptr;
     }
     program.addShader(&shader);
-    if (!program.link(rules)) {
+    if (!program.link(own) || (job->opengl && !program.mapIO())) {
         *log = strdup(program.getInfoLog());
         return nullptr;
     }

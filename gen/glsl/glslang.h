@@ -24,6 +24,7 @@ struct glslang_job {
     bool marked;      /* the author's operations have RelaxedPrecision, those that glslang adds have
                          not */
     bool whole;       /* with declarations of its own, also those of OpenGL's GLSL */
+    bool opengl;      /* as OpenGL reads it: uniforms keep their initializers */
     /* #include "name" in the file of that number; "": in `code`. False: there is none. */
     bool (*include)(const void *user, const char *from, const char *name,
                     struct glslang_file *file);

@@ -278,6 +278,14 @@ static bool check_kind(struct binder *binder, const uint32_t *variable, const ui
                               : "`%s` is a sampler, but the pass takes it as an image: add "
                                 "`sampler` to what it reads, or declare image2D",
                       slot->name);
+    const uint32_t *depth = sampler ? spirv_definition(binder->module, type[2]) : NULL;
+    if (depth && depth[4] < 2 && slot->compare != depth[4])
+        return refuse(binder,
+                      slot->compare ? "`%s` is read by a sampler that compares depths: declare "
+                                      "sampler2DShadow, or a sampler without compare"
+                                    : "`%s` compares depths: read an image of format d32f by a "
+                                      "sampler with compare: true",
+                      slot->name);
     if (!sampler && !image && uniform != block)
         return refuse(binder,
                       block ? "`%s` is a buffer, but the pass binds it as a uniform block"

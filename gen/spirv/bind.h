@@ -8,6 +8,7 @@ struct bind_slot {
     const char *name; /* of the shader's variable, or of its block if that has no instance name */
     int binding;
     unsigned kind; /* mask of enum dt_access: how the pass binds it */
+    bool compare;  /* its sampler compares depths */
 };
 
 struct bind_request {

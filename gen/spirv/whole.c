@@ -178,7 +178,8 @@ bool whole_bind(const struct pass *pass, const struct shader *shader, const stru
     for (uint32_t i = 0; slots && i < pass->access_count; i++)
         if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
             slots[request.slot_count++] = (struct bind_slot){
-                access_word(&pass->accesses[i]), pass->accesses[i].binding, pass->accesses[i].kind};
+                access_word(&pass->accesses[i]), pass->accesses[i].binding, pass->accesses[i].kind,
+                pass->accesses[i].filter && pass->accesses[i].filter->compare};
     bool good = slots && spirv_join(module, more) && spirv_bind(module, &request, log);
     free(slots);
     return good;

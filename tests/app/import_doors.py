@@ -129,6 +129,47 @@ for local in ("local_size_x = 1", "local_size_x_id = 0", "local_size_x = 1, loca
          "dispatch: 65535 ")
 
 
+case("initializers of uniforms", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);",
+     "vec4(a * b, c.x + c.y)")}, 0, """  a: {value: 0.5, type: float, live: true}
+  b: {value: [0.25, 0.5, 1], type: vec3, live: true}
+  c: {value: [3, 4000000000], type: uvec2, live: true}
+""")
+case("... of those that no parameter can be", {"a.frag": fragment("uniform mat2 a = mat2(1, 0.5, 0.25, 2);\nuniform float b[2] = float[](1, 2);\nuniform bool c = true;",
+     "vec4(a[1], b[1], c)")}, 0, "  c: {value: 1, type: uint, live: true}")
+case("a uniform that is named like a size", {"a.frag": fragment("uniform vec3 iResolution;\nuniform vec2 u_screen_size;", "vec4(iResolution / u_screen_size.xyy, 1)")}, 0,
+     'iResolution: "vec3(frame.width, frame.height, 1)"  # a guess\n  u_screen_size: "vec2(frame.width, frame.height)"')
+case("a texture that is compared", {"a.frag": fragment("uniform sampler2DShadow shadow;", "vec4(texture(shadow, vec3(0.5)))")}, 0, "shadow: {format: d32f")
+case("... its sampler", {"a.frag": fragment("uniform sampler2DShadow shadow;", "vec4(texture(shadow, vec3(0.5)))")}, 0, "shadow_: {kind: filter, filter: linear, compare: true,")
+
+# ---- Specs that read such shaders -------------------------------------------------------------------------------------
+
+
+def spec(shader: str, image: str = "d32f", sampler: str = "filter: nearest") -> Files:
+    return {"a.yaml": f"""pipeline: a
+images: {{near: {{format: {image}, size: [4, 4], history: true}}, shown: {{format: rgba8, size: frame}}}}
+samplers: {{by: {{kind: filter, {sampler}}}}}
+passes:
+  - {{name: run, draw: fullscreen, reads: [{{name: near, sampler: by}}], writes: [shown], shader: a.glsl}}
+""", "a.glsl": shader}
+
+
+compared = fragment("uniform sampler2DShadow near;", "vec4(texture(near, vec3(0.5)))")
+case("depths that are compared by a plain sampler", spec(compared), 1, "a.yaml:5:")
+case("... as colour", spec(compared, "rgba8"), 1, "`near` compares depths: read an image of format d32f by a sampler with compare: true")
+case("... by a sampler that compares", spec(compared, sampler="filter: linear, compare: true"), 0, "1 passes")
+case("a plain texture by a sampler that compares", spec(fragment("uniform sampler2D near;", "texture(near, vec2(0.5))"), sampler="filter: linear, compare: true"), 1,
+     "`near` is read by a sampler that compares depths")
+case("a uniform without a parameter, but an initializer", spec(fragment("uniform sampler2D near;\nuniform float gain = 0.5;", "gain * texture(near, vec2(0.5))")), 0, "1 passes")
+case("... without either", spec(fragment("uniform sampler2D near;\nuniform float gain;", "gain * texture(near, vec2(0.5))")), 1, "the shader reads `gain`, which has no value")
+many = "".join(f"uniform float u{i};\n" for i in range(1500))
+values = "values:\n" + "".join(f'  u{i}: "float(1)"\n' for i in range(1500))
+case("a whole shader of 1,500 uniforms", {name: text + values * (name == "a.yaml") for name, text in
+     spec(fragment("uniform sampler2D near;\n" + many, "texture(near, vec2(" + "+".join(f"u{i}" for i in range(1500)) + "))")).items()}, 0, "1 passes")
+truncated = struct.pack("<5I", 0x07230203, 0x10000, 0, 100, 0)
+for what, module in (("no instruction", truncated), ("an instruction of no length", truncated + bytes(8)), ("an instruction that leads out", truncated + struct.pack("<2I", 0xffff0005, 1))):
+    case(f"a module of {what}", spec("") | {"a.glsl": module}, 1, "spirv-val says: ")
+
+
 def run(number: int, what: str, files: Files, status: int, words: str) -> bool:
     folder = f"{WORK}/{number}/in"
     for name, content in files.items():
@@ -137,14 +178,15 @@ def run(number: int, what: str, files: Files, status: int, words: str) -> bool:
             file.write(content if isinstance(content, bytes) else content.encode())
     before = sorted(os.listdir(folder))
     given = [name for name in files if name.endswith((".vert", ".frag", ".comp"))] or ["a.slangp"]
-    done = subprocess.run(["timeout", "60", DIPTYCH, "import", *given, "-o", "../out"], cwd=folder, capture_output=True, text=True, errors="replace")
-    said = done.stderr
-    spec = next((f"{WORK}/{number}/out/{name}" for name in os.listdir(f"{WORK}/{number}/out") if name.endswith(".yaml")), "") if not done.returncode else ""
+    command = [GEN, "a.yaml", "--check", "--limit", "10", "--templates", TEMPLATES] if "a.yaml" in files else [DIPTYCH, "import", *given, "-o", "../out"]
+    done = subprocess.run(["timeout", "60", *command], cwd=folder, capture_output=True, text=True, errors="replace")
+    said = done.stderr + done.stdout
+    spec = next((f"{WORK}/{number}/out/{name}" for name in os.listdir(f"{WORK}/{number}/out") if name.endswith(".yaml")), "") if not done.returncode and "a.yaml" not in files else ""
     if spec:
         check = subprocess.run([GEN, spec, "--check", "--templates", TEMPLATES], capture_output=True, text=True)
         said += open(spec).read() + check.stderr
     good = done.returncode == status and words in said and (not spec or not check.returncode) and sorted(os.listdir(folder)) == before and \
-        sorted(os.listdir(f"{WORK}/{number}")) == ["in"] + ["out"] * (not done.returncode)
+        sorted(os.listdir(f"{WORK}/{number}")) == ["in"] + ["out"] * bool(spec)
     if not good:
         print(f"# status {done.returncode}, expected {status} and `{words}`\n# " + said[:1500].replace("\n", "\n# "))
     shutil.rmtree(f"{WORK}/{number}")

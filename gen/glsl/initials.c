@@ -1,0 +1,101 @@
+/* See initials.h. */
+#include "initials.h"
+
+#include <spirv/unified1/spirv.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "base/text.h"
+#include "model/module.h"
+#include "read/body_files.h"
+
+/* Whether an `=` stands in a declaration of a uniform; a name of the macro kind counts as well. */
+static bool seems_to_have_some(const char *code)
+{
+    for (const char *at = code; (at = find_word(at, "uniform")); at += strlen("uniform"))
+        if (at[strcspn(at, ";={")] == '=')
+            return true;
+    return strstr(code, "#include");
+}
+
+/* False: no type of a uniform that has a value in a spec. */
+static bool add_type_name(const struct spirv *module, const uint32_t *type, struct text *out)
+{
+    char letter =
+        spirv_letter(spirv_is(type, SpvOpTypeVector) ? spirv_definition(module, type[2]) : type);
+    if (spirv_is(type, SpvOpTypeArray)) {
+        bool good = add_type_name(module, spirv_definition(module, type[2]), out) &&
+                    !strchr(out->data, '[');
+        text_add(out, "[%u]", spirv_definition(module, type[3])[3]);
+        return good;
+    }
+    if (spirv_is(type, SpvOpTypeMatrix))
+        text_add(out, "mat%ux%u", type[3], spirv_definition(module, type[2])[3]);
+    else if (spirv_is(type, SpvOpTypeVector))
+        text_add(out, letter == 'f' ? "vec%u" : "%cvec%u", letter == 'f' ? (int)type[3] : letter,
+                 type[3]);
+    else
+        text_add(out, "%s",
+                 letter == 'f'   ? "float"
+                 : letter == 'i' ? "int"
+                 : letter == 'u' ? "uint"
+                                 : "bool");
+    return letter || spirv_is(type, SpvOpTypeMatrix);
+}
+
+/* A number, or the constructor of more. */
+static bool add_constant_text(const struct spirv *module, uint32_t id, bool outer, struct text *out)
+{
+    const uint32_t *constant = spirv_definition(module, id),
+                   *type = spirv_definition(module, constant[1]);
+    uint32_t parts = spirv_is(constant, SpvOpConstantComposite) ? spirv_length(constant) - 3 : 0;
+    bool good = true, named = outer || parts;
+    float number;
+    if (named) {
+        struct text name = {0};
+        good = add_type_name(module, type, &name);
+        text_add(out, "%s(", name.data ? name.data : "");
+        text_free(&name);
+    }
+    for (uint32_t i = 0; good && i < parts; i++) {
+        text_add(out, "%s", i ? ", " : "");
+        good = add_constant_text(module, constant[3 + i], false, out);
+    }
+    memcpy(&number, constant + 3, sizeof number);
+    if (spirv_is(constant, SpvOpConstant) && spirv_letter(type) == 'f')
+        text_add_float(out, (double)number);
+    else if (spirv_is(constant, SpvOpConstant) && spirv_letter(type))
+        text_add(out, spirv_letter(type) == 'i' ? "%d" : "%uu", constant[3]);
+    else if (spirv_is(constant, SpvOpConstantTrue) || spirv_is(constant, SpvOpConstantFalse))
+        text_add(out, spirv_is(constant, SpvOpConstantTrue) ? "true" : "false");
+    else if (!parts)
+        good = false;
+    text_add(out, named ? ")" : "");
+    return good;
+}
+
+void glsl_initials(const struct glslang_job *job, initial_taker *take, void *user)
+{
+    struct glslang_job own = *job;
+    struct spirv module = {0};
+    size_t count = 0;
+    char *log = NULL;
+    if (!seems_to_have_some(job->code))
+        return;
+    own.opengl = own.whole = true;
+    own.marked = own.lines = false;
+    uint32_t *words = glslang_compile(&own, &count, &log);
+    free(log);
+    if (!words || !spirv_read(&module, words, count))
+        return;
+    SPIRV_EACH(&module, at, module.declarations, module.code)
+    {
+        const uint32_t *i = module.words + at;
+        struct text value = {0};
+        if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
+            spirv_length(i) > 4 && add_constant_text(&module, i[4], true, &value) && !value.failed)
+            take(user, spirv_name(&module, i[2]), value.data);
+        text_free(&value);
+    }
+    spirv_free(&module);
+}
