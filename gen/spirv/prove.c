@@ -152,7 +152,6 @@ static const uint16_t exact_operations[] = {
     SpvOpFNegate,
     SpvOpFOrdEqual,
     SpvOpFUnordEqual,
-    SpvOpFOrdNotEqual,
     SpvOpFUnordNotEqual,
     SpvOpFOrdLessThan,
     SpvOpFUnordLessThan,

@@ -511,7 +511,8 @@ static bool is_unnamed(const char *name)
     return !name || !*name || !strcmp(name, "indexable");
 }
 
-static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const char *name)
+/* Returns an index that the array has. */
+static uint32_t put_index(struct sanitizer *s, uint32_t index, uint32_t count, const char *name)
 {
     char letter = spirv_letter(spirv_type(s->from, index)), mangled[40], text[160];
     struct values values = {{index, count}, 2};
@@ -522,7 +523,7 @@ static void put_index(struct sanitizer *s, uint32_t index, uint32_t count, const
     snprintf(mangled, sizeof mangled, "diptych_index(%c1;u1;u1;u1;", letter);
     sanitizer_place(s, &values,
                     sanitizer_site(s, is_unnamed(name) ? "[" : NULL, name ? name : "", text));
-    sanitizer_call(s, mangled, &values);
+    return sanitizer_call(s, mangled, &values);
 }
 
 /* The number of elements of what the chain's word indexes; 0: it needs no check. */
@@ -544,10 +545,22 @@ static uint32_t put_count(struct sanitizer *s, const uint32_t *chain, uint32_t w
     return PUT_VALUE(s, SpvOpArrayLength, sanitizer_uint(s), chain[3], member);
 }
 
-/* All indices of an access chain. */
-static void put_chain(struct sanitizer *s, const uint32_t *chain)
+/* Whether a driver need not look at an index there: in what a shader has of its own. */
+static bool is_own(const struct spirv *from, uint32_t pointer)
 {
+    uint32_t storage = spirv_type(from, pointer)[2];
+    return storage == SpvStorageClassWorkgroup || storage == SpvStorageClassFunction ||
+           storage == SpvStorageClassPrivate;
+}
+
+/* All indices of an access chain. Whether it has written the chain, with indices that there are. */
+static bool put_chain(struct sanitizer *s, const uint32_t *chain)
+{
+    enum { MOST_WORDS = 32 };
     const struct spirv *from = s->from;
+    uint32_t words[MOST_WORDS], length = spirv_length(chain);
+    bool guards = is_own(from, chain[3]) && length <= MOST_WORDS;
+    memcpy(words, chain, (length < MOST_WORDS ? length : MOST_WORDS) * sizeof *words);
     const uint32_t *type = spirv_definition(from, spirv_type(from, chain[3])[3]);
     const char *name = base_name(from, chain[3]);
     for (uint32_t word = 4; word < spirv_length(chain); word++) {
@@ -562,10 +575,15 @@ static void put_chain(struct sanitizer *s, const uint32_t *chain)
         uint32_t count =
             spirv_letter(spirv_type(from, chain[word])) ? put_count(s, chain, word, type) : 0;
         (void)index;
-        if (count)
-            put_index(s, chain[word], count, is_unnamed(name) ? NULL : name);
+        uint32_t safe =
+            count ? put_index(s, chain[word], count, is_unnamed(name) ? NULL : name) : 0;
+        if (safe && guards)
+            words[word] = safe;
         type = spirv_definition(from, type[2]);
     }
+    if (guards)
+        spirv_copy(&s->edit, &s->edit.code, words);
+    return guards;
 }
 
 /* v[i] of a vector that is no variable. */
@@ -738,15 +756,15 @@ static uint32_t put_header(struct sanitizer *s, const uint32_t *merge)
 
 /* ---- The module ------------------------------------------------------------------------------ */
 
-static void put_before(struct sanitizer *s, const uint32_t *instruction)
+/* Whether it has written the instruction. */
+static bool put_before(struct sanitizer *s, const uint32_t *instruction)
 {
     if (!(s->request->kinds & SANITIZE_INDEX))
-        return;
+        return false;
     s->kind = SANITIZE_INDEX;
     switch (spirv_opcode(instruction)) {
     case SpvOpAccessChain:
-        put_chain(s, instruction);
-        break;
+        return put_chain(s, instruction);
     case SpvOpVectorExtractDynamic:
         put_component(s, instruction, instruction[4]);
         break;
@@ -761,6 +779,7 @@ static void put_before(struct sanitizer *s, const uint32_t *instruction)
     default:
         break;
     }
+    return false;
 }
 
 /* Returns the words up to the last instruction that is written. */
@@ -776,7 +795,7 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     uint32_t safe = checked ? put_safe(s, &check, i) : 0;
     if (s->request->kinds & SANITIZE_ARITHMETIC)
         put_dropped(s, i);
-    put_before(s, i);
+    bool written = put_before(s, i);
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_before(s, i);
     race_before(s, at);
@@ -794,7 +813,7 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         put_return(s, function);
     else if (safe)
         PUT(s, spirv_opcode(i), i[1], i[2], i[3], safe);
-    else if (!quads_discard(s, i))
+    else if (!written && !quads_discard(s, i))
         spirv_copy(&s->edit, &s->edit.code, i);
     if (checked)
         put_result(s, &check, i, bad);

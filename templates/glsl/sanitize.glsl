@@ -90,14 +90,15 @@ bool diptych_told(const bool bad, const float a, const float b, const uint site,
 
 /* ---- Indices --------------------------------------------------------------------------------- */
 
-void diptych_index(const uint i, const uint count, const uint site, const uint what)
+/* An index that there is: beyond `shared` memory, CPUs' drivers end. */
+uint diptych_index(const uint i, const uint count, const uint site, const uint what)
 {
-    diptych_told(i >= count, i, count, site, what);
+    return mix(i, 0u, diptych_told(i >= count, i, count, site, what));
 }
 
-void diptych_index(const int i, const uint count, const uint site, const uint what)
+int diptych_index(const int i, const uint count, const uint site, const uint what)
 {
-    diptych_told(uint(i) >= count, uint(i), count, site, what);
+    return mix(i, 0, diptych_told(uint(i) >= count, uint(i), count, site, what));
 }
 
 /* A mip that there is. */

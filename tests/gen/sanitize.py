@@ -85,6 +85,8 @@ WRONG = [
     ("if (l == 0) stack_store(ivec3(0, 0, i / 32 + 1), uvec4(1)); r = 1.0;", "stack_store",
      "texel (0, 0, 2) of `stack`, which has 4 x 4 texels", 32),
     ("if (i % 8 == 0) scratch[i / 8] = x; r = 1.0;", "scratch", "index 4 of `scratch`, which has 4 elements", 32, "shared float scratch[4];\n"),
+    ("scratch[i * 9999] = x; r = x;", "scratch", "index 9999 of `scratch`, which has 4 elements", 1,
+     "shared float scratch[4];\n"),
     ("r = texelFetch(pyramid_texture, ivec2(0), i / 16).x;", "pyramid_texture", "mip 2 of `pyramid`, which has 2 mips", 32),
     ("r = texelFetch(pyramid_texture, ivec2(i % 6, 0), 1).x;", "pyramid_texture", "texel (4, 0) of `pyramid`, which has 4 x 4 texels", 4),
     ("r = faces(ivec3(0, 0, i / 10)).x;", "faces", "texel (0, 0, 6) of `faces`, which has 4 x 4 texels", 60),

@@ -13,7 +13,7 @@ import sys
 import sanitize
 
 # Never called by a body of ours: texel buffers and 1D images are the generator's, whose indices are right.
-NEVER = {"diptych_texel(const int p"}
+NEVER = {"diptych_texel(const int p", "diptych_safe"}
 # Bodies beside those of sanitize.py, of overloads and of parts of conditions.
 MORE = [
     ("r = taps[uint(i) / 4u];", "taps", "index 8 of `taps`, which has 8 elements", 32),
@@ -91,7 +91,7 @@ def argument(text, start):
 
 def conditions(text):
     """(function, begin, end) of each condition, and of the parts that `any` joins."""
-    for call in re.finditer(r"\n(?:bool|void|uint) (diptych_\w+\([^\n]*)\n{(.*?)\n}", text, re.S):
+    for call in re.finditer(r"\n(?:bool|void|u?int) (diptych_\w+\([^\n]*)\n{(.*?)\n}", text, re.S):
         if any(call[1].startswith(never) for never in NEVER) or call[1].startswith(("diptych_told", "diptych_note")):
             continue
         for found in re.finditer(r"diptych_(?:told|note)\(", call[2]):
@@ -197,8 +197,8 @@ class Bench:
         text = self.source.replace("struct check {\n", out + "struct check {\n    const char *own;\n", 1)
         text = re.sub(r"    {((?:SpvOp|GLSLstd450)\w+),", r'    {"\1", \1,', text)
         text = text.replace("if (list[i].number == number)", "if (list[i].number == number && !is_out(list[i].own))", 1)
-        begin = text.index("static void put_before(")
-        cases = re.sub(r"case (SpvOp\w+):\n", r'case \1:\n        if (is_out("case \1"))\n            return;\n        goto \1;\n    \1:\n', text[begin : text.index("default", begin)])
+        begin = text.index("static bool put_before(")
+        cases = re.sub(r"case (SpvOp\w+):\n", r'case \1:\n        if (is_out("case \1"))\n            return false;\n        goto \1;\n    \1:\n', text[begin : text.index("default", begin)])
         path, thing, library = (os.path.join(self.folder, name) for name in ("sanitize.c", "sanitize_spirv.o", "gen.a"))
         with open(path, "w", encoding="utf-8") as file:
             file.write(text[:begin] + cases + text[text.index("default", begin) :])
@@ -213,7 +213,7 @@ class Bench:
         self.compile()
         for number, _, word in table_rows(self.source):
             self.judge(number, lambda row: word in row[0], MUTANT=number)
-        begin = self.source.index("static void put_before(")
+        begin = self.source.index("static bool put_before(")
         for case in re.findall(r"case (SpvOp\w+):\n", self.source[begin : self.source.index("default", begin)]):
             self.judge(case, lambda row: "index" in row[2] or "texel" in row[2], MUTANT="case " + case)
 

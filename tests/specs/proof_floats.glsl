@@ -1,3 +1,11 @@
+#extension GL_EXT_spirv_intrinsics : require
+/* Comparisons that hold for NaN, as other compilers write them. */
+spirv_instruction(id = 181) bool unordered_equal(float a, float b);
+spirv_instruction(id = 185) bool unordered_less(float a, float b);
+spirv_instruction(id = 187) bool unordered_greater(float a, float b);
+spirv_instruction(id = 189) bool unordered_less_equal(float a, float b);
+spirv_instruction(id = 191) bool unordered_greater_equal(float a, float b);
+
 float number(uint bits)
 {
     return uintBitsToFloat((bits & 0x87ffffffu) + 0x3c000000u); /* 2^-7 to 2^8 */
@@ -21,7 +29,8 @@ void main()
     r.of[5] = float(uint(abs(x))) + float(int(y));
     r.of[6] = float(numbers[at].of[4] >> 1);
     r.of[7] = float(x < y) + float(x > y) + float(x <= y) + float(x >= y) + float(x == y) + float(x != y);
-    r.of[8] = float(isnan(x)) + float(isinf(y));
+    r.of[8] = float(isnan(x)) + float(isinf(y)) + float(unordered_equal(x, y)) + float(unordered_less(x, y))
+        + float(unordered_greater(x, y)) + float(unordered_less_equal(x, y)) + float(unordered_greater_equal(x, y));
     r.of[9] = digits + float(power);
     r.of[10] = modf(z, whole) + whole;
     r.of[11] = (v * z).w + (m * z)[1].x;
