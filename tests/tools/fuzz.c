@@ -1,7 +1,8 @@
 /* Feeds files to the functions that read them: `fuzz KIND FILE...`, from the project's root.
  * Nothing may crash, and each failure must have a message. Kinds: spec, a pipeline spec, and body,
  * the GLSL of the one pass of a spec; scene and evidence, several files in one, each behind a line
- * "=== NAME"; input, an array or a picture; cache, an entry of the shader cache. Built by
+ * "=== NAME"; input, an array or a picture; cache, an entry of the shader cache; preset, files as of a scene
+ * that begin with a.slangp; module, SPIR-V from outside. Built by
  * tests/fuzz.ninja for afl-fuzz, which writes the file anew before each turn of the loop; built
  * with the other tests for fuzz_test.sh. */
 #include <dirent.h>
@@ -162,8 +163,9 @@ static void make_folders(void)
 static const struct kind {
     const char *name;
     void (*attempt)(const char *bytes, size_t size);
-} kinds[] = {{"spec", fuzz_spec},   {"body", fuzz_body},         {"scene", fuzz_scene},
-             {"input", fuzz_input}, {"evidence", fuzz_evidence}, {"cache", fuzz_cache}};
+} kinds[] = {{"spec", fuzz_spec},     {"body", fuzz_body},         {"scene", fuzz_scene},
+             {"input", fuzz_input},   {"evidence", fuzz_evidence}, {"cache", fuzz_cache},
+             {"preset", fuzz_preset}, {"module", fuzz_module}};
 
 int main(int argc, char **argv)
 {
@@ -172,7 +174,7 @@ int main(int argc, char **argv)
         if (argc > 2 && strcmp(argv[1], kinds[i].name) == 0)
             kind = &kinds[i];
     if (!kind) {
-        fprintf(stderr, "usage: fuzz spec|body|scene|input|evidence|cache FILE...\n");
+        fprintf(stderr, "usage: fuzz spec|body|scene|input|evidence|cache|preset|module FILE...\n");
         return 2;
     }
     make_folders();

@@ -24,3 +24,5 @@ void fuzz_cache(const char *bytes, size_t size);
 void fuzz_scene(const char *bytes, size_t size);
 void fuzz_input(const char *bytes, size_t size);
 void fuzz_evidence(const char *bytes, size_t size);
+void fuzz_preset(const char *bytes, size_t size);
+void fuzz_module(const char *bytes, size_t size);

@@ -7,7 +7,7 @@ cd "$(dirname "$0")/../.."
 build=$1
 shift
 kinds=("$@")
-[ $# -gt 0 ] || read -ra kinds <<<"${KINDS:-spec body scene input evidence cache}"
+[ $# -gt 0 ] || read -ra kinds <<<"${KINDS:-spec body scene input evidence cache preset module}"
 out=$build/found
 failures=0
 export AFL_SKIP_CPUFREQ=1 AFL_I_DONT_CARE_ABOUT_MISSING_CRASHES=1 AFL_NO_UI=1 AFL_NO_AFFINITY=1

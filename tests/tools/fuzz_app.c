@@ -5,9 +5,13 @@
 
 #include "compare/evidence.h"
 #include "fuzz.h"
+#include "import/reflect.h"
+#include "import/slang.h"
+#include "gen/model/spirv_check.h"
 #include "result/dump_reader.h"
 #include "base/npy.h"
 #include "scenes/picture_size.h"
+#include "theirs/theirs.h"
 
 /* A scene.yaml with its files, and a motion.yaml or none. A child process reads the mesh. A library
  * may crash there, which is an error with a message. A sanitizer's report about our code is a
@@ -50,6 +54,14 @@ void fuzz_input(const char *bytes, size_t size)
     if (numbers)
         npy_misfit(&array, fields, DT_ARRAY_COUNT(fields));
     free(numbers);
+    const struct theirs theirs = {.folder = fuzz_folder, .log = &fuzz_log};
+    struct their_entry entry = {.file = (char *)"input"};
+    struct dt_bytes content = {0};
+    fuzz_messages = 0;
+    fuzz_insist(their_npy(&theirs, &entry, &content) || fuzz_messages,
+                "an array of others is refused without a message");
+    free(content.data);
+    free(entry.fields);
     reason = NULL;
     fuzz_insist(picture_size(path, &width, &height, &reason) ? width && height : reason != NULL,
                 "a picture is refused without a reason");
@@ -97,4 +109,50 @@ void fuzz_evidence(const char *bytes, size_t size)
                 "evidence is damaged without a message");
     text_free(&console.kept);
     try_dump();
+}
+
+/* A preset and its shaders, up to what a compiler reads. */
+void fuzz_preset(const char *bytes, size_t size)
+{
+    char path[256];
+    struct preset preset;
+    struct slang slang;
+    if (!fuzz_unpack(bytes, size))
+        return;
+    fuzz_path(path, "a.slangp");
+    fuzz_messages = 0;
+    bool good = preset_read(path, &preset, &fuzz_log);
+    fuzz_insist(good || fuzz_messages, "a preset is wrong without a message");
+    const struct preset_entry *shader = preset_find(&preset, "shader0");
+    char *file = shader ? slang_path(shader->file, shader->value) : NULL;
+    if (file) {
+        fuzz_messages = 0;
+        fuzz_insist(slang_read(file, &slang, &fuzz_log) || fuzz_messages,
+                    "a shader is wrong without a message");
+        slang_free(&slang);
+    }
+    free(file);
+    preset_free(&preset);
+}
+
+/* What spirv-val takes, reflection takes. */
+void fuzz_module(const char *bytes, size_t size)
+{
+    struct reflection reflection = {0};
+    char *why = NULL;
+    uint32_t *words = size >= 20 && size % 4 == 0 ? malloc(size) : NULL;
+    if (!words)
+        return;
+    memcpy(words, bytes, size);
+    bool good = spirv_check(words, size / 4, &why);
+    fuzz_insist(good || why, "a module is wrong without a reason");
+    free(why);
+    why = NULL;
+    for (int stage = REFLECT_COMPUTE; good && stage <= REFLECT_FRAGMENT; stage++) {
+        reflect_module(words, size / 4, stage, &reflection, &why);
+        free(why);
+        why = NULL;
+        reflect_free(&reflection);
+    }
+    free(words);
 }

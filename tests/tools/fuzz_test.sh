@@ -7,7 +7,7 @@ survives() { # kind file: status 1 also passes: glslang took too long, with a me
     limited 60 "$build/tests/fuzz" "$1" "$2" || status=$?
     [ "$status" -le 1 ]
 }
-for kind in spec body scene input evidence cache; do
+for kind in spec body scene input evidence cache preset module; do
     for file in tests/tools/fuzz/"$kind"/*; do
         [ ! -e "$file" ] || check "$file" survives "$kind" "$file"
     done
