@@ -8,6 +8,7 @@
 
 #include "base/files.h"
 #include "base/log.h"
+#include "import/hlsl.h"
 #include "import/import.h"
 #include "import/texts.h"
 #include "gen/model/cross.h"
@@ -87,7 +88,8 @@ static void tell_compiler(const struct making *making, const struct shader_file 
     int start = 0;
     const char *at = why ? strstr(why, "ERROR: ") : NULL;
     struct source source = {.path = file->path};
-    if (at && sscanf(at, "ERROR: %u:%u: %n", &number, &line, &start) < 2)
+    if (at && sscanf(at, "ERROR: %u:%u: %n", &number, &line, &start) < 2 &&
+        sscanf(at, "ERROR: %*[^:]:%u: %n", &line, &start) < 1) /* HLSL has the file's name */
         at = NULL;
     if (at && number && number <= file->texts.count)
         source.path = file->texts.list[number - 1].path;
@@ -96,8 +98,18 @@ static void tell_compiler(const struct making *making, const struct shader_file 
               (int)strcspn(why, "\n"), why);
 }
 
-/* Reads a file, as GLSL, and copies it as it is, with what it includes. */
-static bool read_shader(struct making *making, const char *path)
+/* The module that HLSL became, beside it in the folder; that is then the shader of the spec. */
+static bool write_module(const struct making *making, struct shader_file *file,
+                         const uint32_t *words, size_t count)
+{
+    static const char *const endings[] = {"comp", "vert", "frag"};
+    size_t length = strlen(file->name);
+    snprintf(file->name + length, sizeof file->name - length, ".%s.spv", endings[file->stage]);
+    return folder_write(&making->import->folder, file->name, words, count * sizeof *words);
+}
+
+/* Reads a file and copies it as it is, with what it includes. stage: of several that HLSL has; -1: the file says it. */
+static bool read_shader(struct making *making, const char *path, int stage)
 {
     struct shader_file *file = &making->files[making->count++];
     file->path = path;
@@ -107,13 +119,19 @@ static bool read_shader(struct making *making, const char *path)
     const uint32_t *words = (const uint32_t *)own->text;
     size_t count = own->size / sizeof *words;
     char *why = NULL;
-    bool module = spirv_is_module(own->text, own->size);
+    bool module = spirv_is_module(own->text, own->size), hlsl = !module && hlsl_is(path);
     bool good = !module || spirv_check(words, count, &why);
-    file->stage = !module ? stage_of(path) : good ? stage_of_module(words, count) : 0;
+    file->stage = stage >= 0 ? stage
+                  : !module  ? stage_of(path)
+                  : good     ? stage_of_module(words, count)
+                             : 0;
     if (file->stage < 0)
         return report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage",
                             path);
-    if (module)
+    uint32_t *made = hlsl ? hlsl_compile(&file->texts, path, file->stage, &count, &why) : NULL;
+    if (hlsl)
+        good = made && reflect_module(made, count, file->stage, &file->reflection, &why);
+    else if (module)
         good = good && reflect_module(words, count, file->stage, &file->reflection, &why);
     else
         good =
@@ -121,7 +139,9 @@ static bool read_shader(struct making *making, const char *path)
     if (!good)
         tell_compiler(making, file, why);
     free(why);
-    good = good && texts_write(&file->texts, "", file->name, sizeof file->name);
+    good = good && texts_write(&file->texts, "", file->name, sizeof file->name) &&
+           (!hlsl || write_module(making, file, made, count));
+    free(made);
     if (good && making->count > 1 && !strcmp(file->name, making->files[0].name))
         good =
             report_error(making_log(making), "%s: both shaders have the name %s", path, file->name);
@@ -531,6 +551,22 @@ static bool check_stages(const struct making *making)
                         making->files[0].path);
 }
 
+/* A file may have an entry point for each of two stages, if it is HLSL. */
+static bool read_file(struct making *making, const char *path)
+{
+    if (!hlsl_is(path) || stage_of(path) >= 0 || making->count)
+        return making->count < 2 && read_shader(making, path, -1);
+    size_t size;
+    char *text = file_read(path, &size, making_log(making));
+    unsigned stages = text ? hlsl_stages(text) : 0, left = stages;
+    bool good = text;
+    for (int stage = 0; good && stages && stage < 3; stage++, left >>= 1)
+        if (left & 1 && making->count < 2)
+            good = read_shader(making, path, stage);
+    free(text);
+    return good && (stages || read_shader(making, path, -1));
+}
+
 bool import_shaders(struct import *import, const char *const *paths)
 {
     struct making *making = calloc(1, sizeof *making);
@@ -538,7 +574,7 @@ bool import_shaders(struct import *import, const char *const *paths)
     if (making)
         making->import = import;
     for (int i = 0; good && i < 2 && paths[i]; i++)
-        good = read_shader(making, paths[i]);
+        good = read_file(making, paths[i]);
     good = good && check_stages(making) && write_items(making) && write_spec(making);
     for (int i = 0; making && i < making->count; i++) {
         texts_free(&making->files[i].texts);

@@ -26,7 +26,8 @@ void set_targets(glslang::TShader &shader, EShLanguage stage, const glslang_job 
         shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_0);
         return;
     }
-    shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientVulkan, VERSION_GLSL);
+    shader.setEnvInput(job.hlsl ? glslang::EShSourceHlsl : glslang::EShSourceGlsl, stage,
+                       glslang::EShClientVulkan, VERSION_GLSL);
     shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
     shader.setEnvTarget(glslang::EShTargetSpv, job.minor == 5   ? glslang::EShTargetSpv_1_5
                                                : job.minor == 3 ? glslang::EShTargetSpv_1_3
@@ -68,6 +69,9 @@ const EShLanguage stages[] = {EShLangCompute, EShLangVertex, EShLangFragment};
 const EShMessages rules = static_cast<EShMessages>(EShMsgSpvRules | EShMsgCascadingErrors |
                                                    EShMsgVulkanRules | EShMsgKeepUncalled);
 
+const EShMessages rules_of_hlsl = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules |
+                                                           EShMsgReadHlsl | EShMsgHlslLegalization);
+
 /* Behind #version: default precisions, by which the pass `exact` knows the author's operations. They
  * mean nothing else to it. */
 const char *const precisions = "precision mediump float;\nprecision mediump int;\n#line 2 0\n";
@@ -77,8 +81,28 @@ struct Text { /* its pieces must stay until the shader is parsed */
     int lengths[3];
 };
 
+/* HLSL's resources have classes of registers, each from 0 on; locations are in the order of declarations. */
+void set_hlsl(glslang::TShader &shader, const glslang_job &job)
+{
+    shader.setStringsWithLengthsAndNames(&job.code, nullptr, &job.name, 1);
+    shader.setEntryPoint(job.hlsl);
+    shader.setSourceEntryPoint(job.hlsl);
+    shader.setShiftBinding(glslang::EResTexture, 64);
+    shader.setShiftBinding(glslang::EResSampler, 128);
+    shader.setShiftBinding(glslang::EResSsbo, 192);
+    shader.setShiftBinding(glslang::EResUav, 256);
+    shader.setShiftBinding(glslang::EResImage, 256);
+    shader.setAutoMapBindings(true);
+    shader.setAutoMapLocations(true);
+    set_targets(shader, stages[job.stage], job);
+}
+
 void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
 {
+    if (job.hlsl) {
+        set_hlsl(shader, job);
+        return;
+    }
     const char *behind = std::strchr(job.code, '\n') + 1; /* #version */
     text = {{job.code, precisions, behind}, {static_cast<int>(behind - job.code), -1, -1}};
     if (job.marked)
@@ -123,7 +147,9 @@ extern "C" bool glslang_start(void)
 extern "C" uint32_t *glslang_compile(const glslang_job *job, size_t *count, char **log)
 try {
     EShLanguage stage = stages[job->stage];
-    const EShMessages own = job->opengl ? static_cast<EShMessages>(EShMsgSpvRules) : rules;
+    const EShMessages own = job->hlsl     ? rules_of_hlsl
+                            : job->opengl ? static_cast<EShMessages>(EShMsgSpvRules)
+                                          : rules;
     glslang::TShader shader(stage);
     glslang::TProgram program;
     Files files(*job);
@@ -136,7 +162,7 @@ try {
         return nullptr;
     }
     program.addShader(&shader);
-    if (!program.link(own) || (job->opengl && !program.mapIO())) {
+    if (!program.link(own) || ((job->opengl || job->hlsl) && !program.mapIO())) {
         *log = strdup(program.getInfoLog());
         return nullptr;
     }

@@ -17,7 +17,7 @@ struct glslang_file {
 };
 
 struct glslang_job {
-    const char *code; /* Vulkan's GLSL; its first line is #version */
+    const char *code; /* Vulkan's GLSL, whose first line is #version; or HLSL */
     int stage;        /* enum stage */
     int minor;        /* of the version of SPIR-V: 1.0, 1.3 or 1.5 */
     bool lines;       /* with OpLine */
@@ -25,6 +25,8 @@ struct glslang_job {
                          not */
     bool whole;       /* with declarations of its own, also those of OpenGL's GLSL */
     bool opengl;      /* as OpenGL reads it: uniforms keep their initializers */
+    const char *hlsl; /* the entry point of HLSL; NULL: GLSL */
+    const char *name; /* of the file, for OpLine of HLSL */
     /* #include "name" in the file of that number; "": in `code`. False: there is none. */
     bool (*include)(const void *user, const char *from, const char *name,
                     struct glslang_file *file);

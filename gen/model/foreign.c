@@ -114,7 +114,7 @@ static bool clean_names(struct spirv *module)
         const uint32_t *i = module->words + at;
         if (spirv_is(i, SpvOpName) || spirv_is(i, SpvOpMemberName))
             put_clean(&edit, i);
-        else
+        else if (!spirv_is(i, SpvOpModuleProcessed)) /* names may follow */
             spirv_copy(&edit, &edit.front, i);
     }
     return spirv_edit_end(&edit, module);
@@ -162,6 +162,20 @@ static void lower_buffers(struct spirv *module)
     }
 }
 
+/* In place: constant indices stay in their composite, which spirv-val does not look at here and spirv-opt trusts. */
+static void bound_indices(const struct spirv *module, uint32_t *i)
+{
+    uint32_t first = i[3] == SpvOpCompositeExtract  ? 5
+                     : i[3] == SpvOpCompositeInsert ? 6
+                                                    : UINT32_MAX;
+    const uint32_t *type = first < spirv_length(i) ? spirv_type(module, i[first - 1]) : NULL;
+    for (uint32_t word = first; type && word < spirv_length(i); word++) {
+        uint32_t parts = spirv_parts(module, type);
+        i[word] = i[word] < parts ? i[word] : 0;
+        type = parts ? spirv_definition(module, spirv_part(type, i[word])) : NULL;
+    }
+}
+
 /* In place: a value that nothing sets is zero. Optimizers leave such values where no result depends on them. */
 static void set_undefined(struct spirv *module)
 {
@@ -171,6 +185,8 @@ static void set_undefined(struct spirv *module)
         if (spirv_is(i, SpvOpUndef) && (spirv_letter(spirv_definition(module, i[1])) ||
                                         spirv_parts(module, spirv_definition(module, i[1]))))
             i[0] = 3u << 16 | SpvOpConstantNull;
+        else if (spirv_is(i, SpvOpSpecConstantOp))
+            bound_indices(module, i);
     }
 }
 

@@ -54,6 +54,8 @@ try {
     if (passes & SPIRV_FLATTEN)
         optimizer.RegisterPass(spvtools::CreateFlattenDecorationPass())
             .RegisterPass(spvtools::CreateStripNonSemanticInfoPass());
+    if (passes & SPIRV_LEGALIZE)
+        optimizer.RegisterLegalizationPasses();
     if (passes & SPIRV_INLINE)
         optimizer.RegisterPass(spvtools::CreateInlineExhaustivePass());
     if (passes & SPIRV_FREEZE)

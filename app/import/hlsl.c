@@ -1,0 +1,63 @@
+/* See hlsl.h. */
+#include "import/hlsl.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+#include "import/reflect.h"
+#include "gen/glsl/glslang.h"
+#include "gen/model/spirv_check.h"
+#include "gen/read/body_files.h"
+#include "gen/spirv/compile.h"
+
+/* Entry points as people name them, by stage; main() has the stage that the file's name says. */
+static const char *const entries[][6] = {
+    [REFLECT_COMPUTE] = {"CSMain", "csMain", "cs_main", "mainCS", "MainCS", "CS"},
+    [REFLECT_VERTEX] = {"VSMain", "vsMain", "vs_main", "mainVS", "MainVS", "VS"},
+    [REFLECT_FRAGMENT] = {"PSMain", "psMain", "ps_main", "mainPS", "MainPS", "PS"}};
+
+bool hlsl_is(const char *path)
+{
+    const char *ending = strrchr(path, '.');
+    return ending && !strcmp(ending, ".hlsl");
+}
+
+static const char *find_entry(const char *text, int stage)
+{
+    for (size_t i = 0; i < DT_ARRAY_COUNT(entries[stage]); i++) {
+        const char *at = find_word(text, entries[stage][i]);
+        const char *behind = at ? at + strlen(entries[stage][i]) : "";
+        if (behind[strspn(behind, " \t\r\n")] == '(')
+            return entries[stage][i];
+    }
+    return NULL;
+}
+
+unsigned hlsl_stages(const char *text)
+{
+    unsigned stages = 0;
+    for (int stage = REFLECT_COMPUTE; stage <= REFLECT_FRAGMENT; stage++)
+        stages |= (find_entry(text, stage) ? 1u : 0) << stage;
+    return stages;
+}
+
+uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage, size_t *count,
+                       char **why)
+{
+    const char *entry = find_entry(texts->list[0].text, stage);
+    const struct glslang_job job = {.code = texts->list[0].text,
+                                    .stage = stage,
+                                    .minor = 3,
+                                    .lines = true,
+                                    .hlsl = entry ? entry : "main",
+                                    .name = name,
+                                    .include = texts_include,
+                                    .user = texts};
+    uint32_t *words = spirv_init() ? glslang_compile(&job, count, why) : NULL;
+    uint32_t *legal = words ? spirv_optimize(words, count, SPIRV_LEGALIZE) : NULL;
+    free(words);
+    if (!legal || spirv_check(legal, *count, why))
+        return legal;
+    free(legal);
+    return NULL;
+}

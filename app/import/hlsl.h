@@ -1,0 +1,11 @@
+/* HLSL, which glslang makes a module of: a spec names the module, whose lines are those of the HLSL. */
+#pragma once
+
+#include "import/texts.h"
+
+bool hlsl_is(const char *path);
+/* The stages that the text has an entry point for, bits 1 << REFLECT_...; "main" counts for none. */
+unsigned hlsl_stages(const char *text);
+/* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */
+uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage, size_t *count,
+                       char **why);
