@@ -16,10 +16,15 @@ static const char *const entries[][6] = {
     [REFLECT_VERTEX] = {"VSMain", "vsMain", "vs_main", "mainVS", "MainVS", "VS"},
     [REFLECT_FRAGMENT] = {"PSMain", "psMain", "ps_main", "mainPS", "MainPS", "PS"}};
 
-bool hlsl_is(const char *path)
+bool hlsl_is(const char *path, const char *text)
 {
+    static const char *const words[] = {"float4", "cbuffer", "SamplerState", "numthreads",
+                                        "RWTexture2D"};
     const char *ending = strrchr(path, '.');
-    return ending && !strcmp(ending, ".hlsl");
+    bool found = ending && !strcmp(ending, ".hlsl");
+    for (size_t i = 0; text && !strstr(text, "#version") && i < DT_ARRAY_COUNT(words); i++)
+        found |= find_word(text, words[i]) != NULL;
+    return found;
 }
 
 static const char *find_entry(const char *text, int stage)

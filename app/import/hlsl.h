@@ -3,7 +3,8 @@
 
 #include "import/texts.h"
 
-bool hlsl_is(const char *path);
+/* By the file's ending, or by words that GLSL has not; text: NULL before it is read. */
+bool hlsl_is(const char *path, const char *text);
 /* The stages that the text has an entry point for, bits 1 << REFLECT_...; "main" counts for none. */
 unsigned hlsl_stages(const char *text);
 /* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */

@@ -119,7 +119,7 @@ static bool read_shader(struct making *making, const char *path, int stage)
     const uint32_t *words = (const uint32_t *)own->text;
     size_t count = own->size / sizeof *words;
     char *why = NULL;
-    bool module = spirv_is_module(own->text, own->size), hlsl = !module && hlsl_is(path);
+    bool module = spirv_is_module(own->text, own->size), hlsl = !module && hlsl_is(path, own->text);
     bool good = !module || spirv_check(words, count, &why);
     file->stage = stage >= 0 ? stage
                   : !module  ? stage_of(path)
@@ -554,7 +554,7 @@ static bool check_stages(const struct making *making)
 /* A file may have an entry point for each of two stages, if it is HLSL. */
 static bool read_file(struct making *making, const char *path)
 {
-    if (!hlsl_is(path) || stage_of(path) >= 0 || making->count)
+    if (!hlsl_is(path, NULL) || stage_of(path) >= 0 || making->count)
         return making->count < 2 && read_shader(making, path, -1);
     size_t size;
     char *text = file_read(path, &size, making_log(making));

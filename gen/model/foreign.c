@@ -92,10 +92,10 @@ static void put_clean(struct spirv_edit *edit, const uint32_t *i)
         if (letter || (count && clean[count - 1] != '_'))
             clean[count++] = letter ? *at : '_';
     }
-    bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) ||
-                strlen((const char *)(i + first)) == count;
     uint32_t words[2 + sizeof clean / 4] = {i[1], i[2]};
     clean[count] = 0;
+    bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) ||
+                !strcmp((const char *)(i + first), clean);
     memcpy(words + first - 1, clean, count + 1);
     if (kept)
         spirv_append(edit, &edit->front, i, length);

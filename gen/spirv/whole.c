@@ -42,6 +42,12 @@ static void set_constant(const struct pipeline *pipeline, const struct spirv *mo
         i[3] = (uint32_t)(int64_t)param->value[0];
 }
 
+static uint32_t constant_number(const struct spirv *module, uint32_t id)
+{
+    const uint32_t *constant = spirv_definition(module, id);
+    return spirv_is(constant, SpvOpConstant) ? constant[3] : 1;
+}
+
 /* The size of a workgroup in LocalSize, in place, also where a constant or other ids give it. */
 static void set_local(struct spirv *module)
 {
@@ -53,6 +59,8 @@ static void set_local(struct spirv *module)
             i[3] == SpvBuiltInWorkgroupSize)
             size = spirv_definition(module, i[1]) + 3;
     }
+    if (size && (!spirv_is(size - 3, SpvOpConstantComposite) || spirv_length(size - 3) != 6))
+        size = NULL;
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
     {
         uint32_t *i = module->words + at;
@@ -60,7 +68,7 @@ static void set_local(struct spirv *module)
         if (!ids && !(spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize))
             continue;
         for (int axis = 0; axis < 3 && (ids || size); axis++)
-            i[3 + axis] = spirv_definition(module, size ? size[axis] : i[3 + axis])[3];
+            i[3 + axis] = constant_number(module, size ? size[axis] : i[3 + axis]);
         i[0] = 6u << 16 | SpvOpExecutionMode;
         i[2] = SpvExecutionModeLocalSize;
     }
