@@ -28,7 +28,8 @@ static const struct option_row rows[] = {
      "folders with dumps of any renderers (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
      ".exr, .npy); the first is compared with each of the others, and nothing is run"},
     {"FILE", OPTION_STRING, AT(files[0]), VERB_IMPORT, VERB_IMPORT, NULL,
-     "a preset of RetroArch (.slangp), or a shader of GLSL, HLSL or SPIR-V: .comp, .frag, .vert, .hlsl, .spv"},
+     "a preset of RetroArch (.slangp), or a shader of GLSL, HLSL or SPIR-V: .comp, .frag, .vert, "
+     ".hlsl, .spv"},
     {"FRAGMENT", OPTION_STRING, AT(files[1]), VERB_IMPORT, 0, NULL,
      "the fragment shader, if FILE is a vertex shader"},
     {"-o", OPTION_STRING, AT(output), VERB_IMPORT, VERB_IMPORT, "DIR",

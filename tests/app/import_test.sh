@@ -70,7 +70,7 @@ check "HLSL with an entry point for each stage becomes a spec" "$diptych" import
 check "it runs at once" runs both/both.yaml 8x6 1
 sed -i 's/+ 1/+ 9/' both.hlsl
 check "lines of HLSL" bash -c '"$0" import both.hlsl -o nine && ! "$0" compare --spec nine/both.yaml --size 8x6 --sanitize >told 2>&1 &&
-    grep -q "both.hlsl:12:.*index 9 of .list., which has 4 elements" told' "$diptych"
+    grep -q "both.hlsl:12:.*index 9 of an array of 4 elements" told' "$diptych"
 check "doors that are held" /usr/bin/python3 "$root/tests/app/import_doors.py" "$diptych" "$build/diptych-gen" "$root/templates" "$work/doors"
 check "a missing shader" refused missing.slangp "in/missing.slangp:2: shader0 = nowhere.slang: this shader cannot be used"
 check "a scale of another kind" refused scale.slangp "in/scale.slangp:3: scale_type0 = golden: a scale is of source, viewport or absolute"
