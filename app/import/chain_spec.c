@@ -381,7 +381,7 @@ static bool write_reads(const struct writing *writing, uint32_t index)
 {
     const struct chain *chain = writing->chain;
     const struct chain_pass *pass = &chain->passes[index];
-    bool any = false;
+    bool any = false, before = false;
     for (uint32_t k = 0; k < pass->stages[1].count; k++) {
         const struct reflected *item = &pass->stages[1].list[k];
         struct chain_read read;
@@ -398,10 +398,14 @@ static bool write_reads(const struct writing *writing, uint32_t index)
                  any ? ",\n            " : "    reads: [", read.image, item->name, sampler);
         if (read.previous)
             text_add(writing->out, ", previous: %u", read.previous);
+        before |= read.previous > 0;
         text_add(writing->out, "}");
         any = true;
     }
     text_add(writing->out, any ? "]\n" : "");
+    if (before)
+        text_add(writing->out,
+                 "    allow: {content: \"RetroArch clears earlier frames before the first\"}\n");
     return true;
 }
 

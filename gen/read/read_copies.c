@@ -132,6 +132,12 @@ static void keep_frames(struct reader *reader, const char *name, uint32_t frames
             make_copy(reader, pass, arena_printf(reader->model->arena, "%s.keep_%u", name, i + 1),
                       "copy/previous.glsl", loc, i ? before(reader, name, i) : name,
                       before(reader, name, i + 1));
+        struct allow *allow = pass && i ? reader_alloc(reader, 1, sizeof *allow) : NULL;
+        if (!allow)
+            continue;
+        *allow = (struct allow){SANITIZE_CONTENT, loc}; /* zero before the first frame */
+        pass->allows = allow;
+        pass->allow_count = 1;
     }
 }
 

@@ -48,6 +48,7 @@ check "a preset becomes a spec" "$diptych" import in/chain.slangp -o chain --pic
 check "it agrees in three frames" runs chain/chain.yaml 16x6 3
 check "scales, look-up, feedback, counter and mips are RetroArch's" holds chain chain/chain.yaml 16x6 2 1.0 2
 sets=(--set gain=0.5)
+check "no finding in its first frames, which have no history" "$diptych" compare --spec chain/chain.yaml --size 16x6 --frames 2 --sanitize=content
 check "history in the third frame, and a live parameter" holds chain chain/chain.yaml 16x6 3 0.5 3
 sets=()
 
