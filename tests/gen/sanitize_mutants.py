@@ -107,7 +107,7 @@ def conditions(text):
 
 def table_rows(text):
     """(number, function or None, word) of each row."""
-    rows = re.findall(r'    {((?:SpvOp|GLSLstd450)\w+), (?:"(\w+)"|NULL), "([^"]+)", "[^"]*", \d, \d, \w+},', text)
+    rows = re.findall(r'    {((?:SpvOp|GLSLstd450)\w+), (?:"(\w+)"|NULL), "([^"]+)", "[^"]*", \d, \d,\s+\w+},', text)
     return [(number, function or None, word) for number, function, word in rows]
 
 
