@@ -142,7 +142,7 @@ static bool read_shader(struct making *making, const char *path, int stage)
     good = good && texts_write(&file->texts, "", file->name, sizeof file->name) &&
            (!hlsl || write_module(making, file, made, count));
     free(made);
-    if (good && making->count > 1 && !strcmp(file->name, making->files[0].name))
+    if (good && file != making->files && !strcmp(file->name, making->files[0].name))
         good =
             report_error(making_log(making), "%s: both shaders have the name %s", path, file->name);
     return good;
@@ -170,9 +170,10 @@ static const char *sampler_of(struct making *making, const struct reflected *ite
     char *name = making->sampler_names[kind];
     if (*name)
         return name;
-    snprintf(name, sizeof making->sampler_names[kind], "%s", kinds[kind][0]);
-    while (!is_new(making, name) && strlen(name) < 15)
-        strcat(name, "_");
+    size_t length = strlen(kinds[kind][0]);
+    memcpy(name, kinds[kind][0], length + 1);
+    for (; !is_new(making, name) && length < 15; name[++length] = 0)
+        name[length] = '_';
     text_add(&making->samplers, "  %s: {kind: filter, %s, wrap: clamp}  # a guess\n", name,
              kinds[kind][1]);
     return name;

@@ -103,8 +103,10 @@ static void put_clean(struct spirv_edit *edit, const uint32_t *i)
         spirv_put(edit, &edit->front, spirv_opcode(i), words, first + count / 4);
 }
 
-static bool clean_names(struct spirv *module)
+/* Clean names, and the functions that the library of exact arithmetic calls, which a module may do without. */
+static bool clean_front(struct spirv *module)
 {
+    static const char library[] = "GLSL.std.450";
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
     spirv_edit_keep(&edit);
@@ -112,6 +114,11 @@ static bool clean_names(struct spirv *module)
     SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? 0 : module->annotations)
     {
         const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpMemoryModel) && !spirv_glsl(module)) {
+            uint32_t words[1 + sizeof library / 4 + 1] = {edit.bound++};
+            memcpy(words + 1, library, sizeof library);
+            spirv_put(&edit, &edit.front, SpvOpExtInstImport, words, 1 + sizeof library / 4 + 1);
+        }
         if (spirv_is(i, SpvOpName) || spirv_is(i, SpvOpMemberName))
             put_clean(&edit, i);
         else if (!spirv_is(i, SpvOpModuleProcessed)) /* names may follow */
@@ -387,7 +394,7 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
         good = reread(&module, SPIRV_INLINE);
     if (good)
         set_undefined(&module);
-    good = good && clean_names(&module) && name_all(&module) && spirv_combine(&module) &&
+    good = good && clean_front(&module) && name_all(&module) && spirv_combine(&module) &&
            lower_version(&module);
     if (good)
         return spirv_take(&module, count);

@@ -58,7 +58,8 @@ def verdict(pair: dict[str, Any]) -> dict[str, Any]:
     sides = pair.get("sides")
     names = [words(side) for side in sides[:2]] if isinstance(sides, list) else []
     first, second = (names + ["", ""])[:2]
-    place: dict[str, Any] = next((p for p in (pair.get("guilty"), pair.get("first_break"), pair.get("not_finite")) if isinstance(p, dict)), {})
+    places = (pair.get("guilty"), pair.get("first_break"), pair.get("not_finite"))
+    place: dict[str, Any] = next((p for p in places if isinstance(p, dict)), {})
     return {"first": first, "second": second, "agree": pair.get("agree") is True, "pass": words(place.get("pass")),
             "resource": words(place.get("resource"))}
 
