@@ -394,6 +394,23 @@ static void tell_unknown_materials(const struct aiScene *source, const struct op
                 name.data);
 }
 
+/* assimp gives each vertex the texture coordinates of the last face that has it. */
+static void tell_lost_corners(const char *path, const struct dt_log *log)
+{
+    char head[1 << 14] = "";
+    FILE *file = fopen(path, "rb");
+    size_t size = file ? fread(head, 1, sizeof head - 1, file) : 0;
+    const char *end = memmem(head, size, "end_header", 10);
+    if (end && memmem(head, (size_t)(end - head), " texcoord", 9))
+        report_message(log, DT_WARNING,
+                       "%s: texture coordinates of corners (`texcoord` of its faces) are not "
+                       "supported: a vertex has those of one of its faces; give each corner a "
+                       "vertex of its own",
+                       path);
+    if (file)
+        fclose(file);
+}
+
 bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log)
 {
     const char *path = mesh->path;
@@ -411,6 +428,8 @@ bool mesh_import_assimp(struct mesh *mesh, float scale, const struct dt_log *log
     bool good = import_is_usable(source, &opening, path, log);
     if (good && has_ending(path, ".obj"))
         tell_unknown_materials(source, &opening, path);
+    if (good && has_ending(path, ".ply"))
+        tell_lost_corners(path, log);
     free(opening.names);
     struct import import = {
         .source = source, .path = path, .scale = scale, .mesh = mesh, .log = log};

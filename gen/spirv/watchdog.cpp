@@ -17,7 +17,8 @@ enum { MOST_LABELS = 16 };
 const char *volatile labels[MOST_LABELS]; /* a pass is compiled while its label is in here */
 timer_t timer;
 bool running;
-struct sigaction former_action;
+struct sigaction former_action, former_fault;
+thread_local char fault_stack[1 << 16]; /* a handler needs room where the stack has none left */
 std::new_handler former_handler;
 
 void say(const char *text)
@@ -47,6 +48,19 @@ void out_of_time(int)
         "large");
 }
 
+void out_of_stack(int)
+{
+    end("the compiler ended by a fault: an expression or a block is nested too deeply");
+}
+
+void give_stack()
+{
+    stack_t stack = {};
+    stack.ss_sp = fault_stack;
+    stack.ss_size = sizeof fault_stack;
+    sigaltstack(&stack, nullptr);
+}
+
 void out_of_memory()
 {
     end("out of memory");
@@ -71,6 +85,10 @@ bool watchdog_start(unsigned seconds)
         return false;
     }
     former_handler = std::set_new_handler(out_of_memory);
+    action.sa_handler = out_of_stack;
+    action.sa_flags = SA_ONSTACK;
+    sigaction(SIGSEGV, &action, &former_fault);
+    give_stack();
     running = true;
     return true;
 }
@@ -81,12 +99,15 @@ void watchdog_stop(void)
         return;
     timer_delete(timer);
     sigaction(SIGXCPU, &former_action, nullptr);
+    sigaction(SIGSEGV, &former_fault, nullptr);
     std::set_new_handler(former_handler);
     running = false;
 }
 
 void watchdog_begin(const char *label)
 {
+    if (running)
+        give_stack();
     for (const char *volatile &slot : labels)
         if (__sync_bool_compare_and_swap(&slot, static_cast<const char *>(nullptr), label))
             return;

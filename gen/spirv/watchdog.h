@@ -1,4 +1,4 @@
-/* Ends a command when a spec takes too much processor time or memory, with a message: glslang can
+/* Ends a command when a spec takes too much processor time, memory or stack, with a message: glslang can
  * neither be interrupted nor be told a limit. Commands start it around spec_load; a library does
  * not, since it never ends its host. shaders.c tells it the passes. */
 #pragma once
@@ -9,7 +9,7 @@ enum { SPEC_GIBIBYTES = 8 }; /* of memory, of diptych-gen */
 enum { SPEC_SECONDS = 60 };  /* of processor time, which is enough for a hundred of ssvp's size */
 
 /* From here on, the process ends with status 1 after so many seconds of processor time of all its
- * threads, and when C++ code runs out of memory. False: errno. */
+ * threads, and when C++ code runs out of memory or of stack. False: errno. */
 bool watchdog_start(unsigned seconds);
 void watchdog_stop(void);
 

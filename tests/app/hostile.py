@@ -58,6 +58,7 @@ body("macros", value="A25", work="float x = 1.0;",
      before="#define A0 x+x\n" + "".join(f"#define A{i + 1} A{i}+A{i}\n" for i in range(25)))
 body("cases", value="y", work="float y = 0.0; switch (p.x) {\n" + lines(20000, "case {0}: y = {0}.0; break;\n") + "}")
 body("braces", work="{" * 20000 + "}" * 20000)
+body("sum", value="float(invocation().x)" + " + 1.0" * 100000)
 
 
 # ---- Scenes: see hostile_test.sh ----

@@ -42,6 +42,7 @@ check "macros that double" ends macros 1 "more processor time than the limit" 1
 check "... name the pass" grep -q "while compiling the pass fill ([^ ]*/macros.yaml:[0-9]*: macros.glsl)" "$work/said"
 check "20,000 cases" ends cases 1 "more processor time than the limit" 1
 check "20,000 blocks" ends braces 1 "memory exhausted"
+check "a sum of 100,000 terms" ends sum 1 "nested too deeply, while compiling the pass"
 
 # ---- Pipes and devices in place of files ----------------------------------------------------------------------------
 

@@ -104,6 +104,14 @@ def test_material_libraries_are_found():
     refused("k.mtl: UTF-16 text", "l.obj")
 
 
+def test_texture_coordinates_of_corners_are_told():
+    put("c.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+        "property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+        "3 0 1 2 6 0 0 1 0 0 1\n")
+    scene = load("c.ply", quiet=False)
+    holds("c.ply: texture coordinates of corners" in scene.told and scene.count("warning") == 1, scene.told)
+
+
 def test_vertex_colours_are_told_once():
     put("v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1\nv 0 0 1 1 1 1\ng a\nf 1 2 3\ng b\nf 1 2 4\n")
     scene = load("v.obj", quiet=False)
