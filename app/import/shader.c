@@ -154,7 +154,7 @@ static bool read_shader(struct making *making, const char *path, int stage)
 static bool is_new(struct making *making, const char *name)
 {
     for (uint32_t i = 0; i < making->name_count; i++)
-        if (!strcmp(making->names[i], name))
+        if (making->names[i] && !strcmp(making->names[i], name))
             return false;
     making->names[making->name_count++] = name;
     return true;

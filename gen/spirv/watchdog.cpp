@@ -19,6 +19,8 @@ timer_t timer;
 bool running;
 struct sigaction former_action, former_fault;
 thread_local char fault_stack[1 << 16]; /* a handler needs room where the stack has none left */
+thread_local stack_t former_stack;      /* of the thread, which may free it when it ends */
+thread_local unsigned stack_users;
 std::new_handler former_handler;
 
 void say(const char *text)
@@ -58,7 +60,14 @@ void give_stack()
     stack_t stack = {};
     stack.ss_sp = fault_stack;
     stack.ss_size = sizeof fault_stack;
-    sigaltstack(&stack, nullptr);
+    if (!stack_users++)
+        sigaltstack(&stack, &former_stack);
+}
+
+void take_stack()
+{
+    if (stack_users && !--stack_users)
+        sigaltstack(&former_stack, nullptr);
 }
 
 void out_of_memory()
@@ -100,6 +109,7 @@ void watchdog_stop(void)
     timer_delete(timer);
     sigaction(SIGXCPU, &former_action, nullptr);
     sigaction(SIGSEGV, &former_fault, nullptr);
+    take_stack();
     std::set_new_handler(former_handler);
     running = false;
 }
@@ -115,6 +125,7 @@ void watchdog_begin(const char *label)
 
 void watchdog_end(const char *label)
 {
+    take_stack();
     for (const char *volatile &slot : labels)
         if (__sync_bool_compare_and_swap(&slot, label, static_cast<const char *>(nullptr)))
             return;
