@@ -24,7 +24,7 @@ bool glsl_include(const void *user, const char *from, const char *name, struct g
 {
     const struct body_file *found = body_include(user, from, name);
     if (found)
-        *file = (struct glslang_file){found->name, found->text, found->source->length};
+        *file = (struct glslang_file){found->name, found->text, body_text_length(found)};
     return found;
 }
 
@@ -93,7 +93,7 @@ bool glsl_body(struct glsl *glsl)
     const struct body_file *body = &glsl->files->list[0];
     struct text *out = &glsl->parts[PART_BODY];
     text_add(out, "#line 1 %u\n", body->number);
-    text_add_bytes(out, body->text, body->source->length);
+    text_add_bytes(out, body->text, body_text_length(body));
     text_add(out, "\n");
     glsl->own |= body_mentions(glsl->files, "OPENGL") || body_mentions(glsl->files, "VULKAN");
     glsl->subgroups = glsl->pass->fast && glsl->pass->kind == DT_PASS_DISPATCH &&

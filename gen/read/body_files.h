@@ -16,6 +16,11 @@ struct body_file {
     size_t word_count;
 };
 
+static inline size_t body_text_length(const struct body_file *file)
+{
+    return file->words ? 0 : file->source->length;
+}
+
 struct body_include { /* #include "name" of a file */
     uint32_t from;    /* number of the file */
     const char *name;
