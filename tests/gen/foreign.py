@@ -1,7 +1,8 @@
 """Whole shaders go the road of our bodies: stages match by name, wrong ones are told at their place, --sanitize checks them, and a
 module of SPIR-V gives the bits of its GLSL, whoever optimized it. Prints TAP; called by foreign_test.sh.
 
-    SEED=N FORMS=N foreign.py     the seed of the sample of shaders in forms, and its size"""
+    SEED=N FORMS=N foreign.py SIDE...     the seed of the sample of shaders in forms, and its size; names for --backend,
+                                          the second also fast"""
 import json
 import os
 import random
@@ -9,6 +10,7 @@ import re
 import shutil
 import struct
 import subprocess
+import sys
 import tempfile
 
 import bodies
@@ -168,7 +170,7 @@ def forms(tap):
             break
     tap.result(f"{len(drawn)} shaders in {len(FORMS)} forms", [] if len(drawn) == count else ["too few"])
     made = Forms(os.getcwd(), {name: len(every[name].expected) for name in drawn}, drawn)
-    for side, exactness in (("gl", "exact"), ("vk", "exact"), ("vk", "fast")):
+    for side, exactness in [(side, "exact") for side in sys.argv[1:]] + [(sys.argv[2], "fast")]:
         try:
             results, reasons = made.render(list(drawn), side, exactness), []
         except bodies.Failure:
