@@ -14,7 +14,7 @@ struct import_texts {
         size_t size;
     } list[MOST_TEXTS]; /* the shader first */
     uint32_t count, includes;
-    size_t bytes;       /* of what is included, each time */
+    size_t bytes;       /* of all includes so far; a file counts as often as it is included */
     const char *excess; /* a bound that was met; NULL: none */
 };
 

@@ -79,6 +79,8 @@ static inline bool token_is(struct token token, const char *text)
 
 /* glsl_body.c: #line and the author's file, into PART_BODY; loops over ranges are expanded. */
 bool glsl_body(struct glsl *glsl);
+/* glsl_body.c: the body for glslang alone, with its macros. */
+void glsl_own_text(const struct glsl *glsl, struct text *out);
 /* glsl_body.c: glslang_job.include, of struct body_files as `user`. */
 bool glsl_include(const void *user, const char *from, const char *name, struct glslang_file *file);
 /* glsl_body.c: into PART_END: colour targets are rounded; Vulkan's vertex stage of a layered draw

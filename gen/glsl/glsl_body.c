@@ -28,14 +28,19 @@ bool glsl_include(const void *user, const char *from, const char *name, struct g
     return found;
 }
 
+void glsl_own_text(const struct glsl *glsl, struct text *out)
+{
+    text_add(out, "#version 460\n");
+    glsl_macros(glsl, out);
+    glsl_defines(glsl, out);
+    text_add(out, "%s", glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "");
+}
+
 /* The body behind the preprocessor; free(). NULL: reported. */
 static char *preprocess(struct glsl *glsl)
 {
     struct text text = {0};
-    text_add(&text, "#version 460\n");
-    glsl_macros(glsl, &text);
-    glsl_defines(glsl, &text);
-    text_add(&text, "%s", glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "");
+    glsl_own_text(glsl, &text);
     const struct glslang_job job = {
         .code = text.data, .stage = glsl->stage, .include = glsl_include, .user = glsl->files};
     char *log = NULL,
@@ -66,6 +71,8 @@ static bool stage_mentions(struct glsl *glsl, const char *word)
 {
     char *body = body_mentions(glsl->files, word) ? preprocess(glsl) : NULL;
     bool found = body && find_word(body, word);
+    for (uint32_t i = 0; i < glsl->files->count; i++) /* a module has names alone */
+        found |= glsl->files->list[i].words && find_word(glsl->files->list[i].code, word);
     free(body);
     return found;
 }

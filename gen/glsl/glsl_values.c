@@ -69,10 +69,7 @@ static void add_initial(void *user, const char *name, const char *value)
 static void add_initials(struct glsl *glsl)
 {
     struct text text = {0};
-    text_add(&text, "#version 460\n");
-    glsl_macros(glsl, &text);
-    glsl_defines(glsl, &text);
-    text_add(&text, "%s", glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "");
+    glsl_own_text(glsl, &text);
     const struct glslang_job job = {
         .code = text.data, .stage = glsl->stage, .include = glsl_include, .user = glsl->files};
     if (!text.failed && glslang_start())

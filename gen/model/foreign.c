@@ -46,7 +46,7 @@ static void name_members(struct spirv_edit *edit, uint32_t type, const char *blo
         uint32_t text[64] = {type, m};
         if (own && *own)
             continue;
-        int length = snprintf((char *)(text + 2), sizeof text - 8, "%s_%u", block, m);
+        int length = snprintf((char *)(text + 2), sizeof text - 8, "%.200s_%u", block, m);
         spirv_put(edit, &edit->front, SpvOpMemberName, text, 2 + (size_t)length / 4 + 1);
     }
 }
@@ -81,7 +81,7 @@ static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
         put_format(edit, id, "%s", name);
 }
 
-/* A name with letters, digits and single underscores alone, as "in.var.UV" of HLSL has not; functions keep theirs. */
+/* A name of letters, digits and single underscores: HLSL's "in.var.UV" becomes in_var_UV. Functions keep theirs. */
 static void put_clean(struct spirv_edit *edit, const uint32_t *i)
 {
     uint32_t first = spirv_is(i, SpvOpName) ? 2 : 3, length = spirv_length(i);
@@ -97,13 +97,13 @@ static void put_clean(struct spirv_edit *edit, const uint32_t *i)
     bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) ||
                 !strcmp((const char *)(i + first), clean);
     memcpy(words + first - 1, clean, count + 1);
-    if (kept)
+    if (kept && count)
         spirv_append(edit, &edit->front, i, length);
-    else
+    else if (count) /* what has no letter is no name */
         spirv_put(edit, &edit->front, spirv_opcode(i), words, first + count / 4);
 }
 
-/* Clean names, and the functions that the library of exact arithmetic calls, which a module may do without. */
+/* Names that a spec can say, and an import of GLSL.std.450, which the library of exact arithmetic calls. */
 static bool clean_front(struct spirv *module)
 {
     static const char library[] = "GLSL.std.450";
@@ -198,27 +198,17 @@ static void set_undefined(struct spirv *module)
 }
 
 /* Before SPIR-V 1.4, an entry point lists inputs and outputs alone. */
+static uint32_t keep_interface(const void *user, uint32_t id)
+{
+    uint32_t class = spirv_definition(user, id)[3];
+    return class == SpvStorageClassInput || class == SpvStorageClassOutput ? id : 0;
+}
+
 static bool trim_interface(struct spirv *module)
 {
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    edit.front.count = SPIRV_HEADER;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    {
-        const uint32_t *i = module->words + at;
-        size_t start = edit.front.count;
-        spirv_copy(&edit, &edit.front, i);
-        if (!spirv_is(i, SpvOpEntryPoint) || edit.failed)
-            continue;
-        uint32_t kept = spirv_entry_variables(i);
-        for (uint32_t word = kept; word < spirv_length(i); word++) {
-            uint32_t class = spirv_definition(module, i[word])[3];
-            if (class == SpvStorageClassInput || class == SpvStorageClassOutput)
-                edit.front.data[start + kept++] = i[word];
-        }
-        edit.front.data[start] = kept << 16 | SpvOpEntryPoint;
-        edit.front.count = start + kept;
-    }
+    spirv_edit_interface(&edit, keep_interface, module);
     spirv_edit_keep(&edit);
     return spirv_edit_end(&edit, module);
 }
@@ -280,7 +270,7 @@ static bool has_lines(const struct spirv *module)
     return found;
 }
 
-/* The lines of what spirv-dis prints: five of its head, then one for each instruction. */
+/* Gives each instruction its line in the output of spirv-dis: five lines of header, then a line an instruction. */
 static bool add_lines(struct spirv *module, const char *path)
 {
     enum { HEAD_LINES = 5 };

@@ -3,8 +3,8 @@
 
 #include "module.h"
 
-/* foreign.c: the words of a module that spirv_check took, *count of them, as: lines of the source, or of what
- * spirv-dis prints of it (the file `path`); decorations without groups; no
+/* foreign.c. Takes *count words that spirv_check took; the result has: lines, of the source or else of spirv-dis's
+ * output for the file `path`; decorations without groups; no
  * debug instructions but names and lines; combined textures; storage buffers as SPIR-V 1.0 has them; the lowest
  * version that fits; a name for every variable, member and constant that a spec can name:
  *     input_LOCATION, output_LOCATION, binding_N (set_S_binding_N), BLOCK_MEMBER, constant_ID.

@@ -526,6 +526,27 @@ void spirv_edit_keep(struct spirv_edit *edit)
     spirv_append(edit, &edit->code, from->words + from->code, from->count - from->code);
 }
 
+void spirv_edit_interface(struct spirv_edit *edit, uint32_t (*keep)(const void *user, uint32_t id),
+                          const void *user)
+{
+    struct spirv_words *front = &edit->front;
+    for (size_t at = SPIRV_HEADER; !edit->failed && at < front->count;
+         at += spirv_length(front->data + at)) {
+        uint32_t *i = front->data + at, length = spirv_length(i);
+        if (!spirv_is(i, SpvOpEntryPoint))
+            continue;
+        uint32_t kept = spirv_entry_variables(i);
+        for (uint32_t word = kept; word < length; word++) {
+            uint32_t id = keep(user, i[word]);
+            if (id)
+                i[kept++] = id;
+        }
+        i[0] = kept << 16 | SpvOpEntryPoint;
+        memmove(i + kept, i + length, (front->count - at - length) * sizeof *i);
+        front->count -= length - kept;
+    }
+}
+
 void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from)
 {
     *edit = (struct spirv_edit){.from = from, .bound = from->words[3]};

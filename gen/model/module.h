@@ -124,6 +124,9 @@ struct spirv_edit {
 void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from);
 /* Copies annotations and code, too. */
 void spirv_edit_keep(struct spirv_edit *edit);
+/* Each variable that the entry points of the edit's front list becomes what `keep` gives for it; 0: it goes. */
+void spirv_edit_interface(struct spirv_edit *edit, uint32_t (*keep)(const void *user, uint32_t id),
+                          const void *user);
 /* Replaces the module by the edit; false when out of memory. Frees the edit. */
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module);
 

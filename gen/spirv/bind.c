@@ -354,24 +354,11 @@ static void copy_annotations(struct binder *binder)
 /* ---- Entry point, code ------------------------------------------------------------------------ */
 
 /* Private variables are listed from SPIR-V 1.4 on, inputs always. */
-static void fix_entry(struct binder *binder)
+static uint32_t keep_moved(const void *user, uint32_t id)
 {
-    struct spirv_words *front = &binder->edit.front;
+    const struct binder *binder = user;
     bool listed = (binder->module->words[1] >> 8 & 0xff) >= 4;
-    for (size_t at = SPIRV_HEADER; at < front->count; at += spirv_length(front->data + at)) {
-        uint32_t *i = front->data + at, length = spirv_length(i);
-        if (!spirv_is(i, SpvOpEntryPoint))
-            continue;
-        uint32_t kept = spirv_entry_variables(i);
-        for (uint32_t word = kept; word < length; word++) {
-            uint32_t moved = binder->moved[i[word]];
-            if (!moved || listed)
-                i[kept++] = moved ? moved : i[word];
-        }
-        i[0] = kept << 16 | SpvOpEntryPoint;
-        memmove(i + kept, i + length, (front->count - at - length) * sizeof *i);
-        front->count -= length - kept;
-    }
+    return !binder->moved[id] ? id : listed ? binder->moved[id] : 0;
 }
 
 static void copy_code(struct binder *binder)
@@ -481,7 +468,7 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
                each_variable(&binder, has_values, move_variable);
     }
     if (good) {
-        fix_entry(&binder);
+        spirv_edit_interface(&binder.edit, keep_moved, &binder);
         copy_annotations(&binder);
         copy_code(&binder);
         put_begin(&binder);

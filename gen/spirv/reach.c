@@ -82,19 +82,9 @@ static bool is_target_live(const struct reach *reach, const uint32_t *instructio
     return !has_target || reach->live[instruction[1]];
 }
 
-/* Without the inputs that go. */
-static void copy_entry(const struct reach *reach, struct spirv_edit *edit, const uint32_t *entry)
+static uint32_t keep_live(const void *user, uint32_t id)
 {
-    size_t start = edit->front.count;
-    uint32_t kept = spirv_entry_variables(entry);
-    spirv_copy(edit, &edit->front, entry);
-    if (edit->failed)
-        return;
-    for (uint32_t word = kept; word < spirv_length(entry); word++)
-        if (reach->live[entry[word]])
-            edit->front.data[start + kept++] = entry[word];
-    edit->front.data[start] = kept << 16 | SpvOpEntryPoint;
-    edit->front.count = start + kept;
+    return ((const struct reach *)user)->live[id] ? id : 0;
 }
 
 static void copy_live(const struct reach *reach, struct spirv_edit *edit)
@@ -103,11 +93,10 @@ static void copy_live(const struct reach *reach, struct spirv_edit *edit)
     edit->front.count = SPIRV_HEADER;
     edit->declarations.count = 0;
     SPIRV_EACH(module, at, SPIRV_HEADER, module->declarations)
-    if (spirv_is(module->words + at, SpvOpEntryPoint))
-        copy_entry(reach, edit, module->words + at);
-    else if (is_target_live(reach, module->words + at))
+    if (is_target_live(reach, module->words + at))
         spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
                    module->words + at);
+    spirv_edit_interface(edit, keep_live, reach);
     SPIRV_EACH(module, at, module->declarations, module->code)
     {
         uint32_t result = spirv_result(module->words + at);

@@ -201,26 +201,14 @@ static bool match(struct side *reader, const struct side *writer, struct stage_f
 
 /* ---- The module ------------------------------------------------------------------------------ */
 
-/* Without inputs that nobody writes and nothing reads. */
-static void fix_entry(struct spirv_edit *edit, const struct side *side)
+/* All but inputs that match() left without a location. */
+static uint32_t keep_located(const void *user, uint32_t id)
 {
-    struct spirv_words *front = &edit->front;
-    for (size_t at = SPIRV_HEADER; at < front->count; at += spirv_length(front->data + at)) {
-        uint32_t *i = front->data + at, length = spirv_length(i);
-        if (!spirv_is(i, SpvOpEntryPoint))
-            continue;
-        uint32_t kept = spirv_entry_variables(i);
-        for (uint32_t word = kept; word < length; word++) {
-            bool goes = false;
-            for (uint32_t k = 0; k < side->count; k++)
-                goes |= side->list[k].id == i[word] && side->list[k].location == NOWHERE;
-            if (!goes)
-                i[kept++] = i[word];
-        }
-        i[0] = kept << 16 | SpvOpEntryPoint;
-        memmove(i + kept, i + length, (front->count - at - length) * sizeof *i);
-        front->count -= length - kept;
-    }
+    const struct side *side = user;
+    for (uint32_t k = 0; k < side->count; k++)
+        if (side->list[k].id == id && side->list[k].location == NOWHERE)
+            return 0;
+    return id;
 }
 
 static bool write_side(struct spirv *module, const struct side *side)
@@ -232,8 +220,7 @@ static bool write_side(struct spirv *module, const struct side *side)
         if (!side->list[i].given && side->list[i].location != NOWHERE)
             SPIRV_PUT(&edit, &edit.annotations, SpvOpDecorate, side->list[i].id,
                       SpvDecorationLocation, (uint32_t)side->list[i].location);
-    if (!edit.failed)
-        fix_entry(&edit, side);
+    spirv_edit_interface(&edit, keep_located, side);
     return spirv_edit_end(&edit, module);
 }
 

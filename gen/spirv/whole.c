@@ -2,6 +2,7 @@
 #include "whole.h"
 
 #include <spirv/unified1/spirv.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -26,10 +27,28 @@ static const struct param *find_baked(const struct pipeline *pipeline, const cha
     return NULL;
 }
 
-/* A specialization constant gets the value of the baked parameter of its name, in place. */
+/* The parameter of a specialization constant: by its name, by that of another with its number, or by constant_NUMBER. */
+static const struct param *find_special(const struct pipeline *pipeline, const struct spirv *module,
+                                        uint32_t id)
+{
+    char number[32];
+    uint32_t special = spirv_decoration(module, id, SpvDecorationSpecId);
+    const struct param *param = find_baked(pipeline, bind_own_name(spirv_name(module, id)));
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        uint32_t other = spirv_result(module->words + at);
+        if (!param && special != UINT32_MAX && other &&
+            spirv_decoration(module, other, SpvDecorationSpecId) == special)
+            param = find_baked(pipeline, bind_own_name(spirv_name(module, other)));
+    }
+    snprintf(number, sizeof number, "constant_%u", special);
+    return param ? param : find_baked(pipeline, number);
+}
+
+/* A specialization constant gets the value of its baked parameter, in place. */
 static void set_constant(const struct pipeline *pipeline, const struct spirv *module, uint32_t *i)
 {
-    const struct param *param = find_baked(pipeline, bind_own_name(spirv_name(module, i[2])));
+    const struct param *param = find_special(pipeline, module, i[2]);
     if (!param)
         return;
     float number = (float)param->value[0];

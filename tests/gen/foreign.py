@@ -107,6 +107,32 @@ def sanitized(tap):
     tap.result("... is found in its invocation", told("index 8 of `sums`, which has 8 elements\n  pass run, invocation (7, 0, 0), 1 time", "--sanitize"))
 
 
+def modules(tap):
+    """Of the shader as GLSL, as a module, and as one without names."""
+    compute("layout(local_size_x_id = 5, local_size_y = 2) in;\nlayout(constant_id = 3) const float scale = 2.5;\n"
+            "layout(constant_id = 5) const uint width = 1;\nshared uint part[gl_WorkGroupSize.x * gl_WorkGroupSize.y];\n"
+            "layout(std430, binding = 1) buffer Sums { float sums[]; };\nvoid main()\n{\n    part[gl_LocalInvocationIndex] = gl_WorkGroupSize.x;\n"
+            "    barrier();\n    sums[gl_LocalInvocationIndex] = scale + part[gl_WorkGroupSize.x * gl_WorkGroupSize.y - 1u] + part.length() * 16;\n}\n",
+            "[2, 2, 1]", "params: {scale: {value: 0.5}, width: {value: 2, type: uint}}", "float")
+    bodies.run("glslangValidator", "-V", "a.comp", "-o", "named.spv")
+    bodies.run("spirv-opt", "--strip-debug", "named.spv", "-o", "bare.spv")
+    with open("a.yaml", encoding="utf-8") as file:
+        spec = file.read().replace("dispatch: 8", "dispatch: [2, 2]").replace("count: 8", "count: 4")
+    for file, names in (("a.comp", {}), ("named.spv", {}), ("bare.spv", {"scale:": "constant_3:", "width:": "constant_5:",
+                                                                          "writes: [Sums]": "writes: [{name: Sums, as: binding_1}]"})):
+        text = spec.replace("a.comp", file)
+        for old, new in names.items():
+            text = text.replace(old, new)
+        put("a.yaml", text)
+        tap.result(f"constants and sizes of specialization, {file}", agrees([66.5] * 4))
+    put("a.yaml", spec.replace("a.comp", "named.spv").replace("count: 4", "count: 2"))
+    with open("named.txt", "w", encoding="utf-8") as out:
+        subprocess.run(["spirv-dis", "named.spv"], stdout=out, check=True)
+    with open("named.txt", encoding="utf-8") as file:
+        places = [f"named.spv:{number}:" for number, line in enumerate(file, 1) if "OpAccessChain %_ptr_Uniform_float" in line]
+    tap.result("a finding has the line of spirv-dis", told(f"{places[0]}", "--sanitize"))
+
+
 # What others make of a shader: the last command of each has the module `plain` and writes `made`.
 GLSLANG = "glslangValidator -V {name}.comp -o plain.spv"
 FORMS = {"glsl": [], "plain": [GLSLANG, "cp plain.spv {name}.spv"],
@@ -183,6 +209,9 @@ def forms(tap):
                 got == want or bodies.ulp(got, want) <= body.ulp > 0 or (
                     exactness == "fast" and (not body.fast or bodies.near(bodies.as_float(got), bodies.as_float(want))))))]
         tap.result(f"they compute what GLSL says, on {side}, {exactness}", reasons)
+    made.spec(list(drawn)[:10], "a")
+    done = diptych("compare", "--spec", "a.yaml", "--sanitize")
+    tap.result("some of them agree when sanitized", [] if f"resources of {min(len(drawn), 10)} passes agree" in done.stdout else [done.stdout])
 
 
 HLSL_VERTEX = """struct Out { float4 place : SV_Position; float2 uv : TEXCOORD0; };
@@ -228,6 +257,7 @@ def hlsl(tap):
     for stage in ("vert", "frag"):
         bodies.run("glslangValidator", "-D", "-V", "-e", "main", "-S", stage, f"{stage[0]}.hlsl", "-o", f"{stage[0]}.spv")
     tap.result("HLSL: textures by two samplers, names that GLSL does not have", agrees([14.5625, 14.5625, 14.5, 14.5]))
+    tap.result("... sanitized", [] if diptych("compare", "--spec", "a.yaml", "--sanitize").returncode == 0 else ["findings"])
 
 
 def main():
@@ -237,6 +267,7 @@ def main():
         if shutil.which("spirv-opt"):
             forms(tap)
             hlsl(tap)
+            modules(tap)
         else:
             tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
