@@ -6,7 +6,6 @@ import json
 import os
 import subprocess
 import sys
-import tempfile
 
 import numpy as np
 
@@ -371,9 +370,4 @@ def test_containers_are_read():
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as work:
-        os.chdir(work)
-        try:
-            bodies.run_tests(globals(), (None,))
-        finally:
-            os.chdir(ROOT)
+    bodies.run_in_folder(globals())

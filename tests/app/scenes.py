@@ -4,7 +4,6 @@ import json
 import os
 import struct
 import sys
-import tempfile
 import zlib
 
 import numpy as np
@@ -462,9 +461,4 @@ def test_wrong_motion_files_are_told_in_one_run():
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as work:
-        os.chdir(work)
-        try:
-            bodies.run_tests(globals(), (None,), "".join(sys.argv[1:]))
-        finally:
-            os.chdir(ROOT)
+    bodies.run_in_folder(globals(), "".join(sys.argv[1:]))

@@ -9,6 +9,7 @@ import resource
 import shutil
 import struct
 import subprocess
+import tempfile
 
 SECONDS = 240  # of processor time, for each process of a command
 HEAD = """pipeline: {name}
@@ -169,3 +170,14 @@ def run_tests(names, sides, chosen="", errors=(AssertionError, OSError, ValueErr
                 reasons = [str(error)]
             tap.result((f"{side}: " if side else "") + name[5:].replace("_", " "), reasons)
     tap.finish()
+
+
+def run_in_folder(names, chosen=""):
+    """run_tests once, in a temporary folder."""
+    before = os.getcwd()
+    with tempfile.TemporaryDirectory() as work:
+        os.chdir(work)
+        try:
+            run_tests(names, (None,), chosen)
+        finally:
+            os.chdir(before)

@@ -6,7 +6,6 @@ import json
 import os
 import re
 import subprocess
-import tempfile
 
 import bodies
 
@@ -360,9 +359,4 @@ def test_errors_of_the_compiler_have_the_authors_place():
 
 
 if __name__ == "__main__":
-    with tempfile.TemporaryDirectory() as work:
-        os.chdir(work)
-        try:
-            bodies.run_tests(globals(), (None,))
-        finally:
-            os.chdir(ROOT)
+    bodies.run_in_folder(globals())
