@@ -109,7 +109,6 @@ def shade(name, body, words=(), **keys):
 
     def access(name, **more):
         return {"name": name, **({"as": names[name]} if names else {}), **more}
-    of = names.get("lights", "lights")
     return name, body, {
         "interleave": "tile", "uses": ["points", "apart", "tile"],
         "reads": [access("normals"), access("lights"), access("shadows", sampler="shadow")],
