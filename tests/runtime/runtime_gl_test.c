@@ -27,10 +27,9 @@ static struct {
 static void on_message(void *user, enum dt_level level, const char *message)
 {
     (void)user;
-    if (getenv("DIPTYCH_TEST_VERBOSE"))
-        print_message("# [%d] %s\n", level, message);
     if (level != DT_ERROR)
         return;
+    print_message("# %s\n", message);
     heard.errors++;
     snprintf(heard.last, sizeof heard.last, "%s", message);
 }

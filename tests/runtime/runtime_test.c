@@ -12,9 +12,6 @@
 
 #include <cmocka.h>
 
-#define GLFW_INCLUDE_NONE
-#include <GLFW/glfw3.h>
-
 #include "formats.h"
 #include "front.h"
 #include "probe.h"
@@ -1011,23 +1008,6 @@ static void too_much_memory_is_one_error(void **state)
     free(v);
 }
 
-/* Xvfb restarts when its last client leaves, and takes no client meanwhile. This program stays a
- * client to prevent that. */
-static int stay_connected(void **state)
-{
-    (void)state;
-    if (getenv("DISPLAY"))
-        glfwInit();
-    return 0;
-}
-
-static int disconnect(void **state)
-{
-    (void)state;
-    glfwTerminate();
-    return 0;
-}
-
 #define ON_BOTH(test)                                                                              \
     {#test ", gl", test, NULL, NULL, &gl},                                                         \
     {                                                                                              \
@@ -1107,5 +1087,5 @@ int main(void)
         cmocka_unit_test(a_frame_knows_the_camera_before),
         cmocka_unit_test(jitter_moves_the_picture),
     };
-    return cmocka_run_group_tests_name("runtimes", tests, stay_connected, disconnect);
+    return cmocka_run_group_tests_name("runtimes", tests, NULL, NULL);
 }
