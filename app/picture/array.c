@@ -46,6 +46,7 @@ static const char *number_code(enum number_kind kind)
         return "<i2";
     case NUMBER_HALF:
         return "<f2";
+    case NUMBER_UNORM24:
     case NUMBER_UINT:
         return "<u4";
     case NUMBER_INT:

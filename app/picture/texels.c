@@ -9,13 +9,18 @@
 
 #include "base/files.h"
 
+bool format_is_depth(enum dt_format format)
+{
+    return format == DT_FORMAT_D32F || (int)format >= FORMAT_D16;
+}
+
 struct component format_component(enum dt_format format, uint32_t channel)
 {
     enum number_kind kind = format_info(format)->kind;
     struct component component = {.kind = kind, .offset = channel * number_size(kind)};
     if (number_is_packed(kind))
         component = (struct component){.kind = (enum number_kind)(kind + channel)};
-    component.name[0] = format == DT_FORMAT_D32F ? 'd' : "rgba"[channel];
+    component.name[0] = format_is_depth(format) ? 'd' : "rgba"[channel];
     return component;
 }
 
@@ -27,6 +32,7 @@ static const struct {
 } numbers[] = {
     [NUMBER_UNORM8] = {1, 0, 8, 0, 1},
     [NUMBER_UNORM16] = {2, 0, 16, 0, 1},
+    [NUMBER_UNORM24] = {4, 0, 24, 0, 1},
     [NUMBER_SNORM16] = {2, 0, 16, -1, 1},
     [NUMBER_HALF] = {2, 0, 16, -65519.99, 65519.99},
     [NUMBER_FLOAT] = {4, 0, 32, -FLT_MAX, FLT_MAX},
@@ -64,7 +70,7 @@ uint32_t number_one(enum number_kind kind)
 {
     if (kind == NUMBER_SNORM16)
         return INT16_MAX;
-    bool unorm = kind <= NUMBER_UNORM16 || (kind >= NUMBER_R10 && kind <= NUMBER_A2);
+    bool unorm = kind <= NUMBER_UNORM24 || (kind >= NUMBER_R10 && kind <= NUMBER_A2);
     return unorm ? (1u << numbers[kind].width) - 1 : 0;
 }
 
@@ -107,6 +113,7 @@ double number_of_bits(enum number_kind kind, uint32_t bits)
     switch (kind) {
     case NUMBER_UNORM8:
     case NUMBER_UNORM16:
+    case NUMBER_UNORM24:
     case NUMBER_R10:
     case NUMBER_G10:
     case NUMBER_B10:
@@ -165,6 +172,7 @@ bool number_store(enum number_kind kind, double value, uint8_t *place)
     switch (kind) {
     case NUMBER_UNORM8:
     case NUMBER_UNORM16:
+    case NUMBER_UNORM24:
     case NUMBER_SNORM16:
     case NUMBER_R10:
     case NUMBER_G10:

@@ -24,6 +24,7 @@ struct component {
     uint32_t offset; /* bytes from the start of the element */
 };
 
+bool format_is_depth(enum dt_format format);
 struct component format_component(enum dt_format format, uint32_t channel);
 uint32_t resource_stride(const struct dt_resource *resource); /* bytes per element or texel */
 

@@ -105,18 +105,17 @@ static bool convert_buffers(struct match *match, struct dt_bytes copies[2])
 /* Bits of a number's fraction, by which formats are ordered. */
 static uint32_t precision(enum number_kind kind)
 {
-    return kind == NUMBER_FLOAT                         ? 24
-           : kind == NUMBER_HALF                        ? 11
+    return kind == NUMBER_HALF                          ? 11
            : kind >= NUMBER_R11F && kind <= NUMBER_B10F ? 6
                                                         : number_width(kind);
 }
 
 static bool find_format(uint32_t channels, enum number_kind kind, enum dt_format *format)
 {
-    for (int i = 0; i < DT_FORMAT_COUNT; i++) {
+    for (int i = 0; i < FORMAT_ALL; i++) {
         enum dt_format each = (enum dt_format)i;
         if (format_info(each)->channels == channels && format_info(each)->kind == kind &&
-            each != DT_FORMAT_RGBA8_SRGB && each != DT_FORMAT_D32F) {
+            each != DT_FORMAT_RGBA8_SRGB && (kind == NUMBER_UNORM24 || !format_is_depth(each))) {
             *format = each;
             return true;
         }

@@ -13,7 +13,13 @@
 #include "base/printable.h"
 #include "formats.h"
 
-enum { MOST_EXTENT = 1 << 24, MOST_FIELDS = 256, MOST_STRIDE = 65536, MOST_ENTRIES = 10000 };
+enum {
+    MOST_EXTENT = 1 << 24,
+    MOST_FIELDS = 256,
+    MOST_STRIDE = 65536,
+    MOST_ENTRIES = 10000,
+    MOST_SAMPLES = 64
+};
 #define MOST_BYTES ((uint64_t)4 << 30)
 
 static struct their_entry *add_their_entry(struct theirs *theirs)
@@ -114,28 +120,77 @@ static bool take_buffer(const struct theirs *theirs, struct their_entry *entry, 
     return true;
 }
 
-static bool take_image(const struct theirs *theirs, struct their_entry *entry, const cJSON *item)
+/* Texels that only files have, and the format that they get. */
+enum { ZEROS = 16, ONES }; /* for `from` */
+struct their_texel {
+    const char *name;
+    uint32_t bytes;
+    int format;      /* enum dt_format, or one of formats.h */
+    uint8_t from[4]; /* the byte of the file that each byte of the format has */
+    bool stencil;    /* a part of the texel above, an entry of its own */
+};
+static const struct their_texel their_texels[] = {
+    {"rgb8", 3, DT_FORMAT_RGBA8, {0, 1, 2, ONES}, false},
+    {"rgb8_srgb", 3, DT_FORMAT_RGBA8_SRGB, {0, 1, 2, ONES}, false},
+    {"bgra8", 4, DT_FORMAT_RGBA8, {2, 1, 0, 3}, false},
+    {"bgra8_srgb", 4, DT_FORMAT_RGBA8_SRGB, {2, 1, 0, 3}, false},
+    {"r11g11b10", 4, DT_FORMAT_R11G11B10F, {0, 1, 2, 3}, false},
+    {"d24", 4, FORMAT_D24, {0, 1, 2, ZEROS}, false},
+    {"d24s8", 4, FORMAT_D24, {0, 1, 2, ZEROS}, false},
+    {"d24s8", 4, DT_FORMAT_R8UI, {3}, true},
+    {"d32fs8", 8, DT_FORMAT_D32F, {0, 1, 2, 3}, false},
+    {"d32fs8", 8, DT_FORMAT_R8UI, {4}, true},
+};
+
+static bool find_format(struct their_entry *entry, const char *name, bool stencil)
+{
+    for (size_t i = 0; name && i < DT_ARRAY_COUNT(their_texels); i++)
+        if (!strcmp(name, their_texels[i].name) && stencil == their_texels[i].stencil) {
+            entry->texel = &their_texels[i];
+            entry->what.format = (enum dt_format)their_texels[i].format;
+            return true;
+        }
+    for (int i = 0; name && i < FORMAT_ALL && !stencil; i++)
+        if (!strcmp(name, format_info((enum dt_format)i)->name)) {
+            entry->what.format = (enum dt_format)i;
+            return true;
+        }
+    return false;
+}
+
+/* The other part of what the entry before has as depth. */
+static bool has_stencil(const struct their_entry *entry)
+{
+    return entry->texel && !entry->texel->stencil &&
+           find_format(&(struct their_entry){0}, entry->texel->name, true);
+}
+
+static uint32_t texel_size(const struct their_entry *entry)
+{
+    return entry->texel ? entry->texel->bytes : resource_stride(&entry->what);
+}
+
+static bool take_image(const struct theirs *theirs, struct their_entry *entry, const cJSON *item,
+                       bool stencil)
 {
     static const char *const names[] = {"width", "height", "layers"};
     const char *name = their_text(item, "format"), *origin = their_text(item, "origin");
-    int format = 0;
-    while (format < DT_FORMAT_COUNT &&
-           (!name || !format_info((enum dt_format)format)->name ||
-            strcmp(name, format_info((enum dt_format)format)->name) != 0))
-        format++;
-    if (format == DT_FORMAT_COUNT)
+    uint32_t samples = 1;
+    if (!find_format(entry, name, stencil))
         return wrong(theirs, entry, "format", "is no format like rgba8, rgba16f or d32f");
     entry->what.kind = DT_IMAGE;
-    entry->what.format = (enum dt_format)format;
     entry->what.mips = 1;
     entry->extent[2] = 1;
     for (int i = 0; i < 3; i++)
         if (!take_number(theirs, entry, item, names[i], 1, MOST_EXTENT, &entry->extent[i]))
             return false;
-    entry->what.layered = entry->extent[2] > 1;
-    uint32_t stride = format_info(entry->what.format)->bytes;
-    if (!take_number(theirs, entry, item, "stride", stride, stride, &stride))
+    uint32_t stride = texel_size(entry);
+    if (!take_number(theirs, entry, item, "samples", 1, MOST_SAMPLES, &samples) ||
+        !take_number(theirs, entry, item, "stride", stride, stride, &stride))
         return false;
+    entry->extent[2] *= samples;
+    entry->what.layered = entry->extent[2] > 1;
+    entry->read_as = samples > 1 ? "layers are samples" : NULL;
     origin = origin ? origin : their_text(theirs->manifest, "origin");
     if (origin && strcmp(origin, "top") != 0 && strcmp(origin, "bottom") != 0)
         return wrong(theirs, entry, "origin", "is neither \"top\" nor \"bottom\"");
@@ -143,7 +198,7 @@ static bool take_image(const struct theirs *theirs, struct their_entry *entry, c
     return true;
 }
 
-static bool take_entry(struct theirs *theirs, const cJSON *item)
+static bool take_entry(struct theirs *theirs, const cJSON *item, bool stencil)
 {
     struct their_entry *entry = add_their_entry(theirs);
     const char *names[] = {"pass", "resource", "file"}, *kind = their_text(item, "kind");
@@ -152,7 +207,9 @@ static bool take_entry(struct theirs *theirs, const cJSON *item)
     char **places[] = {&entry->pass, &entry->resource, &entry->file};
     for (int i = 0; i < 3; i++) {
         const char *text = their_text(item, names[i]);
-        *places[i] = text ? strdup(text) : NULL;
+        *places[i] = !text               ? NULL
+                     : stencil && i == 1 ? format_string("%s.stencil", text)
+                                         : strdup(text);
         if (!*places[i])
             return wrong(theirs, entry, names[i], "is missing");
     }
@@ -163,7 +220,8 @@ static bool take_entry(struct theirs *theirs, const cJSON *item)
         return false;
     if (!kind || (strcmp(kind, "buffer") != 0 && strcmp(kind, "image") != 0))
         return wrong(theirs, entry, "kind", "is neither \"buffer\" nor \"image\"");
-    return *kind == 'b' ? take_buffer(theirs, entry, item) : take_image(theirs, entry, item);
+    return *kind == 'b' ? take_buffer(theirs, entry, item)
+                        : take_image(theirs, entry, item, stencil);
 }
 
 static bool take_manifest(struct theirs *theirs)
@@ -180,7 +238,8 @@ static bool take_manifest(struct theirs *theirs)
                             theirs->folder);
     cJSON_ArrayForEach(item, entries)
     {
-        if (!take_entry(theirs, item))
+        if (!take_entry(theirs, item, false) ||
+            (has_stencil(&theirs->entries[theirs->count - 1]) && !take_entry(theirs, item, true)))
             return false;
     }
     return true;
@@ -318,6 +377,26 @@ void theirs_close(struct theirs *theirs)
     *theirs = (struct theirs){0};
 }
 
+/* Makes the entry's format of the file's texels. */
+static bool unpack(const struct theirs *theirs, const struct their_entry *entry,
+                   struct dt_bytes *bytes)
+{
+    static const uint8_t constants[] = {[ZEROS] = 0, [ONES] = 0xff};
+    const struct their_texel *texel = entry->texel;
+    uint32_t size = resource_stride(&entry->what);
+    size_t count = bytes->size / texel->bytes;
+    uint8_t *data = malloc(count * size);
+    for (size_t i = 0; data && i < count; i++)
+        for (uint32_t k = 0; k < size; k++)
+            data[i * size + k] = texel->from[k] < ZEROS
+                                     ? bytes->data[i * texel->bytes + texel->from[k]]
+                                     : constants[texel->from[k]];
+    free(bytes->data);
+    bytes->data = data;
+    bytes->size = count * size;
+    return data || report_error(theirs->log, "out of memory");
+}
+
 bool theirs_load(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes)
 {
     *bytes = (struct dt_bytes){0};
@@ -329,11 +408,11 @@ bool theirs_load(const struct theirs *theirs, struct their_entry *entry, struct 
     uint64_t elements = entry->what.kind == DT_BUFFER
                             ? entry->extent[0]
                             : (uint64_t)entry->extent[0] * entry->extent[1];
-    uint64_t size = elements * resource_stride(&entry->what);
+    uint64_t size = elements * texel_size(entry);
     if (size > MOST_BYTES || size * entry->extent[2] > MOST_BYTES)
         return report_error(theirs->log, "%s/%s: would have more than 4 GiB", theirs->folder,
                             entry->file);
     bytes->size = size * entry->extent[2];
     bytes->data = foreign_read_exactly(theirs->folder, entry->file, bytes->size, theirs->log);
-    return bytes->data;
+    return bytes->data && (!entry->texel || unpack(theirs, entry, bytes));
 }

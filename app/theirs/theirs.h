@@ -15,11 +15,12 @@ struct their_entry {
     uint32_t mip, frame;
     uint32_t again; /* how many entries of the same names, mip and frame come before it */
     enum their_origin origin;
-    bool described;          /* `what` and extent are known; else from theirs_load on */
-    struct dt_resource what; /* kind, format or fields and stride; name is `resource` */
-    struct dt_field *fields; /* of `what`, owned */
-    uint32_t extent[3];      /* elements, or width, height and layers */
-    const char *read_as;     /* how a file's numbers were changed on the way in, or NULL */
+    bool described;                  /* `what` and extent are known; else from theirs_load on */
+    struct dt_resource what;         /* kind, format or fields and stride; name is `resource` */
+    struct dt_field *fields;         /* of `what`, owned */
+    uint32_t extent[3];              /* elements, or width, height and layers */
+    const char *read_as;             /* how a file's numbers were changed on the way in, or NULL */
+    const struct their_texel *texel; /* of the file, where it is not that of `what`; else NULL */
 };
 
 struct theirs {

@@ -48,11 +48,12 @@ enum tap_origin { TAP_UNKNOWN, TAP_TOP, TAP_BOTTOM };
 
 struct tap_texels {
     /* r8 rg8 rgba8 rgba8_srgb, r16 rg16 rgba16 (also _snorm), r16f rg16f rgba16f, r32f rg32f rgba32f, d32f,
-     * r8ui rg8ui rgba8ui, the same with 16 and 32, and with i for ui; r11g11b10f, rgb10a2. Swap the
-     * channels of bgra8 first: tap_swap_bgra. */
+     * r8ui rg8ui rgba8ui, the same with 16 and 32, and with i for ui; r11g11b10f, rgb10a2, rgb8,
+     * bgra8 (also _srgb); d16, d24, d24s8 (depth in the low 24 bits), d32fs8 (of 8 bytes). */
     const char *format;
     unsigned width, height;
-    unsigned layers; /* or depth, or six faces for each cube; 0 counts as 1 */
+    unsigned layers;  /* or depth, or six faces for each cube; 0 counts as 1 */
+    unsigned samples; /* pictures in each layer, one for each sample of a texel; 0 counts as 1 */
     unsigned mip;
     enum tap_origin origin;
     const void *bytes;
@@ -231,12 +232,14 @@ TAP_FUNCTION void tap_frame(struct tap *tap, unsigned frame)
 TAP_FUNCTION size_t tap_texel_size(const char *format)
 {
     static const char *const names[] = {
-        " r8 r8ui r8i ", " rg8 rg8ui rg8i r16 r16_snorm r16f r16ui r16i ",
+        " r8 r8ui r8i ", " rg8 rg8ui rg8i r16 r16_snorm r16f r16ui r16i d16 ",
         " rgba8 rgba8_srgb rgba8ui rgba8i rg16 rg16_snorm rg16f rg16ui rg16i r32f r32ui r32i d32f "
-        "r11g11b10f rgb10a2 ",
-        " rgba16 rgba16_snorm rgba16f rgba16ui rgba16i rg32f rg32ui rg32i ",
+        "r11g11b10f r11g11b10 rgb10a2 bgra8 bgra8_srgb d24 d24s8 ",
+        " rgba16 rgba16_snorm rgba16f rgba16ui rgba16i rg32f rg32ui rg32i d32fs8 ",
         " rgba32f rgba32ui rgba32i "};
     char word[24];
+    if (strcmp(format, "rgb8") == 0 || strcmp(format, "rgb8_srgb") == 0)
+        return 3;
     snprintf(word, sizeof word, " %.20s ", format);
     for (int i = 0; i < 5; i++)
         if (strstr(names[i], word))
@@ -260,7 +263,8 @@ TAP_FUNCTION void tap_image(struct tap *tap, const char *pass, const char *resou
                             const struct tap_texels *texels)
 {
     char name[200];
-    size_t layers = texels->layers ? texels->layers : 1, texel = tap_texel_size(texels->format);
+    size_t layers = texels->layers ? texels->layers : 1;
+    size_t samples = texels->samples ? texels->samples : 1, texel = tap_texel_size(texels->format);
     size_t row = texel * texels->width, stride = texels->stride ? texels->stride : row;
     if (!tap || tap->failed)
         return;
@@ -273,7 +277,8 @@ TAP_FUNCTION void tap_image(struct tap *tap, const char *pass, const char *resou
     }
     tap_name(tap, pass, resource, name, sizeof name);
     if (!tap_store(tap, name, (const unsigned char *)texels->bytes, row, texels->height, stride,
-                   layers, texels->layer_stride ? texels->layer_stride : stride * texels->height))
+                   layers * samples,
+                   texels->layer_stride ? texels->layer_stride : stride * texels->height))
         return;
     tap_entry(tap, pass, resource, name);
     if (texels->mip)
@@ -282,6 +287,8 @@ TAP_FUNCTION void tap_image(struct tap *tap, const char *pass, const char *resou
               (unsigned)texel);
     tap_print(tap, ", \"width\": %u, \"height\": %u, \"layers\": %u", texels->width, texels->height,
               (unsigned)layers);
+    if (samples > 1)
+        tap_print(tap, ", \"samples\": %u", (unsigned)samples);
     if (texels->origin)
         tap_print(tap, ", \"origin\": \"%s\"", texels->origin == TAP_TOP ? "top" : "bottom");
     tap_write(tap, "}", 1);

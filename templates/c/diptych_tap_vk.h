@@ -40,7 +40,6 @@ struct tap_vk_copy {
     VkDeviceMemory memory;
     VkDeviceSize size;
     int is_buffer;
-    VkFormat format;
     struct tap_texels texels;
     unsigned count, stride, field_count;
     struct tap_field fields[TAP_VK_MOST_FIELDS];
@@ -55,7 +54,6 @@ struct tap_vk {
     struct tap_vk_copy *copies;
 };
 
-/* Depth of 16 and 24 bits becomes d32f. */
 TAP_FUNCTION const char *tap_vk_format(VkFormat format)
 {
     static const struct {
@@ -64,10 +62,10 @@ TAP_FUNCTION const char *tap_vk_format(VkFormat format)
     } formats[] = {{VK_FORMAT_R8_UNORM, "r8"},
                    {VK_FORMAT_R8G8_UNORM, "rg8"},
                    {VK_FORMAT_A8B8G8R8_UNORM_PACK32, "rgba8"},
-                   {VK_FORMAT_B8G8R8A8_UNORM, "rgba8"},
+                   {VK_FORMAT_B8G8R8A8_UNORM, "bgra8"},
                    {VK_FORMAT_R8G8B8A8_UNORM, "rgba8"},
                    {VK_FORMAT_A8B8G8R8_SRGB_PACK32, "rgba8_srgb"},
-                   {VK_FORMAT_B8G8R8A8_SRGB, "rgba8_srgb"},
+                   {VK_FORMAT_B8G8R8A8_SRGB, "bgra8_srgb"},
                    {VK_FORMAT_R8G8B8A8_SRGB, "rgba8_srgb"},
                    {VK_FORMAT_R16_UNORM, "r16"},
                    {VK_FORMAT_R16G16_UNORM, "rg16"},
@@ -101,9 +99,9 @@ TAP_FUNCTION const char *tap_vk_format(VkFormat format)
                    {VK_FORMAT_R32G32B32A32_SINT, "rgba32i"},
                    {VK_FORMAT_B10G11R11_UFLOAT_PACK32, "r11g11b10f"},
                    {VK_FORMAT_A2B10G10R10_UNORM_PACK32, "rgb10a2"},
-                   {VK_FORMAT_D16_UNORM, "d32f"},
-                   {VK_FORMAT_X8_D24_UNORM_PACK32, "d32f"},
-                   {VK_FORMAT_D24_UNORM_S8_UINT, "d32f"},
+                   {VK_FORMAT_D16_UNORM, "d16"},
+                   {VK_FORMAT_X8_D24_UNORM_PACK32, "d24"},
+                   {VK_FORMAT_D24_UNORM_S8_UINT, "d24"},
                    {VK_FORMAT_D32_SFLOAT, "d32f"},
                    {VK_FORMAT_D32_SFLOAT_S8_UINT, "d32f"}};
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
@@ -209,7 +207,7 @@ TAP_FUNCTION void tap_vk_wait(VkCommandBuffer commands, int before,
 TAP_FUNCTION int tap_vk_is_depth(VkFormat format)
 {
     const char *name = tap_vk_format(format);
-    return name && !strcmp(name, "d32f");
+    return name && name[0] == 'd';
 }
 
 /* Records the copy of one mip. */
@@ -234,7 +232,6 @@ TAP_FUNCTION void tap_vk_image(struct tap_vk *taps, VkCommandBuffer commands, co
                                                  image->height * depth * layers);
     if (!copy)
         return;
-    copy->format = image->format;
     copy->texels.format = format;
     copy->texels.width = image->width;
     copy->texels.height = image->height;
@@ -283,23 +280,9 @@ TAP_FUNCTION void tap_vk_buffer(struct tap_vk *taps, VkCommandBuffer commands, c
     tap_vk_wait(commands, 0, NULL, 0);
 }
 
-/* In place, from the last texel on: a code of 16 bits is shorter than a float. */
-TAP_FUNCTION void tap_vk_depth(VkFormat format, unsigned char *bytes, size_t count)
-{
-    for (size_t i = count; i-- > 0;) {
-        unsigned code = 0;
-        memcpy(&code, bytes + i * (format == VK_FORMAT_D16_UNORM ? 2 : 4),
-               format == VK_FORMAT_D16_UNORM ? 2 : 4);
-        float depth = format == VK_FORMAT_D16_UNORM ? (float)code / 65535
-                                                    : (float)((code & 0xffffff) / 16777215.0);
-        memcpy(bytes + i * 4, &depth, sizeof depth);
-    }
-}
-
 TAP_FUNCTION void tap_vk_store(struct tap_vk *taps, struct tap_vk_copy *copy)
 {
     void *bytes;
-    VkFormat format = copy->format;
     if (vkMapMemory(taps->device, copy->memory, 0, VK_WHOLE_SIZE, 0, &bytes) != VK_SUCCESS) {
         tap_fail(taps->tap, "vkMapMemory failed", copy->resource);
         return;
@@ -309,11 +292,6 @@ TAP_FUNCTION void tap_vk_store(struct tap_vk *taps, struct tap_vk_copy *copy)
                    copy->fields, copy->field_count);
     } else {
         copy->texels.bytes = bytes;
-        if (format == VK_FORMAT_B8G8R8A8_UNORM || format == VK_FORMAT_B8G8R8A8_SRGB)
-            tap_swap_bgra(bytes, (size_t)copy->size / 4);
-        if (tap_vk_is_depth(format) && format != VK_FORMAT_D32_SFLOAT &&
-            format != VK_FORMAT_D32_SFLOAT_S8_UINT)
-            tap_vk_depth(format, (unsigned char *)bytes, (size_t)copy->size / 4);
         tap_image(taps->tap, copy->pass, copy->resource, &copy->texels);
     }
     vkUnmapMemory(taps->device, copy->memory);

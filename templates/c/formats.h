@@ -8,6 +8,7 @@
 enum number_kind {
     NUMBER_UNORM8,
     NUMBER_UNORM16,
+    NUMBER_UNORM24, /* depth, in the low bits of four bytes; the last unorm that is not packed */
     NUMBER_SNORM16,
     NUMBER_HALF, /* floats from here */
     NUMBER_FLOAT,
@@ -26,6 +27,9 @@ enum number_kind {
     NUMBER_INT16
 };
 
+/* Formats of dumps alone: no spec and no backend makes them. Values of enum dt_format. */
+enum { FORMAT_D16 = DT_FORMAT_COUNT, FORMAT_D24, FORMAT_ALL };
+
 struct format_info {
     const char *name;       /* in specs: "rgba16f" */
     const char *enumerator; /* "DT_FORMAT_RGBA16F" */
@@ -41,6 +45,8 @@ static inline const struct format_info *format_info(enum dt_format format)
 #define DT_FORMAT(ENUMERATOR, name, channels, bytes, kind, qualifier, ...)                         \
     {name, "DT_FORMAT_" #ENUMERATOR, channels, bytes, NUMBER_##kind, qualifier},
 #include "formats.def"
+        {"d16", NULL, 1, 2, NUMBER_UNORM16, NULL},
+        {"d24", NULL, 1, 4, NUMBER_UNORM24, NULL},
     };
     return &formats[format];
 }

@@ -31,6 +31,10 @@ assert r["why"][0]["name"] == "flip_y" and r["why"][0]["after"] == 0 < r["why"][
 check "resources without a partner are named" says 0 'bloom .* not in the second dump' more plain
 check "... of the second as well" says 0 'bloom .* not in the first dump' plain more
 check "formats are converted, and the note says so" says 0 'formats rgba32f and rgba8, compared as rgba8' wide narrow
+check "packed formats, depth in its own codes, samples" says 0 'formats d24 and d32f, compared as d24' dense dense2
+check "... all nine of seven entries" grep -qx 'all 9 resources that both have agree' said
+check "... depth in its own codes" says 1 'DIFFERS +200 %  2 ulp at .*\.d.*: dense' dense dense_depth
+check "... stencil apart" says 1 'first pass that differs: light, resource zs.stencil' dense dense_stencil
 check "row 0 at the top and at the bottom" says 0 'rows turned over' top bottom
 check "fields are matched by name" says 0 'fields matched by name: 16 and 12 bytes' std140 packed
 check "an integer in a buffer has no tolerance" says 1 'first pass that differs' integers other_integers
