@@ -731,7 +731,7 @@ static uint32_t put_turn(struct sanitizer *s)
     return sanitizer_call(s, "diptych_turn(u1;u1;u1;", &values);
 }
 
-/* A block behind a loop that glslang takes for one that never ends. */
+/* Ends the function, with zero. */
 static void put_return(struct sanitizer *s, const struct spirv_function *function)
 {
     uint32_t type = s->from->words[function->begin + 1];
@@ -743,15 +743,21 @@ static void put_return(struct sanitizer *s, const struct spirv_function *functio
     PUT(s, SpvOpReturnValue, zero);
 }
 
-/* The header of a loop: its branch may leave the loop. Returns the words up to that branch, which is written, too. */
-static uint32_t put_header(struct sanitizer *s, const uint32_t *merge)
+/* The header of a loop: its branch may end the function. The code behind the loop has no new way in, since it may
+ * use values of the last turn. Returns the words up to that branch, which is written, too. */
+static uint32_t put_header(struct sanitizer *s, const struct spirv_function *function,
+                           const uint32_t *merge)
 {
     const uint32_t *branch = merge + spirv_length(merge);
     uint32_t over = spirv_is(branch, SpvOpBranch) ? put_turn(s) : 0;
     spirv_copy(&s->edit, &s->edit.code, merge);
-    if (over)
-        PUT(s, SpvOpBranchConditional, over, merge[1], branch[1]);
-    return over ? spirv_length(merge) : 0;
+    if (!over)
+        return 0;
+    uint32_t end = s->edit.bound++;
+    PUT(s, SpvOpBranchConditional, over, end, branch[1]);
+    PUT(s, SpvOpLabel, end);
+    put_return(s, function);
+    return spirv_length(merge);
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */
@@ -808,9 +814,9 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
     if (turns && spirv_is(i, SpvOpBranch))
         put_start(s, i, at);
     if (turns && spirv_is(i, SpvOpLoopMerge))
-        more = put_header(s, i);
+        more = put_header(s, function, i);
     else if (loops && spirv_is(i, SpvOpUnreachable))
-        put_return(s, function);
+        put_return(s, function); /* behind a loop that glslang takes for one that never ends */
     else if (safe)
         PUT(s, spirv_opcode(i), i[1], i[2], i[3], safe);
     else if (!written && !quads_discard(s, i))
