@@ -256,6 +256,7 @@ static int run_verb(struct console *console, const struct verb *verb, int argc, 
 {
     struct options options;
     int status = EXIT_USAGE;
+    console->failed = verb->failed;
     console->keeps = asks_for_json(argc, argv);
     bool good = options_parse(&options, verb, argc, argv, &console->log);
     if (good && options.help) {

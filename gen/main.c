@@ -369,7 +369,7 @@ static enum status generate(struct generation *g)
                 sanitize_names);
         return STATUS_FAILED;
     }
-    if (!limit_memory(SPEC_GIBIBYTES) || !watchdog_start((unsigned)seconds)) {
+    if (!limit_memory(SPEC_GIBIBYTES) || !watchdog_start((unsigned)seconds, STATUS_WRONG_SPEC)) {
         fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;
     }

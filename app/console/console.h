@@ -26,6 +26,7 @@ struct console {
     pthread_t watcher;
     atomic_bool done;
     bool watching;
+    int failed;            /* exit status of the verb when it could not run */
     bool terminal;         /* stderr is one: show progress */
     bool quiet;            /* DIPTYCH_QUIET: warnings and errors only */
     bool shown;            /* a progress line stands on the screen */

@@ -62,7 +62,7 @@ static struct plan *load(const struct spec_request *wanted, struct console *cons
     bool good = plan && diag && keep_request(&plan->request, wanted);
     if (good) {
         /* the library has no limits: they would end its host */
-        bool limited = !console->attached && watchdog_start(SPEC_SECONDS);
+        bool limited = !console->attached && watchdog_start(SPEC_SECONDS, console->failed);
         good = spec_load(&plan->spec, wanted, true, diag);
         if (limited)
             watchdog_stop();

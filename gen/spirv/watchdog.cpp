@@ -17,6 +17,7 @@ enum { MOST_LABELS = 16 };
 const char *volatile labels[MOST_LABELS]; /* a pass is compiled while its label is in here */
 timer_t timer;
 bool running;
+int exit_status;
 struct sigaction former_action, former_fault;
 thread_local char fault_stack[1 << 16]; /* a handler needs room where the stack has none left */
 thread_local stack_t former_stack;      /* of the thread, which may free it when it ends */
@@ -41,7 +42,7 @@ void say(const char *text)
             said = label;
         }
     say("\n");
-    _exit(1);
+    _exit(exit_status);
 }
 
 void out_of_time(int)
@@ -77,7 +78,7 @@ void out_of_memory()
 
 } // namespace
 
-bool watchdog_start(unsigned seconds)
+bool watchdog_start(unsigned seconds, int status)
 {
     struct sigevent event = {};
     struct sigaction action = {};
@@ -93,6 +94,7 @@ bool watchdog_start(unsigned seconds)
         timer_delete(timer);
         return false;
     }
+    exit_status = status;
     former_handler = std::set_new_handler(out_of_memory);
     action.sa_handler = out_of_stack;
     action.sa_flags = SA_ONSTACK;

@@ -8,9 +8,9 @@
 enum { SPEC_GIBIBYTES = 8 }; /* of memory, of diptych-gen */
 enum { SPEC_SECONDS = 60 };  /* of processor time, which is enough for a hundred of ssvp's size */
 
-/* From here on, the process ends with status 1 after so many seconds of processor time of all its
+/* From here on, the process ends with this status after so many seconds of processor time of all its
  * threads, and when C++ code runs out of memory or of stack. False: errno. */
-bool watchdog_start(unsigned seconds);
+bool watchdog_start(unsigned seconds, int status);
 void watchdog_stop(void);
 
 /* The message names the passes that threads are compiling. `label`: a pass and its place; it must

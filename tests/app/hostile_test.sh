@@ -43,6 +43,11 @@ check "... name the pass" grep -q "while compiling the pass fill ([^ ]*/macros.y
 check "20,000 cases" ends cases 1 "more processor time than the limit" 1
 check "20,000 blocks" ends braces 1 "memory exhausted"
 check "a sum of 100,000 terms" ends sum 1 "nested too deeply, while compiling the pass"
+not_compared() {
+    "$diptych" compare --spec "$work/sum.yaml" >"$work/said" 2>&1
+    [ $? = 2 ] && grep -qF "nested too deeply, while compiling the pass" "$work/said"
+}
+check "... which no comparison calls a difference" not_compared
 
 # ---- Pipes and devices in place of files ----------------------------------------------------------------------------
 

@@ -17,7 +17,7 @@ static void load_spec(const char *name)
     struct spec spec = {0};
     struct diag *diag = diag_create();
     struct text text = {0};
-    watchdog_start(10);
+    watchdog_start(10, 1);
     bool good = spec_load(&spec, &request, true, diag);
     watchdog_stop();
     fuzz_insist(good != (diag_error_count(diag) > 0), "a spec is wrong without a message");
