@@ -29,6 +29,12 @@ static const struct verb verbs[] = {
      "accepts.\nExit status: 0 the backends agree, 1 they differ, or leave NaN or infinity, or "
      "--sanitize or --repeat has found something, 2 it could not run.",
      verb_compare, EXIT_USAGE},
+    {"capture", VERB_CAPTURE, "capture a frame of any program that draws with OpenGL or Vulkan",
+     "RenderDoc runs the program and writes a frame; compare takes two such files. Needs the "
+     "packages\nrenderdoc and python3-renderdoc. The program is ended then.\nExit status: 0 done, "
+     "1 "
+     "it failed (the reason is on stderr), 2 wrong usage.",
+     verb_capture, EXIT_FAILED},
     {"import", VERB_IMPORT, "make a spec of shaders, or of a preset of RetroArch",
      "The shaders stay as they are; the spec declares what they read and write. It checks and runs "
      "at "

@@ -16,7 +16,8 @@
 #define SPEC   (ALL | VERB_SWEEP | VERB_BENCH | VERB_VIEW | VERB_TUNE)
 #define MAKING (SPEC | VERB_REPORT | VERB_LIST | VERB_COST)
 #define TELLING                                                                                    \
-    (SHOWN | VERB_IMPORT | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST)
+    (SHOWN | VERB_IMPORT | VERB_SWEEP | VERB_REPORT | VERB_METRICS | VERB_REPLAY | VERB_LIST |     \
+     VERB_CAPTURE)
 #define COMPARING (VERB_COMPARE | VERB_SWEEP)
 #define TRACING   (VERB_REFERENCE | VERB_REPORT | VERB_SWEEP)
 #define AT(field) offsetof(struct options, field)
@@ -26,7 +27,17 @@ static const struct option_row rows[] = {
      "folder that compare --bisect wrote"},
     {"A B...", OPTION_TEXTS, AT(dumps), VERB_COMPARE, 0, NULL,
      "folders with dumps of any renderers (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
-     ".exr, .npy); the first is compared with each of the others, and nothing is run"},
+     ".exr, .npy), or captures of RenderDoc (.rdc; with --measure several, like a1.rdc,a2.rdc); "
+     "the "
+     "first is compared with each of the others, and nothing is run"},
+    {"COMMAND...", OPTION_TEXTS, AT(dumps), VERB_CAPTURE, 0, NULL,
+     "the program and its arguments, behind --"},
+    {"-o", OPTION_STRING, AT(output), VERB_CAPTURE, VERB_CAPTURE, "FILE.rdc", "capture to write"},
+    {"--frame", OPTION_INDEX, AT(frame), VERB_CAPTURE, 0, "N", "frame to capture, from 1"},
+    {"--after", OPTION_NUMBER, AT(after), VERB_CAPTURE, 0, "SECONDS",
+     "instead: the next frame after this time (default: 3)"},
+    {"--env", OPTION_SET, AT(environment), VERB_CAPTURE, 0, "NAME=VALUE",
+     "variable of the program's environment; may be repeated"},
     {"FILE", OPTION_STRING, AT(files[0]), VERB_IMPORT, VERB_IMPORT, NULL,
      "a preset of RetroArch (.slangp), or a shader of GLSL, HLSL or SPIR-V: .comp, .frag, .vert, "
      ".hlsl, .spv"},
@@ -180,6 +191,15 @@ static const struct option_row rows[] = {
      "give OpenGL the GLSL text instead of SPIR-V"},
     {"--trust", OPTION_FLAG, AT(trust), VERB_REPLAY, 0, NULL,
      "without a sandbox: the folder's shaders are yours"},
+    {"--trust", OPTION_FLAG, AT(trust), VERB_COMPARE, 0, NULL,
+     "captures: without a sandbox, on this machine's drivers: the captures are yours"},
+    {"--match", OPTION_STRING, AT(match), VERB_COMPARE, 0, "FILE",
+     "captures: which passes and resources belong together, as JSON; written if it is not there, "
+     "else read"},
+    {"--draws", OPTION_STRING, AT(draws), VERB_COMPARE, 0, "PASS",
+     "captures: compare after every draw of the pass that the table shows with this number"},
+    {"--save", OPTION_STRING, AT(save), VERB_COMPARE, 0, "DIR",
+     "captures: write the shaders and inputs of the first pass that differs, of both sides"},
     {"--debug", OPTION_FLAG, AT(setup.debug), ALL | VERB_SWEEP | VERB_REPLAY | VERB_VIEW, 0, NULL,
      "validation layers and KHR_debug; any message fails the run"},
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
@@ -294,13 +314,14 @@ bool options_parse(struct options *options, const struct verb *verb, int argc, c
     return options->help || command_is_complete(&command, options, log);
 }
 
-/* -o is "output", --from-bounce "from_bounce", DIR "dir". */
+/* -o is "output", --from-bounce "from_bounce", DIR "dir", "A B..." "a_b". */
 static void key_of(const struct option_row *row, char key[32])
 {
     const char *name = row->name + strspn(row->name, "-");
     snprintf(key, 32, "%s", strcmp(row->name, "-o") == 0 ? "output" : name);
+    key[strcspn(key, ".")] = 0;
     for (; *key; key++)
-        *key = (char)(*key == '-' ? '_' : tolower((unsigned char)*key));
+        *key = (char)(*key == '-' || *key == ' ' ? '_' : tolower((unsigned char)*key));
 }
 
 /* The value of an option; NULL: it was not given and has no default. */
@@ -353,10 +374,11 @@ void options_free(struct options *options)
     free(options->size_list.items);
     free(options->grid.items);
     free(options->dumps.items);
+    free(options->environment.items);
     options->setup.sets = NULL;
     options->setup.set_count = 0;
     options->setup.inputs = options->scene_list = options->size_list = options->grid =
-        options->dumps = (struct text_list){0};
+        options->dumps = options->environment = (struct text_list){0};
 }
 
 void options_help(const struct verb *verb)

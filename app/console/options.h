@@ -20,7 +20,8 @@ enum verb_id {
     VERB_HELP = 2048,
     VERB_TUNE = 4096,
     VERB_IMPORT = 8192,
-    VERB_COST = 16384
+    VERB_COST = 16384,
+    VERB_CAPTURE = 32768
 };
 
 /* Options of all verbs. Those that the table does not give to a verb stay at their defaults.
@@ -31,7 +32,7 @@ struct options {
     const char *with;       /* overlay of sets, which stand in set_list */
     char *with_text;        /* owned */
     uint32_t frame;         /* reference: of the motion */
-    struct text_list dumps; /* compare: folders of dumps */
+    struct text_list dumps; /* compare: folders of dumps, or captures; capture: a command line */
     const char *contracts;
     const char *write_contracts;
     uint32_t repeats;       /* compare: runs of each side; 0: not measured */
@@ -80,13 +81,18 @@ struct options {
     bool collect;
     const char *screenshot; /* view; like the next two */
     const char *present;
-    uint32_t window[2];  /* 0: not given */
-    const char *outline; /* report: NULL: the one beside the spec */
-    const char *gpu;     /* cost, tune: names of chips */
-    const char *earlier; /* cost: an earlier --json */
-    const char *bench;   /* cost: a --json of bench */
-    const char *limit;   /* cost: a percentage */
-    bool trust;          /* replay: without a sandbox */
+    uint32_t window[2];           /* 0: not given */
+    const char *outline;          /* report: NULL: the one beside the spec */
+    const char *gpu;              /* cost, tune: names of chips */
+    const char *earlier;          /* cost: an earlier --json */
+    const char *bench;            /* cost: a --json of bench */
+    const char *limit;            /* cost: a percentage */
+    bool trust;                   /* replay, compare: without a sandbox */
+    struct text_list environment; /* capture: of the program */
+    double after;                 /* capture: seconds; 0: not given */
+    const char *match;            /* compare: captures; file, or NULL; like the next two */
+    const char *draws;
+    const char *save;
     bool help;
 };
 
@@ -113,6 +119,7 @@ int verb_view(struct console *console, const struct options *options);
 int verb_list(struct console *console, const struct options *options);
 int verb_cost(struct console *console, const struct options *options);
 int verb_tune(struct console *console, const struct options *options);
+int verb_capture(struct console *console, const struct options *options);
 int verb_import(struct console *console, const struct options *options);
 int verb_sweep(struct console *console, const struct options *options);
 

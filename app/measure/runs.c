@@ -1,4 +1,4 @@
-/* `diptych sweep`, `report` and `tune`, which Python does: app/python/diptych. What only this program knows is handed over. */
+/* `diptych sweep`, `report`, `tune` and `capture`, which Python does: app/python/diptych. What only this program knows is handed over. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -114,4 +114,13 @@ int verb_tune(struct console *console, const struct options *options)
         report_error(&console->log, "out of memory");
     pipeline_unload(&pipeline);
     return request ? python_verb(console, "tune", request) : EXIT_FAILED;
+}
+
+int verb_capture(struct console *console, const struct options *options)
+{
+    if (!options->dumps.count) {
+        report_error(&console->log, "capture: a program is needed: capture -o FILE.rdc -- PROGRAM");
+        return EXIT_USAGE;
+    }
+    return python_verb(console, "capture", options_json(options, VERB_CAPTURE));
 }

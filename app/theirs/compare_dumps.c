@@ -1,4 +1,5 @@
-/* `diptych compare A B...`: dumps of renderers, no spec; the first is compared with each of the others. */
+/* `diptych compare A B...`: dumps of renderers, no spec; the first is compared with each of the others. Python makes dumps of
+ * captures (app/python/diptych/captures.py), and then calls this. */
 #include "theirs/compare_dumps.h"
 
 #include <dirent.h>
@@ -7,6 +8,7 @@
 #include <sys/stat.h>
 
 #include "base/files.h"
+#include "console/python.h"
 #include "theirs/dumps.h"
 
 /* ---- Sides ------------------------------------------------------------------------------------- */
@@ -179,7 +181,7 @@ static bool pair_up(struct comparison *comparison)
             .runs = runs,
             .several = count > 1,
             .sheet = {.labels = {comparison->dumps[0].label, other->label},
-                      .devices = {comparison->dumps[0].folder, other->folder},
+                      .devices = {theirs_source(&comparison->dumps[0]), theirs_source(other)},
                       .runs = comparison->options->repeats,
                       .kind = comparison->versions[i + 1] ? MEASURED_DRIFT : MEASURED_BACKENDS}};
         comparison->sheets[i] = &dumps->sheet;
@@ -211,6 +213,17 @@ static bool write_files(const struct comparison *comparison)
     return good;
 }
 
+static bool has_captures(const struct options *options)
+{
+    for (uint32_t i = 0; i < options->dumps.count; i++) {
+        const char *name = options->dumps.items[i];
+        size_t length = strlen(name);
+        if (length > 4 && !strcmp(name + length - 4, ".rdc"))
+            return true;
+    }
+    return false;
+}
+
 static bool check_options(const struct console *console, const struct options *options)
 {
     const struct dt_log *log = &console->log;
@@ -225,6 +238,9 @@ static bool check_options(const struct console *console, const struct options *o
         wrong = "--run takes two dumps, without --measure";
     else if (options->write_contracts && !options->repeats)
         wrong = "--write-contracts needs --measure N";
+    else if (!has_captures(options) &&
+             (options->match || options->draws || options->save || options->trust))
+        wrong = "--match, --draws, --save and --trust are for captures";
     if (wrong)
         report_error(log, "compare: %s", wrong);
     return !wrong && (!options->html || file_make_folders(options->html, log)) &&
@@ -261,6 +277,8 @@ int compare_dumps(struct console *console, const struct options *options)
     bool differ = false;
     if (!check_options(console, options))
         return EXIT_USAGE;
+    if (has_captures(options))
+        return python_verb(console, "compare", options_json(options, VERB_COMPARE));
     bool good = open_all(&comparison) && tell_apart(&comparison) && pair_up(&comparison);
     for (uint32_t i = 0; i < comparison.pair_count && good; i++) {
         good = dumps_compare(&comparison.pairs[i]);

@@ -214,6 +214,7 @@ static bool take_entry(struct theirs *theirs, const cJSON *item, bool stencil)
             return wrong(theirs, entry, names[i], "is missing");
     }
     entry->what.name = entry->resource;
+    entry->what.doc = their_text(item, "about");
     entry->described = true;
     if (!take_number(theirs, entry, item, "mip", 0, 31, &entry->mip) ||
         !take_number(theirs, entry, item, "frame", 0, UINT32_MAX, &entry->frame))
@@ -360,6 +361,12 @@ bool theirs_open(struct theirs *theirs, const char *folder, const struct dt_log 
     if (!theirs->label)
         report_error(log, "out of memory");
     return theirs->label;
+}
+
+const char *theirs_source(const struct theirs *theirs)
+{
+    const char *source = their_text(theirs->manifest, "source");
+    return source ? source : theirs->folder;
 }
 
 void theirs_close(struct theirs *theirs)

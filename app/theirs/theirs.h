@@ -36,6 +36,9 @@ struct theirs {
 bool theirs_open(struct theirs *theirs, const char *folder, const struct dt_log *log);
 void theirs_close(struct theirs *theirs); /* takes a zeroed one */
 
+/* Names the dump: what the manifest calls its "source", else the folder. */
+const char *theirs_source(const struct theirs *theirs);
+
 /* Reads the content, and completes `what` and extent of a picture or an array; free(bytes->data).
  * Images of three channels get a fourth that is 1. False: logged. */
 bool theirs_load(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes);

@@ -1,0 +1,146 @@
+"""How state and uniforms of two matched passes differ, in words, for `captures`. Conventions of the two APIs are no differences:
+the order of rows, and matrices that differ by clip space alone."""
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import numpy as np
+
+Json = dict[str, Any]
+MOST_TOLD = 6  # uniforms of a pass
+CLOCK = re.compile(r"time|clock|elapsed|ticks?$|frame_?(count|number|index|id)", re.I)
+
+
+def number(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
+
+
+def text_of(value: Any) -> str:
+    if isinstance(value, list):
+        return f"({', '.join(map(text_of, value))})" if len(value) != 1 else text_of(value[0])
+    return number(value)
+
+
+# ---- State ---------------------------------------------------------------------------------------
+
+
+def normal(state: Json, turned: bool, mirrored: bool) -> Json:
+    """As the other side would say it: `turned`: rows are in the opposite order; `mirrored`: triangles wind the other way."""
+    found = dict(state)
+    if not state:
+        return found
+    for key in ("viewport", "scissor"):
+        if state[key]:
+            x, y, width, height = state[key]
+            y, height = (y + height, -height) if height < 0 else (y, height)
+            found[key] = [x, state["height"] - y - height if turned else y, width, height]
+    view, cut = found["viewport"], found["scissor"]
+    if cut and cut[0] <= view[0] and cut[1] <= view[1] and cut[0] + cut[2] >= view[0] + view[2] and cut[1] + cut[3] >= view[1] + view[3]:
+        found["scissor"] = []
+    if mirrored:
+        found["front"] = {"ccw": "cw", "cw": "ccw"}[state["front"]]
+    if state["cull"] == "nocull":
+        del found["front"]
+    return found
+
+
+def offset_text(first: list[float], second: list[float]) -> str:
+    def side(offset: list[float]) -> str:
+        return f"factor {number(offset[1])}, units {number(offset[0])}" + (f", clamp {number(offset[2])}" if offset[2] else "")
+
+    swapped = first[:2] == second[1::-1] or np.allclose(first[:2], second[1::-1])
+    return f"polygon offset: {side(first)} against {side(second)}" + (": factor and units are swapped" if swapped else "")
+
+
+def same_value(one: Any, other: Any) -> bool:
+    numbers = isinstance(one, list) and one and all(isinstance(item, (int, float)) for item in one)
+    return bool(one == other or (numbers and len(one) == len(other) and np.allclose(one, other, rtol=1e-5)))
+
+
+def state_texts(first: Json, second: Json) -> list[str]:
+    texts = []
+    without_depth = "off" == first.get("depth test") == second.get("depth test")
+    for key in first.keys() & second.keys():
+        one, other = first[key], second[key]
+        if key == "height" or same_value(one, other) or (key == "depth range" and without_depth):
+            continue
+        if key == "polygon offset":
+            texts.append(offset_text(one, other))
+        else:
+            texts.append(f"{key}: {text_of(one) if one != [] else 'whole'} against {text_of(other) if other != [] else 'whole'}")
+    return sorted(texts)
+
+
+# ---- Uniforms ------------------------------------------------------------------------------------
+
+
+def bare(name: str) -> str:
+    """Without its block, and without what compilers put around names."""
+    return re.sub(r"^_+|(_\d+)+$", "", name.rsplit(".", 1)[-1])
+
+
+def common(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, Any, Any]]:
+    """Values of one name; where the second side's shaders have no names, those of one place."""
+    if second and all(re.match(r"_child\d+|res\d+|_\d+", name.rsplit(".", 1)[-1]) for name in second) and len(first) == len(second):
+        return [(name, one, other) for (name, one), other in zip(first.items(), second.values())]
+    pairs = [(name, first[name], second[name]) for name in first if name in second]
+    names = [{}, {}]  # type: list[dict[str, list[str]]]
+    for side, found in zip((first, second), names):
+        for name in side:
+            if name not in first or name not in second:
+                found.setdefault(bare(name), []).append(name)
+    for name, own in names[0].items():
+        if len(own) == 1 and len(names[1].get(name, [])) == 1:
+            pairs.append((name, first[own[0]], second[names[1][name][0]]))
+    return pairs
+
+
+def clip_space(first: np.ndarray, second: np.ndarray) -> bool:
+    """Whether the second matrix is the first, with y turned, depth of 0 to 1, or both."""
+    half = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, .5, .5], [0, 0, 0, 1]])
+    for own, other in ((first, second), (first.T, second.T)):
+        for turn in (1, -1):
+            for depth in (np.eye(4), half, np.linalg.inv(half)):
+                if np.allclose(np.diag([1, turn, 1, 1]) @ depth @ own, other, rtol=1e-4, atol=1e-5):
+                    return True
+    return False
+
+
+def uniform_differences(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, str]]:
+    """Names and values."""
+    found = []
+    for name, one, other in common(first, second):
+        one, other = one[:len(other)], other[:len(one)]
+        a, b = np.array(one, "f8"), np.array(other, "f8")
+        if np.allclose(a, b, rtol=1e-6, atol=0, equal_nan=True) or (len(a) == 16 and clip_space(a.reshape(4, 4), b.reshape(4, 4))):
+            continue
+        found.append((name, f"{text_of(one)} against {text_of(other)}"))
+    return found
+
+
+# ---- A pass --------------------------------------------------------------------------------------
+
+
+def differences(first: Json, second: Json, turned: bool, across: bool) -> tuple[list[str], list[str]]:
+    """What differs, and which of it is a clock. `across`: the sides have different APIs."""
+    texts: dict[str, None] = {}
+    clocks: dict[str, None] = {}
+    if first["kind"] != second["kind"]:
+        texts[f"{first['kind']} against {second['kind']}"] = None
+    elif first["draws"] != second["draws"]:
+        texts[f"{first['draws']} against {second['draws']} draws"] = None
+    elif first["counts"] != second["counts"]:
+        at = next(index for index, pair in enumerate(zip(first["counts"], second["counts"])) if pair[0] != pair[1])
+        texts[f"draw {at + 1}: vertices and instances {text_of(first['counts'][at])} against {text_of(second['counts'][at])}"] = None
+    states = first["states"], second["states"]
+    steps = list(zip(*states)) if len(states[0]) == len(states[1]) else [(states[0][-1], states[1][-1])] if all(states) else []
+    told = 0
+    for one, other in steps:
+        found = state_texts(normal(one["state"], False, False), normal(other["state"], turned, across and not turned))
+        found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
+        for name, values in uniform_differences(one["uniforms"], other["uniforms"]):
+            told += f"{name}: {values}" not in texts
+            (clocks if CLOCK.search(name) else texts).setdefault(f"{name}: {values}" if told <= MOST_TOLD else "more uniforms")
+        texts.update(dict.fromkeys(found))
+    return list(texts), list(clocks)

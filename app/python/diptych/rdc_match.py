@@ -1,0 +1,195 @@
+"""Which passes of two captured frames belong together, and which of their resources; for `captures`. Names are no keys: labels stand
+on one side only, and runs of one program differ in the order of passes.
+
+The pass that leaves the presented picture anchors. Passes with equal contents, in either order of rows, match whatever their order;
+the others by size, class of format, kind and place."""
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+Json = dict[str, Any]
+NEAR = 0.01        # distance of contents that count as equal
+TURNED = 0.02      # least difference of distances that votes for an order of rows
+LEAST_SCORE = 2.0
+
+
+@dataclass
+class Side:
+    """A replayed frame; `folder` holds what rdc.py wrote."""
+
+    folder: str
+    label: str
+    source: str
+    frame: Json
+    small: dict[str, np.ndarray] = field(default_factory=dict)
+
+    @property
+    def passes(self) -> list[Json]:
+        return [item for item in self.frame["passes"] if item["entries"]]
+
+    def read_small(self) -> None:
+        with np.load(os.path.join(self.folder, "small.npz")) as stored:
+            self.small = dict(stored)
+
+
+@dataclass
+class Pair:
+    """Indices of two passes; None: only the other side has it. `contents`: entries of both; `inputs` likewise."""
+
+    first: int | None
+    second: int | None
+    contents: list[tuple[Json, Json]] = field(default_factory=list)
+    inputs: list[tuple[Json, Json]] = field(default_factory=list)
+    turned: bool = False  # rows of the second are in the opposite order
+
+
+def numbers_of(entry: Json) -> str:
+    form = entry.get("format", "")
+    return "depth" if form.startswith("d") else "integer" if form.endswith("i") else "colour"
+
+
+def same_shape(first: Json, second: Json) -> bool:
+    if first["kind"] != second["kind"] or first.get("mip", 0) != second.get("mip", 0):
+        return False
+    if first["kind"] == "buffer":
+        return bool(first["count"] == second["count"])
+    keys = ("width", "height", "layers", "samples")
+    return numbers_of(first) == numbers_of(second) and all(first.get(key) == second.get(key) for key in keys)
+
+
+def pair_up(firsts: list[Json], seconds: list[Json]) -> list[tuple[Json, Json]]:
+    """Those of one shape: of one name first, then in order."""
+    free = list(seconds)
+    pairs: list[tuple[Json, Json]] = []
+    for by_name in (True, False):
+        for entry in firsts:
+            if any(entry is taken for taken, _ in pairs):
+                continue
+            for other in free:
+                if same_shape(entry, other) and (not by_name or entry["resource"] == other["resource"]):
+                    pairs.append((entry, other))
+                    free.remove(other)
+                    break
+    return sorted(pairs, key=lambda pair: firsts.index(pair[0]))
+
+
+def distance(first: np.ndarray, second: np.ndarray) -> float:
+    """0 equal to 1 nothing in common."""
+    if first.ndim == 3 == second.ndim and first.shape[:2] == second.shape[:2]:
+        count = min(first.shape[-1], second.shape[-1], 3)
+        first, second = first[..., :count], second[..., :count]
+    if first.shape != second.shape:
+        return 1.0
+    scale = sum(float(np.abs(item - np.median(item)).mean()) for item in (first, second)) + 1e-9
+    return float(min(1.0, np.abs(first - second).mean() / scale))
+
+
+class Matcher:
+    def __init__(self, first: Side, second: Side):
+        self.sides, self.passes = (first, second), (first.passes, second.passes)
+        self.known: dict[tuple[str, str], tuple[float, float]] = {}
+
+    def distances(self, entry: Json, other: Json) -> tuple[float, float]:
+        """With rows in the same order, and in the opposite one."""
+        if entry["file"] == other["file"]:
+            turned = 0.0 if entry["turned"] == other["file"] else 1.0
+            return 0.0, turned
+        if entry["turned"] == other["file"]:
+            return 1.0, 0.0
+        key = entry["file"], other["file"]
+        if key not in self.known:
+            first, second = self.sides[0].small[key[0]], self.sides[1].small[key[1]]
+            self.known[key] = distance(first, second), distance(first[::-1], second) if first.ndim == 3 else 1.0
+        return self.known[key]
+
+    def score(self, first: Json, second: Json) -> tuple[int, float]:
+        """1 for equal contents, and how well two passes fit."""
+        entries = first["entries"], second["entries"]
+        pairs = pair_up(*entries)
+        screens = [any(entry["screen"] for entry in side) for side in entries]
+        if not pairs:
+            return 0, -1.0
+        apart = [min(self.distances(*pair)) for pair in pairs]
+        colours = [gap for gap, pair in zip(apart, pairs) if numbers_of(pair[0]) == "colour"] or apart  # depth has conventions
+        score = len(pairs) / max(map(len, entries)) + 4 * (1 - sum(colours) / len(colours))
+        score += 0.5 * (first["kind"] == second["kind"]) + 0.25 * (first["draws"] == second["draws"])
+        if first["where"] and second["where"]:
+            score += 1.0 if first["where"][-1] == second["where"][-1] else -0.5
+        if screens[0] != screens[1]:
+            score -= 1.5
+        elif screens[0]:
+            score += 0.5
+        return int(max(colours) < NEAR), score
+
+    def match(self) -> list[Pair]:
+        """In the order of the first side's passes; those without a partner stand behind."""
+        sizes = [max(1, len(side) - 1) for side in self.passes]
+        order = []
+        for i, first in enumerate(self.passes[0]):
+            for k, second in enumerate(self.passes[1]):
+                equal, score = self.score(first, second)
+                away = abs(i / sizes[0] - k / sizes[1])
+                if score > LEAST_SCORE:
+                    order.append((equal, score - (0.01 if equal else 3.0) * away, -i, -k))
+        free = [set(range(len(side))) for side in self.passes]
+        pairs = []
+        for _, _, i, k in self.anchor() + sorted(order, reverse=True):
+            if -i in free[0] and -k in free[1]:
+                pairs.append(Pair(-i, -k))
+                free[0].discard(-i)
+                free[1].discard(-k)
+        pairs.sort(key=lambda pair: pair.first or 0)
+        pairs += [Pair(i, None) for i in sorted(free[0])] + [Pair(None, k) for k in sorted(free[1])]
+        return self.fill(pairs)
+
+    def anchor(self) -> list[tuple[int, float, int, int]]:
+        """The last passes that leave the window's picture."""
+        last = [[index for index, item in enumerate(side) if any(entry["screen"] for entry in item["entries"])] for side in self.passes]
+        if not all(last):
+            return []
+        first, second = last[0][-1], last[1][-1]
+        return [(1, 0.0, -first, -second)] if pair_up(self.passes[0][first]["entries"], self.passes[1][second]["entries"]) else []
+
+    # ---- Rows and inputs -------------------------------------------------------------------------
+
+    def majority(self, pairs: list[Pair]) -> dict[str, bool]:
+        """Of each kind of pass, whether the targets that are no window's have opposite rows: one that is alone stays a fault."""
+        votes: dict[str, int] = {}
+        for pair in pairs:
+            kind = self.passes[0][pair.first or 0]["kind"]
+            for entry, other in pair.contents:
+                same, turned = self.distances(entry, other)
+                if entry["kind"] == "image" and not entry["screen"] and not other["screen"] and abs(same - turned) > TURNED:
+                    votes[kind] = votes.get(kind, 0) + (1 if turned < same else -1)
+        return {kind: count > 0 for kind, count in votes.items()}
+
+    def fill(self, pairs: list[Pair]) -> list[Pair]:
+        both = [pair for pair in pairs if pair.first is not None and pair.second is not None]
+        for pair in both:
+            first, second = self.passes[0][pair.first or 0], self.passes[1][pair.second or 0]
+            pair.contents = pair_up(first["entries"], second["entries"])
+        turned = self.majority(both)
+        across = self.sides[0].frame["api"] != self.sides[1].frame["api"]
+        for pair in both:
+            screen = any(entry["screen"] for contents in pair.contents for entry in contents)
+            pair.turned = across if screen else turned.get(self.passes[0][pair.first or 0]["kind"], False)
+        self.pair_inputs(both)
+        return pairs
+
+    def pair_inputs(self, pairs: list[Pair]) -> None:
+        """Of matched passes; an input that the other side reads first in another pass is found by its content."""
+        inputs = [[entry for item in side for entry in item["inputs"]] for side in self.passes]
+        for pair in pairs:
+            first = self.passes[0][pair.first or 0]["inputs"]
+            second = self.passes[1][pair.second or 0]["inputs"]
+            for entry in first:
+                found = [other for other in inputs[1] if other["file"] in (entry["file"], entry["turned"]) and same_shape(entry, other)]
+                found += [other for one, other in pair_up([entry], second)]
+                taken = next((other for other in found if any(other is item for item in inputs[1])), None)
+                if taken:
+                    pair.inputs.append((entry, taken))
+                    inputs[1] = [other for other in inputs[1] if other is not taken]

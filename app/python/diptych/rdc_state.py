@@ -1,0 +1,183 @@
+"""What RenderDoc tells of OpenGL's and of Vulkan's state at an event, under the same words, for rdc.py."""
+from __future__ import annotations
+
+from typing import Any, Iterator
+
+import renderdoc as rd
+
+Json = dict[str, Any]
+STAGES = {"dispatch": [rd.ShaderStage.Compute], "draw": [rd.ShaderStage.Vertex, rd.ShaderStage.Geometry, rd.ShaderStage.Pixel]}
+MOST_NUMBERS = 4096  # of a block of uniforms
+
+
+def word(value: Any) -> str:
+    return str(getattr(value, "name", value)).lower()
+
+
+def stages(state: Any, kind: str) -> Iterator[tuple[Any, Any]]:
+    for stage in STAGES.get(kind, []):
+        reflection = state.GetShaderReflection(stage)
+        if reflection is not None:
+            yield stage, reflection
+
+
+def bindings(state: Any, kind: str) -> Iterator[tuple[str, int, bool]]:
+    """Name, resource, and whether shaders may store in it."""
+    for stage, reflection in stages(state, kind):
+        mapping = state.GetBindpointMapping(stage)
+        for stores, bound, places, resources in (
+                (False, state.GetReadOnlyResources(stage, False), mapping.readOnlyResources, reflection.readOnlyResources),
+                (True, state.GetReadWriteResources(stage, False), mapping.readWriteResources, reflection.readWriteResources)):
+            for place, resource in zip(places, resources):
+                for array in bound:
+                    if place.used and (array.bindPoint.bind, array.bindPoint.bindset) == (place.bind, place.bindset):
+                        yield from ((resource.name, int(item.resourceId), stores) for item in array.resources if int(item.resourceId))
+
+
+def shaders(state: Any, kind: str) -> Iterator[tuple[str, str, bytes, str]]:
+    """Stage, entry point, code, and how a file of it ends."""
+    for stage, reflection in stages(state, kind):
+        end = "glsl" if word(reflection.encoding) == "glsl" else "spv"
+        yield word(stage), reflection.entryPoint, bytes(reflection.rawBytes), f".{word(stage)}.{end}"
+
+
+# ---- Uniforms ------------------------------------------------------------------------------------
+
+
+def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[float]]) -> None:
+    """In the order of their offsets, which `constants` has of the same variables."""
+    pairs = list(zip(variables, constants)) if len(constants) == len(variables) else [(variable, None) for variable in variables]
+    for variable, constant in sorted(pairs, key=lambda pair: pair[1].byteOffset if pair[1] else 0):
+        name = prefix + variable.name
+        if len(variable.members):
+            array = variable.members[0].name.startswith("[")
+            members = constant.type.members if constant and not array else []
+            flatten(variable.members, members, name + ("" if array else "."), found)
+            continue
+        count = max(1, variable.rows) * max(1, variable.columns)
+        kind = word(variable.type)
+        values = {"float": variable.value.f32v, "double": variable.value.f64v, "sint": variable.value.s32v}.get(kind, variable.value.u32v)
+        if sum(map(len, found.values())) < MOST_NUMBERS:
+            found[name] = list(values[:count])
+
+
+def uniforms(control: Any, state: Any, kind: str) -> dict[str, list[float]]:
+    """By name, without those of the blocks."""
+    found: dict[str, list[float]] = {}
+    dispatch = kind == "dispatch"
+    pipeline = state.GetComputePipelineObject() if dispatch else state.GetGraphicsPipelineObject()
+    for stage, reflection in stages(state, kind):
+        for index, block in enumerate(reflection.constantBlocks):
+            bound = state.GetConstantBuffer(stage, index, 0)
+            if block.compileConstants or (block.bufferBacked and not int(bound.resourceId)):
+                continue
+            values = control.GetCBufferVariableContents(pipeline, reflection.resourceId, stage, reflection.entryPoint, index,
+                                                        bound.resourceId, bound.byteOffset, bound.byteSize)
+            flatten(values, block.variables, "", found)
+    return found
+
+
+# ---- State ---------------------------------------------------------------------------------------
+
+
+def blend(item: Any) -> str:
+    def equation(part: Any) -> str:
+        return f"{word(part.operation)}({word(part.source)}, {word(part.destination)})"
+
+    mask = "".join(name for bit, name in enumerate("rgba") if item.writeMask >> bit & 1) or "nothing"
+    how = f"colour {equation(item.colorBlend)}, alpha {equation(item.alphaBlend)}" if item.enabled else "off"
+    return f"{how}; writes {mask}"
+
+
+def stencil(face: Any) -> str:
+    operations = map(word, (face.failOperation, face.depthFailOperation, face.passOperation))
+    return f"{word(face.function)} {face.reference} & {face.compareMask:#x}, {'/'.join(operations)}, writes {face.writeMask:#x}"
+
+
+def sampler(item: Any, addresses: tuple[Any, ...], texture: Any) -> str:
+    """Vulkan has no word for a sampler without mips: programs forbid all but the first level."""
+    chosen, several = item.filter, texture is not None and texture.mips > 1
+    mips = f", mips {'nofilter' if item.maxLOD < 0.5 else word(chosen.mip)}" if several else ""
+    text = f"{word(chosen.minify)}/{word(chosen.magnify)}{mips}, {'/'.join(map(word, addresses))}"
+    text += f", compare {word(item.compareFunction)}" if word(chosen.filter) == "comparison" else ""
+    return text + (f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else "")
+
+
+def samplers(control: Any, state: Any, kind: str, gl: bool, textures: dict[int, Any]) -> dict[str, str]:
+    """By the name of the texture in the shader."""
+    found = {}
+    own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
+    sets: Any = None if gl else (own.compute if kind == "dispatch" else own.graphics).descriptorSets
+    for stage, reflection in stages(state, kind):
+        places = state.GetBindpointMapping(stage).readOnlyResources
+        for place, resource in zip(places, reflection.readOnlyResources):
+            if not place.used or not resource.isTexture:
+                continue
+            if gl and place.bind < len(own.samplers):
+                item = own.samplers[place.bind]
+                texture = textures.get(int(own.textures[place.bind].resourceId))
+                found[resource.name] = sampler(item, (item.addressS, item.addressT), texture)
+            elif not gl and place.bindset < len(sets) and place.bind < len(sets[place.bindset].bindings):
+                binds = sets[place.bindset].bindings[place.bind].binds
+                if len(binds) and int(binds[0].samplerResourceId):
+                    texture = textures.get(int(binds[0].resourceResourceId))
+                    found[resource.name] = sampler(binds[0], (binds[0].addressU, binds[0].addressV), texture)
+    return found
+
+
+def rectangle(item: Any) -> list[float]:
+    return [item.x, item.y, item.width, item.height]
+
+
+def fixed(control: Any, gl: bool) -> Json:
+    if gl:
+        own = control.GetGLPipelineState()
+        raster, depth = own.rasterizer.state, own.depthState
+        tested, written, stenciled = depth.depthEnable, depth.depthWrites, own.stencilState.stencilEnable
+        faces, biased = own.stencilState, True
+        clamps, clamp = raster.depthClamp, raster.offsetClamp
+    else:
+        own = control.GetVulkanPipelineState()
+        raster, depth = own.rasterizer, own.depthStencil
+        tested, written, stenciled = depth.depthTestEnable, depth.depthWriteEnable, depth.stencilTestEnable
+        faces, biased = depth, raster.depthBiasEnable
+        clamps, clamp = raster.depthClampEnable, raster.depthBiasClamp
+    offset = [raster.depthBias, raster.slopeScaledDepthBias, clamp] if biased else [0, 0, 0]
+    return {"depth test": word(depth.depthFunction) if tested else "off", "depth writes": "on" if tested and written else "off",
+            "depth clamp": "on" if clamps else "off", "cull": word(raster.cullMode), "front": "ccw" if raster.frontCCW else "cw",
+            "fill": word(raster.fillMode), "polygon offset": offset,
+            "stencil front": stencil(faces.frontFace) if stenciled else "off",
+            "stencil back": stencil(faces.backFace) if stenciled else "off"}
+
+
+def channels(form: Any) -> str:
+    """Numbers and bits of a format; the order of channels and a missing alpha are not told."""
+    if form.type != rd.ResourceFormatType.Regular:
+        return word(form.type)
+    return f"{8 * form.compByteWidth} bits {word(form.compType)}"
+
+
+def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Json:
+    bound = [*state.GetOutputTargets(), state.GetDepthTarget()]
+    sizes = [textures[int(item.resourceId)] for item in bound if int(item.resourceId) in textures]
+    height = max(1, sizes[0].height >> bound[0].firstMip) if sizes else 0
+    viewport, scissor = state.GetViewport(0), state.GetScissor(0)
+    return {**fixed(control, gl), "height": height, "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
+            "scissor": rectangle(scissor) if scissor.enabled else [], "topology": word(state.GetPrimitiveTopology()),
+            "samples": max((item.msSamp for item in sizes), default=1), "formats": [channels(item.format) for item in sizes],
+            "blend": [blend(item) for item in list(state.GetColorBlends())[:max(1, len(sizes) - 1)]]}
+
+
+def state_of(control: Any, gl: bool, kind: str, textures: dict[int, Any]) -> Json:
+    state = control.GetPipelineState()
+    return {"state": drawing(control, state, gl, textures) if kind == "draw" else {},
+            "samplers": samplers(control, state, kind, gl, textures), "uniforms": uniforms(control, state, kind)}
+
+
+def device_of(file: Any) -> str:
+    """Where the program ran, if the capture tells."""
+    for chunk in file.chunks:
+        if chunk.name == "vkEnumeratePhysicalDevices":
+            found = chunk.FindChildRecursively("deviceName")
+            return str(found.AsString()) if found else ""
+    return ""
