@@ -13,10 +13,13 @@
 #include "formats.h"
 #include "gen/glsl/initials.h"
 #include "gen/model/foreign.h"
+#include "gen/model/leaves.h"
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
 
 struct reflecting {
+    const struct spirv *module;
+    bool *live; /* by function */
     spvc_compiler compiler;
     spvc_resources resources;
     struct reflection *out;
@@ -65,36 +68,19 @@ static uint64_t least_bytes(spvc_compiler compiler, spvc_type type)
     return bytes < most ? bytes : most;
 }
 
-/* "": a struct, a matrix of doubles, an array of arrays. */
-static void write_type(spvc_compiler compiler, spvc_type type, char *out, size_t size)
+/* A type that a spec can say; "": another. */
+static void set_type(struct reflected *item, bool known, struct text *type)
 {
-    static const struct {
-        spvc_basetype base;
-        const char *scalar, *vector;
-    } names[] = {{SPVC_BASETYPE_FP32, "float", "vec"},
-                 {SPVC_BASETYPE_INT32, "int", "ivec"},
-                 {SPVC_BASETYPE_UINT32, "uint", "uvec"},
-                 {SPVC_BASETYPE_BOOLEAN, "bool", "bvec"}};
-    unsigned rows = spvc_type_get_vector_size(type), columns = spvc_type_get_columns(type);
-    unsigned dimensions = spvc_type_get_num_array_dimensions(type);
-    unsigned length = dimensions == 1 ? array_length(compiler, type, 0) : 0;
-    char element[32] = "";
-    *out = 0;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
-        if (names[i].base != spvc_type_get_basetype(type))
-            continue;
-        if (columns > 1 && i == 0)
-            snprintf(element, sizeof element, rows == columns ? "mat%u" : "mat%ux%u", columns,
-                     rows);
-        else if (rows > 1)
-            snprintf(element, sizeof element, "%s%u", names[i].vector, rows);
-        else
-            snprintf(element, sizeof element, "%s", names[i].scalar);
-    }
-    if (length && *element)
-        snprintf(out, size, "%s[%u]", element, length);
-    else if (!dimensions)
-        snprintf(out, size, "%s", element);
+    if (known && !type->failed && type->length < sizeof item->type)
+        memcpy(item->type, type->data, type->length + 1);
+    text_free(type);
+}
+
+static void write_type(const struct reflecting *reader, uint32_t id, struct reflected *item)
+{
+    struct text type = {0};
+    bool known = spirv_type_name(reader->module, id, &type);
+    set_type(item, known, &type);
 }
 
 static const char *shape_of(spvc_type type)
@@ -231,46 +217,42 @@ static void reflect_buffer(struct reflecting *reader, const spvc_reflected_resou
         spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, 0));
     if (spvc_type_get_num_array_dimensions(member) != 1)
         return;
-    write_type(reader->compiler,
-               spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_base_type_id(member)),
-               item->type, sizeof item->type);
+    write_type(reader, spvc_type_get_base_type_id(member), item);
     if (!strncmp(item->type, "mat", 3))
         *item->type = 0;
 }
 
-static void reflect_block(struct reflecting *reader, const spvc_reflected_resource *resource)
+struct leaves {
+    struct reflecting *reader;
+    enum reflected_kind kind;
+    uint32_t location;
+};
+
+static bool add_leaf(void *user, const struct spirv_leaf *leaf)
 {
-    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
-    const spvc_buffer_range *ranges = NULL;
-    size_t count = 0;
-    if (spvc_compiler_get_active_buffer_ranges(reader->compiler, resource->id, &ranges, &count) !=
-        SPVC_SUCCESS)
-        count = 0;
-    for (unsigned m = 0; m < spvc_type_get_num_member_types(type); m++) {
-        bool used = !count;
-        for (size_t i = 0; i < count; i++)
-            used |= ranges[i].index == m;
-        const char *name =
-            spvc_compiler_get_member_name(reader->compiler, resource->base_type_id, m);
-        struct reflected *item = used ? append_reflected(reader, REFLECTED_VALUE, name) : NULL;
-        if (item)
-            write_type(
-                reader->compiler,
-                spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, m)),
-                item->type, sizeof item->type);
-    }
+    const struct leaves *leaves = user;
+    const struct spirv *module = leaves->reader->module;
+    struct reflected *item = append_reflected(leaves->reader, leaves->kind, leaf->name);
+    struct text type = {0};
+    if (!item)
+        return false;
+    bool known = spirv_leaf_type(module, leaf, &type);
+    set_type(item, known, &type);
+    uint32_t member = leaf->depth ? leaf->members[0] : 0;
+    uint32_t own = spirv_member_decoration(module, leaf->types[0], member, SpvDecorationLocation);
+    item->location = own < UINT32_MAX ? own : leaves->location + member;
+    return true;
 }
 
-static void add_interface(struct reflecting *reader, const spvc_reflected_resource *resource,
-                          enum reflected_kind kind)
+/* Uniforms and inputs: what the shader uses of them. Outputs. */
+static void add_leaves(struct reflecting *reader, const spvc_reflected_resource *resource,
+                       enum reflected_kind kind)
 {
-    struct reflected *item = append_reflected(reader, kind, reflected_name(reader, resource));
-    if (!item)
-        return;
-    write_type(reader->compiler, spvc_compiler_get_type_handle(reader->compiler, resource->type_id),
-               item->type, sizeof item->type);
-    item->location =
-        spvc_compiler_get_decoration(reader->compiler, resource->id, SpvDecorationLocation);
+    struct leaves leaves = {reader, kind,
+                            spirv_decoration(reader->module, resource->id, SpvDecorationLocation)};
+    reader->failed |=
+        !spirv_each_leaf(reader->module, spirv_definition(reader->module, resource->id),
+                         kind == REFLECTED_OUTPUT ? NULL : reader->live, add_leaf, &leaves);
 }
 
 static void add_resource(struct reflecting *reader, const spvc_reflected_resource *resource,
@@ -279,7 +261,7 @@ static void add_resource(struct reflecting *reader, const spvc_reflected_resourc
     switch (type) {
     case SPVC_RESOURCE_TYPE_UNIFORM_BUFFER:
     case SPVC_RESOURCE_TYPE_PUSH_CONSTANT:
-        reflect_block(reader, resource);
+        add_leaves(reader, resource, REFLECTED_VALUE);
         break;
     case SPVC_RESOURCE_TYPE_STORAGE_BUFFER:
         reflect_buffer(reader, resource);
@@ -290,8 +272,8 @@ static void add_resource(struct reflecting *reader, const spvc_reflected_resourc
                   type == SPVC_RESOURCE_TYPE_SAMPLED_IMAGE ? REFLECTED_TEXTURE : REFLECTED_IMAGE);
         break;
     default:
-        add_interface(reader, resource,
-                      type == SPVC_RESOURCE_TYPE_STAGE_INPUT ? REFLECTED_INPUT : REFLECTED_OUTPUT);
+        add_leaves(reader, resource,
+                   type == SPVC_RESOURCE_TYPE_STAGE_INPUT ? REFLECTED_INPUT : REFLECTED_OUTPUT);
     }
 }
 
@@ -307,10 +289,7 @@ static void add_constants(struct reflecting *reader)
         struct reflected *item = *name ? append_reflected(reader, REFLECTED_CONSTANT, name) : NULL;
         if (!item)
             continue;
-        write_type(
-            reader->compiler,
-            spvc_compiler_get_type_handle(reader->compiler, spvc_constant_get_type(constant)),
-            item->type, sizeof item->type);
+        write_type(reader, spvc_constant_get_type(constant), item);
         item->number =
             !strcmp(item->type, "float") ? (double)spvc_constant_get_scalar_fp32(constant, 0, 0)
             : !strcmp(item->type, "int") ? (double)spvc_constant_get_scalar_i32(constant, 0, 0)
@@ -341,20 +320,25 @@ static bool reflect_all(struct reflecting *reader)
     return !reader->failed;
 }
 
-static bool read_module(spvc_context context, const uint32_t *words, size_t count,
+static bool read_module(spvc_context context, const struct spirv *module,
                         struct reflection *reflection)
 {
     spvc_parsed_ir ir = NULL;
     spvc_set active = NULL;
-    struct reflecting reader = {.out = reflection};
-    return spvc_context_parse_spirv(context, words, count, &ir) == SPVC_SUCCESS &&
-           spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir,
-                                        SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
-                                        &reader.compiler) == SPVC_SUCCESS &&
-           spvc_compiler_get_active_interface_variables(reader.compiler, &active) == SPVC_SUCCESS &&
-           spvc_compiler_create_shader_resources_for_active_variables(
-               reader.compiler, &reader.resources, active) == SPVC_SUCCESS &&
-           reflect_all(&reader);
+    struct reflecting reader = {
+        .module = module, .live = spirv_live_functions(module), .out = reflection};
+    bool good =
+        reader.live &&
+        spvc_context_parse_spirv(context, module->words, module->count, &ir) == SPVC_SUCCESS &&
+        spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir,
+                                     SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
+                                     &reader.compiler) == SPVC_SUCCESS &&
+        spvc_compiler_get_active_interface_variables(reader.compiler, &active) == SPVC_SUCCESS &&
+        spvc_compiler_create_shader_resources_for_active_variables(
+            reader.compiler, &reader.resources, active) == SPVC_SUCCESS &&
+        reflect_all(&reader);
+    free(reader.live);
+    return good;
 }
 
 /* ---- Text ------------------------------------------------------------------------------------ */
@@ -379,7 +363,7 @@ static bool reflect_words(uint32_t *words, size_t count, struct reflection *refl
                    spirv_locate(&module, SpvStorageClassInput) &&
                    spirv_locate(&module, SpvStorageClassOutput);
     bool good = located && spvc_context_create(&context) == SPVC_SUCCESS &&
-                read_module(context, module.words, module.count, reflection);
+                read_module(context, &module, reflection);
     if (!good && context)
         *why = strdup(spvc_context_get_last_error_string(context));
     if (context)

@@ -191,10 +191,15 @@ static int components_of(const char *type)
 static void write_filled(struct text *out, const char *type)
 {
     const char *bracket = strchr(type, '[');
-    text_add(out, "%s(", type);
-    for (int i = 0, count = bracket ? atoi(bracket + 1) : 0; i < count; i++)
-        text_add(out, "%s%.*s(1)", i ? ", " : "", (int)strcspn(type, "["), type);
-    text_add(out, bracket ? ")" : "1)");
+    char element[64];
+    snprintf(element, sizeof element, "%.*s%s", (int)strcspn(type, "["), type,
+             bracket ? strchr(bracket, ']') + 1 : "");
+    text_add(out, bracket ? "%s(" : "%s(1", type);
+    for (int i = 0, count = bracket ? atoi(bracket + 1) : 0; i < count; i++) {
+        text_add(out, "%s", i ? ", " : "");
+        write_filled(out, element);
+    }
+    text_add(out, ")");
 }
 
 /* The frame's size, for a vector whose name says so; NULL: another. */
@@ -223,13 +228,15 @@ static const char *size_named(const struct reflected *item)
 static bool can_be_filled(const struct making *making, const struct reflected *item,
                           const char *what)
 {
-    const char *bracket = strchr(item->type, '[');
+    double elements = 1;
+    for (const char *at = item->type; (at = strchr(at, '[')); at++)
+        elements *= atof(at + 1);
     if (!*item->type)
         return REFUSE(making, item,
-                      "the %s `%s` is a struct, a block or an array of arrays, which has no value "
-                      "in a spec",
+                      "the %s `%s` has no value in a spec: its type is no float, int, uint, bool, "
+                      "vector or matrix, nor an array or struct of these",
                       what, item->name);
-    return !bracket || strtoul(bracket + 1, NULL, 10) <= MOST_ELEMENTS ||
+    return elements <= MOST_ELEMENTS ||
            REFUSE(making, item,
                   "the %s `%s` is too long for a value of a spec: at most %d elements", what,
                   item->name, MOST_ELEMENTS);

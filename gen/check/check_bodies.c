@@ -251,7 +251,7 @@ static bool in_bodies(const struct checker *c, const char *name)
             if (pass->defines[k].param && !strcmp(pass->defines[k].param, name) &&
                 body_mentions(pass->files, pass->defines[k].name))
                 return true;
-        if (body_mentions(pass->files, name))
+        if (body_mentions_value(pass->files, name))
             return true;
     }
     return false;

@@ -40,7 +40,7 @@ static void add_values(struct glsl *glsl, const struct value *values, uint32_t c
         uint32_t number = 0;
         if (values != pass->values && find_value(pass->values, pass->value_count, value->name))
             continue;
-        if (!body_mentions(glsl->files, value->name) || !has_inputs(glsl, value->text))
+        if (!body_mentions_value(glsl->files, value->name) || !has_inputs(glsl, value->text))
             continue;
         out->failed |= !glsl_source_add(glsl->model, value->loc.source, &number);
         text_add(out, "#line %d %u\n%.*s diptych_value_%s() { return %s; }\n", value->loc.line,
@@ -83,7 +83,7 @@ static void add_names(struct glsl *glsl, struct text *functions, struct text *en
     struct text *out = &glsl->parts[PART_VALUES];
     for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
         const struct param *param = &glsl->pipeline->params[i];
-        bool given = !has_value(glsl, param->name) && body_mentions(glsl->files, param->name);
+        bool given = !has_value(glsl, param->name) && body_mentions_value(glsl->files, param->name);
         if (given)
             text_add(functions, "%s diptych_value_%s() { return %s; }\n", glsl_type(param->type),
                      param->name, param->name);

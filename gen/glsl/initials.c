@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "base/text.h"
-#include "model/module.h"
+#include "model/leaves.h"
 #include "read/body_files.h"
 
 /* Whether an `=` stands in a declaration of a uniform; a name of the macro kind counts as well. */
@@ -16,31 +16,6 @@ static bool seems_to_have_some(const char *code)
         if (at[strcspn(at, ";={")] == '=')
             return true;
     return strstr(code, "#include");
-}
-
-/* False: no type of a uniform that has a value in a spec. */
-static bool add_type_name(const struct spirv *module, const uint32_t *type, struct text *out)
-{
-    char letter =
-        spirv_letter(spirv_is(type, SpvOpTypeVector) ? spirv_definition(module, type[2]) : type);
-    if (spirv_is(type, SpvOpTypeArray)) {
-        bool good = add_type_name(module, spirv_definition(module, type[2]), out) &&
-                    !strchr(out->data, '[');
-        text_add(out, "[%u]", spirv_definition(module, type[3])[3]);
-        return good;
-    }
-    if (spirv_is(type, SpvOpTypeMatrix))
-        text_add(out, "mat%ux%u", type[3], spirv_definition(module, type[2])[3]);
-    else if (spirv_is(type, SpvOpTypeVector))
-        text_add(out, letter == 'f' ? "vec%u" : "%cvec%u", letter == 'f' ? (int)type[3] : letter,
-                 type[3]);
-    else
-        text_add(out, "%s",
-                 letter == 'f'   ? "float"
-                 : letter == 'i' ? "int"
-                 : letter == 'u' ? "uint"
-                                 : "bool");
-    return letter || spirv_is(type, SpvOpTypeMatrix);
 }
 
 /* A number, or the constructor of more. */
@@ -53,7 +28,7 @@ static bool add_constant_text(const struct spirv *module, uint32_t id, bool oute
     float number;
     if (named) {
         struct text name = {0};
-        good = add_type_name(module, type, &name);
+        good = spirv_type_name(module, constant[1], &name);
         text_add(out, "%s(", name.data ? name.data : "");
         text_free(&name);
     }

@@ -37,7 +37,7 @@ __attribute__((format(printf, 3, 4))) static void put_format(struct spirv_edit *
     spirv_put_name(edit, id, name);
 }
 
-/* Members of a block of uniforms, which a spec gives values by their names. */
+/* Members of a block of uniforms or inputs, which a spec gives values by their names. */
 static void name_members(struct spirv_edit *edit, uint32_t type, const char *block)
 {
     const uint32_t *declared = spirv_definition(edit->from, type);
@@ -73,8 +73,8 @@ static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
         snprintf(name, sizeof name, "set_%u_binding_%u", set, binding);
     else if (binding != UINT32_MAX)
         snprintf(name, sizeof name, "binding_%u", binding);
-    bool values =
-        variable[3] == SpvStorageClassUniform || variable[3] == SpvStorageClassPushConstant;
+    bool values = variable[3] == SpvStorageClassUniform || variable[3] == SpvStorageClassInput ||
+                  variable[3] == SpvStorageClassPushConstant;
     if (block && values)
         name_members(edit, type, has_name(from, type) ? spirv_name(from, type) : name);
     if (!named && *name)

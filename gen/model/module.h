@@ -62,6 +62,11 @@ static inline const uint32_t *spirv_type(const struct spirv *module, uint32_t va
 {
     return spirv_definition(module, spirv_definition(module, value)[1]);
 }
+/* The type of what a variable holds. */
+static inline uint32_t spirv_pointee(const struct spirv *module, const uint32_t *variable)
+{
+    return spirv_definition(module, variable[1])[3];
+}
 /* All instructions between two offsets, in order. */
 #define SPIRV_EACH(module, at, from, to)                                                           \
     for (size_t at = (from); at < (to); at += (module)->words[at] >> 16)

@@ -292,6 +292,17 @@ bool body_mentions(const struct body_files *files, const char *word)
     return false;
 }
 
+bool body_mentions_value(const struct body_files *files, const char *name)
+{
+    char part[256];
+    bool found = body_mentions(files, name);
+    for (size_t length = 1; files_are_whole(files) && !found && name[length]; length++) {
+        snprintf(part, sizeof part, "%.*s", (int)length, name);
+        found = name[length] == '_' && body_mentions(files, part);
+    }
+    return found;
+}
+
 bool body_mentions_member(const struct body_files *files, const char *word)
 {
     size_t length = strlen(word);

@@ -50,6 +50,8 @@ const struct body_file *body_include(const struct body_files *files, const char 
                                      const char *name);
 /* Whether a file has the word as an identifier, not as a member behind a dot. */
 bool body_mentions(const struct body_files *files, const char *word);
+/* The same of a value's name, in whole shaders also "light_color" of a struct `light`. */
+bool body_mentions_value(const struct body_files *files, const char *name);
 /* The first place of the word as an identifier: the number of its file; 0: there is none. Later files first: those
  * of the fragment stage. */
 uint32_t body_find(const struct body_files *files, const char *word, struct loc *loc);

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/leaves.h"
 #include "panel.h"
 
 struct binder {
@@ -16,6 +17,7 @@ struct binder {
     struct spirv_words begin; /* body of diptych_begin() */
     bool *live;               /* by function: the entry point reaches it */
     uint32_t *moved;          /* by id: a variable's private one, or a pointer's self; 0: stays */
+    uint32_t now;             /* the private one that gets its values */
     int *bindings;            /* by id: 1 + binding of a resource; 0: none */
     unsigned char *types;     /* by id: LOOSE, KEPT */
     char **why;
@@ -35,32 +37,9 @@ __attribute__((format(printf, 2, 3))) static bool refuse(struct binder *binder, 
 
 /* ---- Look-ups -------------------------------------------------------------------------------- */
 
-/* The author's name: those that stepped aside for the generator's have a prefix (glsl_messages.c). */
-const char *bind_own_name(const char *name)
-{
-    return name && !strncmp(name, "body_", 5) ? name + 5 : name;
-}
-
 static bool is_decorated(const struct spirv *module, uint32_t id, uint32_t decoration)
 {
     return spirv_decoration(module, id, decoration) != UINT32_MAX;
-}
-
-static uint32_t pointee(const struct spirv *module, const uint32_t *variable)
-{
-    return spirv_definition(module, variable[1])[3];
-}
-
-/* Its name, or that of its block, without the layers of arrays. */
-static const char *name_of(const struct spirv *module, const uint32_t *variable)
-{
-    const char *name = spirv_name(module, variable[2]);
-    uint32_t type = pointee(module, variable);
-    while (spirv_is(spirv_definition(module, type), SpvOpTypeArray))
-        type = spirv_definition(module, type)[2];
-    if (!name || !*name)
-        name = spirv_name(module, type);
-    return name ? bind_own_name(name) : "?";
 }
 
 static bool is_generators(const struct binder *binder, const uint32_t *variable)
@@ -72,7 +51,7 @@ static bool is_generators(const struct binder *binder, const uint32_t *variable)
 static bool has_values(const struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
-    uint32_t type = pointee(module, variable);
+    uint32_t type = spirv_pointee(module, variable);
     if (is_generators(binder, variable))
         return false;
     switch (variable[3]) {
@@ -97,53 +76,7 @@ static bool is_resource(const struct binder *binder, const uint32_t *variable)
             (variable[3] == SpvStorageClassUniform && !has_values(binder, variable)));
 }
 
-/* ---- What the entry point reaches ------------------------------------------------------------ */
-
-static void mark_live(struct binder *binder, uint32_t function)
-{
-    const struct spirv *module = binder->module;
-    const struct spirv_function *own = spirv_function_of(module, function);
-    bool *live = &binder->live[own - module->functions];
-    if (*live)
-        return;
-    *live = true;
-    SPIRV_EACH(module, at, own->begin, own->end)
-    if (spirv_is(module->words + at, SpvOpFunctionCall))
-        mark_live(binder, module->words[at + 3]);
-}
-
-static bool mentions(const uint32_t *instruction, uint32_t id)
-{
-    for (uint32_t word = 1; word < spirv_length(instruction); word++)
-        if (instruction[word] == id && !spirv_is_literal(instruction, word))
-            return true;
-    return false;
-}
-
-/* Whether a live function uses the variable. members: which of the struct's; all for a use as a
- * whole. NULL: not asked. */
-static bool find_uses(const struct binder *binder, uint32_t variable, bool *members, uint32_t count)
-{
-    const struct spirv *module = binder->module;
-    bool used = false;
-    for (uint32_t f = 0; f < module->function_count; f++) {
-        if (!binder->live[f])
-            continue;
-        SPIRV_EACH(module, at, module->functions[f].begin, module->functions[f].end)
-        {
-            const uint32_t *i = module->words + at;
-            if (!mentions(i, variable))
-                continue;
-            used = true;
-            bool chain = (spirv_is(i, SpvOpAccessChain) || spirv_is(i, SpvOpInBoundsAccessChain)) &&
-                         spirv_length(i) > 4;
-            uint32_t index = chain ? spirv_definition(module, i[4])[3] : UINT32_MAX;
-            for (uint32_t m = 0; members && m < count; m++)
-                members[m] |= m == index || index >= count;
-        }
-    }
-    return used;
-}
+/* ---- Values ---------------------------------------------------------------------------------- */
 
 static void mark_type(struct binder *binder, uint32_t type, unsigned char mark)
 {
@@ -156,8 +89,6 @@ static void mark_type(struct binder *binder, uint32_t type, unsigned char mark)
     for (uint32_t i = 2; spirv_is(declared, SpvOpTypeStruct) && i < spirv_length(declared); i++)
         mark_type(binder, declared[i], mark);
 }
-
-/* ---- Values ---------------------------------------------------------------------------------- */
 
 static uint32_t put_typed(struct binder *binder, uint32_t opcode, uint32_t type,
                           const uint32_t *operands, uint32_t count)
@@ -182,32 +113,32 @@ static uint32_t put_place(struct binder *binder, uint32_t pointer, uint32_t inde
                      (uint32_t[]){pointer, constant}, 2);
 }
 
-static uint32_t length_of(const struct spirv *module, const uint32_t *array)
-{
-    return spirv_is(array, SpvOpTypeArray) ? spirv_definition(module, array[3])[3] : 0;
-}
-
-/* Stores a value in a variable whose type may be laid out in memory: a bool is a uint there, arrays
- * have a stride. False: the types differ. */
-static bool put_store(struct binder *binder, uint32_t pointer, uint32_t type, uint32_t value,
-                      uint32_t value_type)
+/* Stores a leaf's value, and those of arrays around it one by one. In memory a bool is a uint. False: the types differ. */
+static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint32_t depth,
+                     uint32_t pointer, uint32_t value, uint32_t value_type)
 {
     const struct spirv *module = binder->module;
+    uint32_t type = leaf->types[depth], next = depth < leaf->depth ? leaf->types[depth + 1] : 0;
     const uint32_t *to = spirv_definition(module, type),
                    *from = spirv_definition(module, value_type);
-    uint32_t length = length_of(module, to);
+    bool good = true;
+    if (spirv_is(to, SpvOpTypeStruct) && next)
+        return put_leaf(binder, leaf, depth + 1,
+                        put_place(binder, pointer, leaf->members[depth], next), value, value_type);
+    if (next) {
+        uint32_t length = spirv_array_length(module, to);
+        good = length && length == spirv_array_length(module, from);
+        for (uint32_t i = 0; good && i < length; i++)
+            good = put_leaf(
+                binder, leaf, depth + 1, put_place(binder, pointer, i, next),
+                put_typed(binder, SpvOpCompositeExtract, from[2], (uint32_t[]){value, i}, 2),
+                from[2]);
+        return good;
+    }
     if (spirv_is(from, SpvOpTypeBool) && spirv_is(to, SpvOpTypeInt)) {
         uint32_t one = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
         uint32_t zero = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
         value = put_typed(binder, SpvOpSelect, type, (uint32_t[]){value, one, zero}, 3);
-    } else if (length && length == length_of(module, from) && type != value_type) {
-        bool good = true;
-        for (uint32_t i = 0; good && i < length; i++) {
-            uint32_t element =
-                put_typed(binder, SpvOpCompositeExtract, from[2], (uint32_t[]){value, i}, 2);
-            good = put_store(binder, put_place(binder, pointer, i, to[2]), to[2], element, from[2]);
-        }
-        return good;
     } else if (type != value_type) {
         return false;
     }
@@ -215,50 +146,39 @@ static bool put_store(struct binder *binder, uint32_t pointer, uint32_t type, ui
     return true;
 }
 
-static bool put_value(struct binder *binder, const char *name, uint32_t pointer, uint32_t type)
+/* Stores the value of a leaf of the variable that move_variable moves. */
+static bool put_value(void *user, const struct spirv_leaf *leaf)
 {
+    struct binder *binder = user;
     const struct spirv *module = binder->module;
     char wanted[300];
-    snprintf(wanted, sizeof wanted, "diptych_value_%s(", name);
+    snprintf(wanted, sizeof wanted, "diptych_value_%s(", leaf->name);
     const struct spirv_function *found = spirv_find_function(module, wanted);
     if (found) {
         const uint32_t *function = spirv_definition(module, found->id);
         uint32_t value =
             put_typed(binder, SpvOpFunctionCall, function[1], (uint32_t[]){function[2]}, 1);
-        return put_store(binder, pointer, type, value, function[1]) ||
+        return put_leaf(binder, leaf, 0, binder->now, value, function[1]) ||
                refuse(binder, "the shader declares `%s` with another type than its value has",
-                      name);
+                      leaf->name);
     }
     return refuse(binder,
                   "the shader reads `%s`, which has no value: declare a parameter of this name, or "
                   "give it one in `values`",
-                  name);
+                  leaf->name);
 }
 
 /* The variable becomes a private one; diptych_begin() fills what is used of it. */
 static bool move_variable(struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
-    uint32_t type = pointee(module, variable), id = variable[2];
-    const uint32_t *declared = spirv_definition(module, type);
-    bool block = variable[3] != SpvStorageClassInput && spirv_is(declared, SpvOpTypeStruct);
-    uint32_t count = block ? spirv_length(declared) - 2 : 0;
-    bool *members = calloc(count + 1, sizeof *members), good = true;
-    if (!members)
-        return false;
-    bool used = find_uses(binder, id, members, count);
-    uint32_t moved = binder->moved[id] = binder->edit.bound++;
-    SPIRV_PUT(&binder->edit, &binder->edit.declarations, SpvOpVariable, pointer_to(binder, type),
-              moved, SpvStorageClassPrivate);
-    spirv_put_name(&binder->edit, moved, name_of(module, variable));
-    if (used && !block)
-        good = put_value(binder, name_of(module, variable), moved, type);
-    for (uint32_t m = 0; m < count; m++)
-        if (members[m])
-            good &= put_value(binder, bind_own_name(spirv_member_name(module, type, m)),
-                              put_place(binder, moved, m, declared[2 + m]), declared[2 + m]);
-    free(members);
-    return good;
+    uint32_t id = variable[2];
+    binder->now = binder->moved[id] = binder->edit.bound++;
+    SPIRV_PUT(&binder->edit, &binder->edit.declarations, SpvOpVariable,
+              pointer_to(binder, spirv_pointee(module, variable)), binder->now,
+              SpvStorageClassPrivate);
+    spirv_put_name(&binder->edit, binder->now, spirv_variable_name(module, variable));
+    return spirv_each_leaf(module, variable, binder->live, put_value, binder);
 }
 
 /* ---- Resources ------------------------------------------------------------------------------- */
@@ -297,15 +217,15 @@ static bool check_kind(struct binder *binder, const uint32_t *variable, const ui
 static bool bind_variable(struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
-    const char *name = name_of(module, variable);
-    const uint32_t *type = spirv_definition(module, pointee(module, variable));
+    const char *name = spirv_variable_name(module, variable);
+    const uint32_t *type = spirv_definition(module, spirv_pointee(module, variable));
     const struct bind_slot *slot = NULL;
     for (uint32_t i = 0; i < binder->request->slot_count; i++)
         if (!strcmp(binder->request->slots[i].name, name))
             slot = &binder->request->slots[i];
     if (slot)
         binder->bindings[variable[2]] = 1 + slot->binding;
-    if (!find_uses(binder, variable[2], NULL, 0))
+    if (!spirv_mentions(module, binder->live, variable[2]))
         return true;
     if (spirv_is(type, SpvOpTypeArray))
         return refuse(binder, "`%s` is an array of resources, which passes do not have", name);
@@ -320,13 +240,6 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
                          name, name);
 }
 
-static bool is_layout(uint32_t decoration)
-{
-    return decoration == SpvDecorationBlock || decoration == SpvDecorationOffset ||
-           decoration == SpvDecorationArrayStride || decoration == SpvDecorationMatrixStride ||
-           decoration == SpvDecorationRowMajor || decoration == SpvDecorationColMajor;
-}
-
 static void copy_annotations(struct binder *binder)
 {
     const struct spirv *module = binder->module;
@@ -338,7 +251,7 @@ static void copy_annotations(struct binder *binder)
         uint32_t decoration = own ? i[2] : member ? i[3] : UINT32_MAX;
         bool placed = binder->bindings[i[1]] && (decoration == SpvDecorationBinding ||
                                                  decoration == SpvDecorationDescriptorSet);
-        bool loose = binder->types[i[1]] == LOOSE && is_layout(decoration);
+        bool loose = binder->types[i[1]] == LOOSE && decoration != SpvDecorationRelaxedPrecision;
         if (!placed && !loose)
             spirv_copy(edit, &edit->annotations, i);
     }
@@ -431,7 +344,7 @@ static bool each_variable(struct binder *binder,
 
 static bool mark_loose(struct binder *binder, const uint32_t *variable)
 {
-    mark_type(binder, pointee(binder->module, variable), LOOSE);
+    mark_type(binder, spirv_pointee(binder->module, variable), LOOSE);
     return true;
 }
 
@@ -442,7 +355,7 @@ static bool stays(const struct binder *binder, const uint32_t *variable)
 
 static bool mark_kept(struct binder *binder, const uint32_t *variable)
 {
-    mark_type(binder, pointee(binder->module, variable), KEPT);
+    mark_type(binder, spirv_pointee(binder->module, variable), KEPT);
     return true;
 }
 
@@ -451,7 +364,7 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
     uint32_t bound = module->words[3];
     struct binder binder = {.module = module,
                             .request = request,
-                            .live = calloc(module->function_count + 1, sizeof *binder.live),
+                            .live = spirv_live_functions(module),
                             .moved = calloc(bound, sizeof *binder.moved),
                             .bindings = calloc(bound, sizeof *binder.bindings),
                             .types = calloc(bound, sizeof *binder.types),
@@ -461,7 +374,6 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
     binder.edit.failed |= !binder.live || !binder.moved || !binder.bindings || !binder.types;
     bool good = !binder.edit.failed;
     if (good) {
-        mark_live(&binder, spirv_entry(module));
         each_variable(&binder, has_values, mark_loose);
         each_variable(&binder, stays, mark_kept);
         good = check_local(&binder) && each_variable(&binder, is_resource, bind_variable) &&

@@ -23,6 +23,3 @@ struct bind_request {
  * inputs become private variables, and the module gets diptych_begin(), which fills them (entry.c).
  * False: *why, free(), says what is missing or does not fit; NULL: out of memory. */
 bool spirv_bind(struct spirv *module, const struct bind_request *request, char **why);
-
-/* The author's name: one that stepped aside for another has a prefix (glsl_messages.c). NULL stays. */
-const char *bind_own_name(const char *name);

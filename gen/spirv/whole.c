@@ -10,6 +10,7 @@
 #include "compile.h"
 #include "join.h"
 #include "model/foreign.h"
+#include "model/leaves.h"
 #include "model/spirv_check.h"
 #include "plan/plan.h"
 #include "read/body_files.h"
@@ -33,13 +34,13 @@ static const struct param *find_special(const struct pipeline *pipeline, const s
 {
     char number[32];
     uint32_t special = spirv_decoration(module, id, SpvDecorationSpecId);
-    const struct param *param = find_baked(pipeline, bind_own_name(spirv_name(module, id)));
+    const struct param *param = find_baked(pipeline, spirv_own_name(spirv_name(module, id)));
     SPIRV_EACH(module, at, module->declarations, module->code)
     {
         uint32_t other = spirv_result(module->words + at);
         if (!param && special != UINT32_MAX && other &&
             spirv_decoration(module, other, SpvDecorationSpecId) == special)
-            param = find_baked(pipeline, bind_own_name(spirv_name(module, other)));
+            param = find_baked(pipeline, spirv_own_name(spirv_name(module, other)));
     }
     snprintf(number, sizeof number, "constant_%u", special);
     return param ? param : find_baked(pipeline, number);

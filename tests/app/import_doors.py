@@ -60,8 +60,9 @@ case("... of no file", {"a.frag": fragment('\n#include "x.inc"')}, 1, "a.frag:3:
 case("an array of outputs", {"a.frag": fragment("", "vec4(1)", "layout(location = 0) out vec4 shown[2];").replace("shown =", "shown[1] =")}, 1,
      "a.frag:3:31: error: the output `shown` is an array")
 case("an output at location 8", {"a.frag": fragment("", output="layout(location = 8) out vec4 shown;")}, 1, "a.frag:3:31: error: the output `shown` has a location above 7")
-case("an input that is a struct", {"a.frag": fragment("struct S { vec4 a; };\nlayout(location = 0) in S given;", "given.a")}, 1, "a.frag:3:")
-case("... a block", {"a.frag": fragment("layout(location = 0) in S { vec4 a; } given;", "given.a")}, 1, "`given` is a struct")
+case("an input that is a struct", {"a.frag": fragment("struct S { vec4 a; };\nlayout(location = 0) in S given;", "given.a")}, 0, 'given_a: "vec4(gl_FragCoord')
+case("... a block", {"a.frag": fragment("layout(location = 0) in S { vec4 a; } given;", "given.a")}, 0, '  a: "vec4(gl_FragCoord')
+case("a double in a struct of a block", {"a.frag": fragment("struct S { vec4 a; double d; };\nlayout(binding = 0) uniform B { S own; };", "own.a + float(own.d)")}, 1, "`own_d` has no value in a spec: its type")
 case("... an array", {"a.frag": fragment("layout(location = 0) in vec2 given[3];", "vec4(given[2], 0, 1)")}, 0, "vec2[3](vec2(1), vec2(1), vec2(1))")
 case("... a whole number", {"a.frag": fragment("layout(location = 0) flat in uvec3 given;", "vec4(given, 1)")}, 0, "uvec3(1)")
 for length in (5000, 400_000_000, 2_147_483_647):

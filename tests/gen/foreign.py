@@ -133,6 +133,53 @@ def modules(tap):
     tap.result("a finding has the line of spirv-dis", told(f"{places[0]}", "--sanitize"))
 
 
+LIGHTS = """layout(local_size_x = 8) in;
+struct Light { vec3 color; float range; vec2 box[2]; };
+struct Room { Light lights[3]; mat2x3 turn; bool lit; };
+layout(std140, row_major, binding = 0) uniform Block { mat3x2 m; Room room; int grid[2][3]; layout(column_major) mat2 c; Light unused; } block[2];
+layout(push_constant) uniform Push { Light own; } push;
+layout(std430, binding = 1) buffer Sums { float sums[]; };
+void main()
+{
+    uint i = gl_GlobalInvocationID.x;
+    Light own = push.own;
+    float all[8] = float[](block[0].m[2][1] + block[1].room.turn[1][2], block[0].room.lights[i & 1].range + block[0].room.lights[2].box[i & 1].y,
+                           own.color.z * 100 + own.range * 10 + own.box[1].x, block[1].grid[1][2] + (block[1].room.lit ? 10 : 20) + block[0].c[0][1], 0, 0, 0, 0);
+    sums[i] = all[i];
+}
+"""
+LIGHT_VALUES = """params: {own_range: {value: 4, type: float, live: true}}
+values:
+  m: mat3x2[2](mat3x2(1, 2, 3, 4, 5, 6), mat3x2(0))
+  room_lights_range: float[2][3](float[3](10, 20, 30), float[3](0, 0, 0))
+  room_lights_box: vec2[2][3][2](vec2[3][2](vec2[2](vec2(0), vec2(0)), vec2[2](vec2(0), vec2(0)), vec2[2](vec2(0), vec2(0, 0.125))), \
+vec2[3][2](vec2[2](vec2(0), vec2(0)), vec2[2](vec2(0), vec2(0)), vec2[2](vec2(0), vec2(0))))
+  room_turn: mat2x3[2](mat2x3(0), mat2x3(1, 2, 3, 4, 5, 6))
+  room_lit: uint[2](0u, 1u)
+  grid: int[2][2][3](int[2][3](int[3](0, 0, 0), int[3](0, 0, 0)), int[2][3](int[3](1, 2, 3), int[3](4, 5, 6)))
+  c: mat2[2](mat2(1, 2, 3, 4), mat2(0))
+  own_color: vec3(1, 2, 3)
+  own_box: vec2[2](vec2(1), vec2(5))
+"""
+LIGHT_NAMES = {"own": "push_0", "room": "Block_1", "m:": "Block_0:", "grid": "Block_2", "c:": "Block_3:", "_lights_range": "_0_1", "_lights_box": "_0_2",
+               "_turn": "_1", "_lit": "_2", "_range": "_1", "_color": "_0", "_box": "_2", "Block": "binding_0", "[Sums]": "[{name: Sums, as: binding_1}]"}
+
+
+def members(tap):
+    """Structs and arrays in blocks, with matrices of both orders, have a value for each member."""
+    compute(LIGHTS, head=LIGHT_VALUES, kind="float")
+    with open("a.yaml", encoding="utf-8") as file:
+        spec = file.read()
+    bodies.run("glslangValidator", "-V", "a.comp", "-o", "named.spv")
+    bodies.run("spirv-opt", "--strip-debug", "-O", "named.spv", "-o", "bare.spv")
+    for file in ("a.comp", "named.spv", "bare.spv"):
+        text = spec
+        for old, new in LIGHT_NAMES.items() if file == "bare.spv" else ():
+            text = re.sub(rf"(?<![a-z]){re.escape(old)}", new, text)
+        put("a.yaml", text.replace("a.comp", file))
+        tap.result(f"members of structs and arrays in blocks, {file}", agrees([12, 20.125, 345, 18]))
+
+
 # What others make of a shader: the last command of each has the module `plain` and writes `made`.
 GLSLANG = "glslangValidator -V {name}.comp -o plain.spv"
 FORMS = {"glsl": [], "plain": [GLSLANG, "cp plain.spv {name}.spv"],
@@ -226,19 +273,21 @@ Out main(uint id : SV_VertexID)
 HLSL_FRAGMENT = """Texture2D photo : register(t0);
 SamplerState soft : register(s1);
 SamplerState hard : register(s2);
-cbuffer Values : register(b3) { float4 tint; };
+struct Room { float4 tint; float2x3 turn; };
+cbuffer Values : register(b3) { Room room; };
 float4 take(Texture2D from, SamplerState by, float2 uv) { return from.Sample(by, uv); }
 float4 main(float4 place : SV_Position, float2 uv : TEXCOORD0) : SV_Target
 {
-    return tint + take(photo, soft, uv) * 2 + photo.Sample(hard, uv) * 4 + photo.Load(int3(0, 0, 0)) * 8 + float4(uv, 0, 0);
+    return room.tint * room.turn[1][2] + take(photo, soft, uv) * 2 + photo.Sample(hard, uv) * 4 + photo.Load(int3(0, 0, 0)) * 8 + float4(uv, 0, 0);
 }
 """
 HLSL_SPEC = """pipeline: tried
-params: {tint: {value: [0.5, 0.5, 0.5, 0.5], live: true}}
+params: {room_tint: {value: [0.5, 0.5, 0.5, 0.5], live: true}}
 images:
   white: {format: rgba8, size: [4, 4]}
   color: {format: rgba32f, size: frame}
 samplers: {soft: {kind: filter, filter: linear, wrap: clamp}}
+values: {room_turn: "mat2x3(0, 0, 0, 0, 0, 1)"}
 passes:
   - {name: fill, dispatch: white, writes: [white], shader: fill.glsl}
   - name: run
@@ -268,6 +317,7 @@ def main():
             forms(tap)
             hlsl(tap)
             modules(tap)
+            members(tap)
         else:
             tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
