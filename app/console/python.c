@@ -64,12 +64,13 @@ int python_verb(struct console *console, const char *verb, cJSON *request)
 {
     sigset_t none;
     sigemptyset(&none);
-    const char *argv[] = {"python3", "-m", "diptych", verb, NULL};
+    /* the whole path: by a bare name Python would find its packages through PATH, in an environment of the user's */
+    const char *argv[] = {"/usr/bin/python3", "-m", "diptych", verb, NULL};
     if (!hand_over(console, verb, request))
         return EXIT_USAGE;
     fflush(stdout);
     pthread_sigmask(SIG_SETMASK, &none, NULL); /* console_open blocks some */
-    execv("/usr/bin/python3", (char *const *)argv);
+    execv(argv[0], (char *const *)argv);
     report_error(&console->log,
                  "%s: /usr/bin/python3 cannot be started: %s; install the package python3", verb,
                  strerror(errno));

@@ -123,6 +123,10 @@ for kind in m["ldr"], m["hdr"]:
     assert kind["rmse"] == 0 and kind["psnr"] is None and kind["flip"]["max"] == 0 and kind["mean_test"] > 0' "$work/metrics.json"
 }
 check "a picture has no error against itself" no_error
+mkdir -p "$work/venv/bin"
+ln -s /usr/bin/python3 "$work/venv/bin"
+printf 'home = /usr/bin\ninclude-system-site-packages = false\n' >"$work/venv/pyvenv.cfg"
+check "... in a virtual environment of Python" env PATH="$work/venv/bin:$PATH" "${metrics[@]}" --test "$work/a.exr"
 refused 1 'names one picture' "${metrics[@]}" --test "$work/a.exr" --frames 2
 refused 1 'needs exactly one %d' "${metrics[@]}" --test "$work/%d%d.exr" --frames 2
 cp "$work/a.exr" "$work/absent_0.exr"
