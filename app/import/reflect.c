@@ -14,6 +14,7 @@
 #include "gen/glsl/initials.h"
 #include "gen/model/foreign.h"
 #include "gen/model/leaves.h"
+#include "gen/model/spirv_check.h"
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
 
@@ -43,16 +44,6 @@ static struct reflected *append_reflected(struct reflecting *reader, enum reflec
 
 /* ---- Types ----------------------------------------------------------------------------------- */
 
-/* The length of an array, which may be a constant of specialization; 0: at run time. */
-static unsigned array_length(spvc_compiler compiler, spvc_type type, unsigned dimension)
-{
-    SpvId length = spvc_type_get_array_dimension(type, dimension);
-    return spvc_type_array_dimension_is_literal(type, dimension)
-               ? length
-               : spvc_constant_get_scalar_u32(spvc_compiler_get_constant_handle(compiler, length),
-                                              0, 0);
-}
-
 /* Of its numbers, up to 2^56: SPIRV-Cross counts in 32 bits. */
 static uint64_t least_bytes(spvc_compiler compiler, spvc_type type)
 {
@@ -62,7 +53,7 @@ static uint64_t least_bytes(spvc_compiler compiler, spvc_type type)
         bytes += least_bytes(
             compiler, spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(type, i)));
     for (unsigned i = 0; i < spvc_type_get_num_array_dimensions(type); i++) {
-        unsigned length = array_length(compiler, type, i);
+        SpvId length = spvc_type_get_array_dimension(type, i); /* 0: at run time */
         bytes = length && bytes > most / length ? most : bytes * (length ? length : 1);
     }
     return bytes < most ? bytes : most;
@@ -168,6 +159,23 @@ static const char *reflected_name(const struct reflecting *reader,
     return name && *name ? name : spvc_compiler_get_name(reader->compiler, resource->base_type_id);
 }
 
+/* Whether something is stored in the image; one that a function takes counts. */
+static bool is_stored(const struct spirv *module, uint32_t image)
+{
+    bool stored = false;
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
+        const uint32_t *i = module->words + at;
+        const uint32_t *load = spirv_is(i, SpvOpImageWrite) ? spirv_definition(module, i[1]) : i;
+        if (spirv_is(load, SpvOpLoad) ? load != i && load[3] == image
+                                      : spirv_is(i, SpvOpImageTexelPointer) && i[3] == image)
+            stored = true;
+        for (uint32_t word = 4; spirv_is(i, SpvOpFunctionCall) && word < spirv_length(i); word++)
+            stored |= i[word] == image;
+    }
+    return stored && spirv_decoration(module, image, SpvDecorationNonWritable) == UINT32_MAX;
+}
+
 static void add_image(struct reflecting *reader, const spvc_reflected_resource *resource,
                       enum reflected_kind kind)
 {
@@ -179,11 +187,7 @@ static void add_image(struct reflecting *reader, const spvc_reflected_resource *
     item->scalar = scalar_name(reader->compiler, type);
     item->depth = spvc_type_get_image_is_depth(type);
     item->format = kind == REFLECTED_IMAGE ? storage_format(type) : NULL;
-    item->reads =
-        !spvc_compiler_has_decoration(reader->compiler, resource->id, SpvDecorationNonReadable);
-    item->writes =
-        kind == REFLECTED_IMAGE &&
-        !spvc_compiler_has_decoration(reader->compiler, resource->id, SpvDecorationNonWritable);
+    item->writes = kind == REFLECTED_IMAGE && is_stored(reader->module, resource->id);
 }
 
 /* Whether all members have the decoration, or the block itself. */
@@ -207,7 +211,6 @@ static void reflect_buffer(struct reflecting *reader, const spvc_reflected_resou
     if (!item)
         return;
     item->bytes = least_bytes(reader->compiler, type);
-    item->reads = !is_decorated(reader, resource, SpvDecorationNonReadable);
     item->writes = !is_decorated(reader, resource, SpvDecorationNonWritable);
     spvc_compiler_get_declared_struct_size(reader->compiler, type, &bytes);
     item->bytes = bytes > item->bytes ? bytes : item->bytes;
@@ -277,23 +280,29 @@ static void add_resource(struct reflecting *reader, const spvc_reflected_resourc
     }
 }
 
-static void add_constants(struct reflecting *reader)
+/* Named constants of specialization, by their defaults. *any: there are some, also without a name. */
+static void add_constants(struct reflecting *reader, bool *any)
 {
-    const spvc_specialization_constant *list = NULL;
-    size_t count = 0;
-    if (spvc_compiler_get_specialization_constants(reader->compiler, &list, &count) != SPVC_SUCCESS)
-        return;
-    for (size_t i = 0; i < count; i++) {
-        spvc_constant constant = spvc_compiler_get_constant_handle(reader->compiler, list[i].id);
-        const char *name = spvc_compiler_get_name(reader->compiler, list[i].id);
-        struct reflected *item = *name ? append_reflected(reader, REFLECTED_CONSTANT, name) : NULL;
+    const struct spirv *module = reader->module;
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        const uint32_t *i = module->words + at;
+        bool truth = spirv_is(i, SpvOpSpecConstantTrue), number = spirv_is(i, SpvOpSpecConstant);
+        const char *name = spirv_name(module, spirv_result(i));
+        bool own = truth || number || spirv_is(i, SpvOpSpecConstantFalse);
+        *any |= own || spirv_is(i, SpvOpSpecConstantOp);
+        own &= name && *name && spirv_decoration(module, i[2], SpvDecorationSpecId) != UINT32_MAX;
+        struct reflected *item = own ? append_reflected(reader, REFLECTED_CONSTANT, name) : NULL;
         if (!item)
             continue;
-        write_type(reader, spvc_constant_get_type(constant), item);
-        item->number =
-            !strcmp(item->type, "float") ? (double)spvc_constant_get_scalar_fp32(constant, 0, 0)
-            : !strcmp(item->type, "int") ? (double)spvc_constant_get_scalar_i32(constant, 0, 0)
-                                         : (double)spvc_constant_get_scalar_u32(constant, 0, 0);
+        write_type(reader, i[1], item);
+        float real = 0;
+        if (number)
+            memcpy(&real, i + 3, sizeof real);
+        item->number = !number                        ? truth
+                       : !strcmp(item->type, "float") ? (double)real
+                       : !strcmp(item->type, "int")   ? (double)(int32_t)i[3]
+                                                      : (double)i[3];
     }
 }
 
@@ -313,7 +322,6 @@ static bool reflect_all(struct reflecting *reader)
         for (size_t i = 0; i < count; i++)
             add_resource(reader, &list[i], types[t]);
     }
-    add_constants(reader);
     for (unsigned i = 0; i < 3; i++)
         reader->out->local[i] = spvc_compiler_get_execution_mode_argument_by_index(
             reader->compiler, SpvExecutionModeLocalSize, i);
@@ -359,10 +367,20 @@ static bool reflect_words(uint32_t *words, size_t count, struct reflection *refl
 {
     struct spirv module;
     spvc_context context = NULL;
-    bool located = spirv_read(&module, words, count) &&
+    bool located = spirv_read(&module, words, count) && spirv_combine(&module) &&
                    spirv_locate(&module, SpvStorageClassInput) &&
                    spirv_locate(&module, SpvStorageClassOutput);
-    bool good = located && spvc_context_create(&context) == SPVC_SUCCESS &&
+    struct reflecting reader = {.module = &module, .out = reflection};
+    bool any = false;
+    if (located)
+        add_constants(&reader, &any);
+    if (any) { /* SPIRV-Cross crashes where one is the length of an array */
+        size_t length = module.count;
+        uint32_t *frozen = spirv_optimize(module.words, &length, SPIRV_FREEZE);
+        spirv_free(&module);
+        located = spirv_read(&module, frozen, length);
+    }
+    bool good = located && !reader.failed && spvc_context_create(&context) == SPVC_SUCCESS &&
                 read_module(context, &module, reflection);
     if (!good && context)
         *why = strdup(spvc_context_get_last_error_string(context));

@@ -26,11 +26,11 @@ struct reflected {
         *shape;  /* texture, image: "2D", "2D array", "3D", "cube"; others are not in passes */
     char scalar; /* texture, image: f, i or u */
     bool depth;  /* texture: sampled by comparison */
-    bool reads, writes; /* image, buffer */
-    uint32_t location;  /* input, output */
-    uint64_t bytes;     /* buffer: least size */
-    double number;      /* constant */
-    char *initial;      /* value: a constructor; NULL: none */
+    bool writes; /* image, buffer */
+    uint32_t location; /* input, output */
+    uint64_t bytes;    /* buffer: least size */
+    double number;     /* constant */
+    char *initial;     /* value: a constructor; NULL: none */
 };
 
 struct reflection {

@@ -332,7 +332,11 @@ static void list(struct text *out, const char *name, const char *sampler)
 static bool shape_fits(struct making *making, const struct reflected *item)
 {
     if (!item->shape)
-        return REFUSE(making, item, "`%s` has a shape that images do not have", item->name);
+        return REFUSE(
+            making, item,
+            "`%s` has a shape that images do not have, or is an array of more than 16 or by "
+            "an index that is not constant",
+            item->name);
     return name_is_free(item->name) ||
            REFUSE(making, item, "`%s` cannot be the name of an image", item->name);
 }
@@ -365,6 +369,7 @@ static bool write_texture(struct making *making, const struct reflected *item)
     return true;
 }
 
+/* What is stored keeps its content where no invocation writes. */
 static bool write_image(struct making *making, const struct reflected *item)
 {
     if (!shape_fits(making, item))
@@ -374,19 +379,22 @@ static bool write_image(struct making *making, const struct reflected *item)
                          : item->scalar == 'u' ? "r32ui"
                                                : "rgba32f";
     bool flat = !strcmp(item->shape, "2D");
-    text_add(&making->images, "  %s: {format: %s, size: %s%s%s}  # the size%s a guess\n",
-             item->name, format,
+    if (item->writes && making->now->stage != REFLECT_COMPUTE)
+        return REFUSE(making, item,
+                      "a fragment shader stores in `%s`; a draw of a spec writes targets "
+                      "and buffers",
+                      item->name);
+    text_add(&making->images,
+             "  %s: {format: %s, size: %s%s, history: true}  # the size%s a guess\n", item->name,
+             format,
              flat                  ? "frame"
              : *item->shape == '3' ? "[64, 64, 64]"
                                    : "[64, 64]",
              *item->shape == 'c'            ? ", cube: true"
              : *item->shape == '2' && !flat ? ", layers: 1"
                                             : "",
-             item->reads ? ", history: true" : "", item->format ? " is" : " and the format are");
-    list(!item->writes ? &making->reads
-         : item->reads ? &making->updates
-                       : &making->writes,
-         item->name, NULL);
+             item->format ? " is" : " and the format are");
+    list(item->writes ? &making->updates : &making->reads, item->name, NULL);
     if (item->writes && flat && !making->output) {
         making->output = item->name;
         making->codes = !strcmp(format, "rgba8");
@@ -402,15 +410,20 @@ static bool write_buffer(struct making *making, const struct reflected *item)
         return REFUSE(making, item, "`%s` cannot be the name of a buffer", item->name);
     if (item->bytes > MOST_BUFFER)
         return REFUSE(making, item, "the buffer `%s` has more than 1 GiB", item->name);
-    text_add(&making->buffers, "  %s: {of: %s, count: %u%s}  # the count is a guess%s\n",
-             item->name, *item->type ? item->type : "uint",
-             (unsigned)(count > 65536 ? count : 65536), item->reads ? ", history: true" : "",
+    text_add(&making->buffers,
+             "  %s: {of: %s, count: %u, history: true}  # the count is a guess%s\n", item->name,
+             *item->type ? item->type : "uint", (unsigned)(count > 65536 ? count : 65536),
              *item->type ? "" : "; the shader's struct, in words");
-    list(!item->writes ? &making->reads
-         : item->reads ? &making->updates
-                       : &making->writes,
-         item->name, NULL);
+    list(item->writes ? &making->updates : &making->reads, item->name, NULL);
     return true;
+}
+
+/* What a draw without colours leaves. */
+static void write_depth(struct making *making)
+{
+    const char *name = is_new(making, "depth") ? "depth" : "depth_";
+    text_add(&making->images, "  %s: {format: d32f, size: frame}\n", name);
+    list(&making->writes, name, NULL);
 }
 
 /* A target. Those of a draw are in the order of their locations. */
@@ -486,6 +499,8 @@ static bool write_items(struct making *making)
                     good = write_item(making, item, making->now->stage);
             }
     }
+    if (good && !making->output && making->files[0].stage != REFLECT_COMPUTE)
+        write_depth(making);
     return good;
 }
 

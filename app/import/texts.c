@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "base/files.h"
 #include "base/log.h"
@@ -51,10 +52,37 @@ static bool is_within_bounds(struct import_texts *texts, size_t bytes)
     return !texts->excess;
 }
 
+/* Adds the file at `path`; where there is none, that of the same name beside a folder above, as compilers find it by -I.
+ * Its copy then stands at `path`. Takes over `path`. */
+static bool find_include(struct import_texts *texts, const char *name, char *path)
+{
+    static const char *const folders[] = {"", "include/", "includes/", "includes/glsl/", "common/"};
+    const struct dt_log silent = {0};
+    struct stat status;
+    char *from = strdup(path);
+    size_t length = strlen(path) - strlen(name);
+    for (int above = 0; from && above < 4 && stat(from, &status) != 0; above++) {
+        while (length && path[--length] == '/')
+            continue;
+        while (length && path[length - 1] != '/')
+            length--;
+        for (size_t i = 0; i < DT_ARRAY_COUNT(folders) && stat(from, &status) != 0; i++) {
+            free(from);
+            from = format_string("%.*s%s%s", (int)length, path, folders[i], name);
+            if (!from)
+                break;
+        }
+    }
+    bool good = from && add_text(texts, from, path, &silent);
+    if (!from)
+        free(path);
+    free(from);
+    return good;
+}
+
 bool texts_include(const void *user, const char *from, const char *name, struct glslang_file *file)
 {
     struct import_texts *texts = (struct import_texts *)user;
-    const struct dt_log silent = {0};
     uint32_t number = *from ? (uint32_t)strtoul(from, NULL, 10) : 1, i = 0;
     const char *beside = texts->list[number && number <= texts->count ? number - 1 : 0].path;
     char *path = format_string("%.*s/%s", (int)(strrchr(beside, '/') - beside), beside, name);
@@ -64,7 +92,7 @@ bool texts_include(const void *user, const char *from, const char *name, struct 
         i++;
     if (i < texts->count)
         free(plain);
-    else if (!add_text(texts, plain, plain, &silent))
+    else if (!plain || !find_include(texts, name, plain))
         return false;
     const struct import_source *source = &texts->list[i];
     *file = (struct glslang_file){source->number, source->text, source->size};

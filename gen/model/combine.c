@@ -1,5 +1,7 @@
 /* Textures with samplers of their own become combined ones, as OpenGL and our passes have them: one for each
- * pair that the module samples, with the texture's name; with "NAME_SAMPLER" where it has several samplers. */
+ * pair that the module samples, with the texture's name; with "NAME_SAMPLER" where it has several samplers. An input
+ * attachment becomes a texture that is fetched at the fragment's place, a multisampled texture one of one sample, an
+ * image that a fragment shader only reads a texture. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,7 +19,139 @@ struct combining {
     struct spirv_edit edit;
     struct combined *pairs; /* free() */
     uint32_t count;
+    bool reads;     /* a fragment shader that stores in no image */
+    uint32_t place; /* the variable gl_FragCoord; 0: not needed */
 };
+
+/* ---- Input attachments and samples ----------------------------------------------------------- */
+
+static bool is_attachment(const uint32_t *image)
+{
+    return spirv_is(image, SpvOpTypeImage) && image[3] == SpvDimSubpassData;
+}
+
+/* Of an image, or of what combines one: whether it is to be another. */
+static bool is_special(const struct combining *c, const uint32_t *type)
+{
+    if (spirv_is(type, SpvOpTypeSampledImage))
+        type = spirv_definition(c->from, type[2]);
+    if (!spirv_is(type, SpvOpTypeImage) || is_attachment(type))
+        return is_attachment(type);
+    bool flat = type[3] == SpvDim2D || type[3] == SpvDim3D;
+    return type[7] == 1 ? type[6] : c->reads && flat && !type[6];
+}
+
+static bool only_reads(const struct spirv *from)
+{
+    bool fragment =
+        spirv_entry_point(from) && spirv_entry_point(from)[1] == SpvExecutionModelFragment;
+    SPIRV_EACH(from, at, from->code, from->count)
+    fragment &= !spirv_is(from->words + at, SpvOpImageWrite) &&
+                !spirv_is(from->words + at, SpvOpImageTexelPointer);
+    return fragment;
+}
+
+/* The type of a texture in its place; of any other, its own. */
+static uint32_t plain_type(struct combining *c, uint32_t id)
+{
+    const uint32_t *type = spirv_definition(c->from, id);
+    if (!is_special(c, type))
+        return id;
+    if (spirv_is(type, SpvOpTypeSampledImage)) {
+        uint32_t image = plain_type(c, type[2]);
+        return spirv_declare(&c->edit, SpvOpTypeSampledImage, 0, &image, 1);
+    }
+    return spirv_declare(&c->edit, SpvOpTypeImage, 0,
+                         (uint32_t[]){type[2], is_attachment(type) ? SpvDim2D : type[3], 0, type[5],
+                                      0, 1, SpvImageFormatUnknown},
+                         7);
+}
+
+static uint32_t find_place(const struct spirv *from)
+{
+    SPIRV_EACH(from, at, from->annotations, from->declarations)
+    if (spirv_is(from->words + at, SpvOpDecorate) && from->words[at + 2] == SpvDecorationBuiltIn &&
+        from->words[at + 3] == SpvBuiltInFragCoord)
+        return from->words[at + 1];
+    return 0;
+}
+
+/* Of numbers of this type, as many. */
+static uint32_t vector_of(struct combining *c, uint32_t opcode, uint32_t sign, uint32_t count)
+{
+    uint32_t words[] = {32, sign};
+    uint32_t scalar = spirv_declare(&c->edit, opcode, 0, words, opcode == SpvOpTypeInt ? 2 : 1);
+    return count < 2 ? scalar
+                     : spirv_declare(&c->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
+}
+
+/* gl_FragCoord, which is added to the inputs if the shader has it not. */
+static void add_frag_coord(struct combining *c)
+{
+    struct spirv_edit *edit = &c->edit;
+    const struct spirv *from = c->from;
+    if (c->place || (c->place = find_place(from)))
+        return;
+    uint32_t type = vector_of(c, SpvOpTypeFloat, 0, 4);
+    uint32_t pointer =
+        spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassInput, type}, 2);
+    c->place = edit->bound++;
+    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, c->place, SpvStorageClassInput);
+    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, c->place, SpvDecorationBuiltIn,
+              SpvBuiltInFragCoord);
+    edit->front.count = SPIRV_HEADER;
+    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
+    {
+        const uint32_t *i = from->words + at;
+        size_t start = edit->front.count;
+        spirv_copy(edit, &edit->front, i);
+        if (!spirv_is(i, SpvOpEntryPoint) || i[1] != SpvExecutionModelFragment)
+            continue;
+        spirv_append(edit, &edit->front, &c->place, 1);
+        if (!edit->failed)
+            edit->front.data[start] += 1 << 16;
+    }
+}
+
+/* A fetch at coordinates relative to the fragment's. */
+static void put_attachment(struct combining *c, const uint32_t *read)
+{
+    struct spirv_edit *edit = &c->edit;
+    struct spirv_words *to = &edit->code;
+    uint32_t ints = vector_of(c, SpvOpTypeInt, 1, 2), floats = vector_of(c, SpvOpTypeFloat, 0, 2);
+    uint32_t all = vector_of(c, SpvOpTypeFloat, 0, 4), none = 0;
+    uint32_t zero = spirv_declare(edit, SpvOpConstant, vector_of(c, SpvOpTypeInt, 1, 1), &none, 1);
+    uint32_t place = SPIRV_VALUE(edit, to, SpvOpLoad, all, c->place);
+    place = SPIRV_VALUE(edit, to, SpvOpVectorShuffle, floats, place, place, 0, 1);
+    place = SPIRV_VALUE(edit, to, SpvOpConvertFToS, ints, place);
+    place = SPIRV_VALUE(edit, to, SpvOpIAdd, ints, place, read[4]);
+    SPIRV_PUT(edit, to, SpvOpImageFetch, read[1], read[2], read[3], place, SpvImageOperandsLodMask,
+              zero);
+}
+
+/* What reads such a texture. False: another instruction. */
+static bool put_special(struct combining *c, const uint32_t *i)
+{
+    struct spirv_edit *edit = &c->edit;
+    uint32_t opcode = spirv_opcode(i), number = opcode == SpvOpImageQuerySamples;
+    bool reads = opcode == SpvOpImageRead || opcode == SpvOpImageFetch ||
+                 opcode == SpvOpImageQuerySize || number;
+    if (!reads || !is_special(c, spirv_type(c->from, i[3])))
+        return false;
+    number = spirv_declare(edit, SpvOpConstant, vector_of(c, SpvOpTypeInt, 1, 1), &number, 1);
+    if (is_attachment(spirv_type(c->from, i[3])) && opcode == SpvOpImageRead)
+        put_attachment(c, i);
+    else if (opcode == SpvOpImageFetch || opcode == SpvOpImageRead)
+        SPIRV_PUT(edit, &edit->code, SpvOpImageFetch, i[1], i[2], i[3], i[4],
+                  SpvImageOperandsLodMask, number);
+    else if (opcode == SpvOpImageQuerySize)
+        SPIRV_PUT(edit, &edit->code, SpvOpImageQuerySizeLod, i[1], i[2], i[3], number);
+    else
+        SPIRV_PUT(edit, &edit->code, SpvOpBitcast, i[1], i[2], number);
+    return true;
+}
+
+/* ---- Pairs ----------------------------------------------------------------------------------- */
 
 /* The variable that a value was loaded from; 0: another way. */
 static uint32_t loaded_from(const struct spirv *from, uint32_t value, uint32_t opcode)
@@ -30,10 +164,14 @@ static uint32_t loaded_from(const struct spirv *from, uint32_t value, uint32_t o
     return fits ? variable[2] : 0;
 }
 
-static bool is_texture(const struct spirv *from, uint32_t value)
+/* Whether it is loaded from a texture that is to be combined, or to be another. */
+static bool is_texture(const struct combining *c, uint32_t value)
 {
-    uint32_t texture = loaded_from(from, value, SpvOpTypeImage);
-    return texture && spirv_type(from, value)[7] == 1 && spirv_type(from, value)[3] != SpvDimBuffer;
+    const struct spirv *from = c->from;
+    const uint32_t *type = spirv_type(from, value);
+    if (is_special(c, type))
+        return loaded_from(from, value, spirv_opcode(type));
+    return loaded_from(from, value, SpvOpTypeImage) && type[7] == 1 && type[3] != SpvDimBuffer;
 }
 
 static struct combined *find_combined(struct combining *c, uint32_t texture, uint32_t sampler)
@@ -49,8 +187,11 @@ static void add_combined(struct combining *c, uint32_t texture, uint32_t sampler
     struct spirv_edit *edit = &c->edit;
     if (find_combined(c, texture, sampler))
         return;
-    uint32_t image = spirv_definition(c->from, spirv_definition(c->from, texture)[1])[3];
-    uint32_t type = spirv_declare(edit, SpvOpTypeSampledImage, 0, &image, 1);
+    uint32_t type = spirv_pointee(c->from, spirv_definition(c->from, texture));
+    uint32_t image = plain_type(c, type);
+    type = spirv_is(spirv_definition(c->from, type), SpvOpTypeSampledImage)
+               ? image
+               : spirv_declare(edit, SpvOpTypeSampledImage, 0, &image, 1);
     uint32_t pointer = spirv_declare(edit, SpvOpTypePointer, 0,
                                      (uint32_t[]){SpvStorageClassUniformConstant, type}, 2);
     uint32_t variable = edit->bound++;
@@ -89,8 +230,10 @@ static void find_pairs(struct combining *c)
             if (!alone && spirv_is(i, SpvOpSampledImage)) {
                 texture = loaded_from(from, i[3], SpvOpTypeImage);
                 sampler = loaded_from(from, i[4], SpvOpTypeSampler);
-            } else if (alone && spirv_is(i, SpvOpLoad) && is_texture(from, i[2])) {
+            } else if (alone && spirv_is(i, SpvOpLoad) && is_texture(c, i[2])) {
                 texture = i[3];
+                if (is_attachment(spirv_type(from, i[2])))
+                    add_frag_coord(c);
             }
             if (texture && (sampler || alone))
                 add_combined(c, texture, sampler);
@@ -108,15 +251,19 @@ static void put_code(struct combining *c)
         const struct combined *pair =
             sampled ? find_combined(c, loaded_from(from, i[3], SpvOpTypeImage),
                                     loaded_from(from, i[4], SpvOpTypeSampler))
-            : load && is_texture(from, i[2]) ? find_combined(c, i[3], 0)
-                                             : NULL;
-        if (pair && sampled) {
+            : load && is_texture(c, i[2]) ? find_combined(c, i[3], 0)
+                                          : NULL;
+        bool whole = pair && load && spirv_is(spirv_type(from, i[2]), SpvOpTypeSampledImage);
+        size_t start = edit->code.count;
+        if (pair && (sampled || whole)) {
             SPIRV_PUT(edit, &edit->code, SpvOpLoad, pair->type, i[2], pair->variable);
         } else if (pair) {
             uint32_t both = SPIRV_VALUE(edit, &edit->code, SpvOpLoad, pair->type, pair->variable);
-            SPIRV_PUT(edit, &edit->code, SpvOpImage, i[1], i[2], both);
-        } else if (!(load && loaded_from(from, i[2], SpvOpTypeSampler))) {
+            SPIRV_PUT(edit, &edit->code, SpvOpImage, plain_type(c, i[1]), i[2], both);
+        } else if (!(load && loaded_from(from, i[2], SpvOpTypeSampler)) && !put_special(c, i)) {
             spirv_copy(edit, &edit->code, i);
+            if (spirv_is(i, SpvOpImage) && !edit->failed)
+                edit->code.data[start + 1] = plain_type(c, i[1]);
         }
     }
 }
@@ -125,9 +272,12 @@ bool spirv_combine(struct spirv *module)
 {
     struct combining c = {.from = module};
     size_t uses = 1;
+    if (!spirv_spread(module))
+        return false;
     SPIRV_EACH(module, at, module->code, module->count)
     uses +=
         spirv_is(module->words + at, SpvOpSampledImage) || spirv_is(module->words + at, SpvOpLoad);
+    c.reads = only_reads(module);
     c.pairs = calloc(uses, sizeof *c.pairs);
     spirv_edit_begin(&c.edit, module);
     c.edit.failed |= !c.pairs;

@@ -23,5 +23,7 @@ bool spirv_choose_entry(struct spirv *module, uint32_t model);
 /* Phis become variables, as glslang has them: --sanitize puts branches between blocks. False: out of memory. */
 bool spirv_lower_phis(struct spirv *module);
 
-/* combine.c: false when out of memory. */
+/* combine.c, for texts as well: textures and samplers as passes have them. spread.c: arrays of resources, which
+ * combine.c calls. False: out of memory. */
 bool spirv_combine(struct spirv *module);
+bool spirv_spread(struct spirv *module);

@@ -228,7 +228,10 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
     if (!spirv_mentions(module, binder->live, variable[2]))
         return true;
     if (spirv_is(type, SpvOpTypeArray))
-        return refuse(binder, "`%s` is an array of resources, which passes do not have", name);
+        return refuse(
+            binder,
+            "`%s` is an array of more than 16 resources, or by an index that is not constant",
+            name);
     if (spirv_is(type, SpvOpTypeSampler) || (spirv_is(type, SpvOpTypeImage) && type[7] != 2))
         return refuse(binder, "`%s` is a texture or a sampler alone; combine both, as sampler2D",
                       name);

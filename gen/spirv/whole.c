@@ -150,7 +150,8 @@ static bool read_own(const struct pass *pass, const struct shader *shader, bool 
                                       [STAGE_IS_FRAGMENT] = SpvExecutionModelFragment};
     const struct body_file *file = find_module(shader->files, models[shader->stage]);
     if (!file)
-        return spirv_read_text(pass, shader, &shader->whole, lines, 0, module, log);
+        return spirv_read_text(pass, shader, &shader->whole, lines, 0, module, log) &&
+               spirv_combine(module);
     return spirv_open(module, file->words, file->word_count) &&
            spirv_choose_entry(module, models[shader->stage]) &&
            (lines ? spirv_lower_phis(module) : without_lines(module));

@@ -180,6 +180,52 @@ def members(tap):
         tap.result(f"members of structs and arrays in blocks, {file}", agrees([12, 20.125, 345, 18]))
 
 
+SHAPES = """#version 450
+layout(input_attachment_index = 0, binding = 0) uniform subpassInput under;
+layout(binding = 1) uniform sampler2DMS many;
+layout(binding = 2) uniform sampler2D maps[3];
+layout(binding = 3) uniform texture2D loose[2];
+layout(binding = 4) uniform sampler nearest[2];
+layout(binding = 5, rgba32f) uniform image2D kept;
+layout(location = 0) out vec4 color;
+void main()
+{
+    ivec2 p = ivec2(gl_FragCoord.xy);
+    int k = p.x + 1;
+    color = vec4(subpassLoad(under).x + 8 * textureSamples(many), texelFetch(many, p, 3).y + textureSize(many).x,
+                 texelFetch(maps[k], p, 0).x * 16 + imageLoad(kept, p).x, texture(sampler2D(loose[k], nearest[p.y]), vec2(0.2)).x + textureSize(maps[2], 0).x);
+}
+"""
+SHAPES_SPEC = """pipeline: tried
+images:
+  one: {format: rgba32f, size: [8, 8]}
+  two: {format: rgba32f, size: [16, 8]}
+  color: {format: rgba32f, size: frame}
+samplers: {hard: {kind: filter, filter: nearest, wrap: clamp}}
+passes:
+  - {name: fill, dispatch: two, writes: [one, two], shader: fill.glsl}
+  - name: run
+    draw: fullscreen
+    reads: [{name: one, as: kept}, ONEunder}, TWOmany}, ONEmaps_0}, TWOmaps_1}, TWOmaps_2}, PAIRS]
+    writes: [color]
+    shader: FILE
+""".replace("ONE", "{name: one, sampler: hard, as: ").replace("TWO", "{name: two, sampler: hard, as: ")
+FILL = "void main() { ivec2 p = invocation().xy; if (p.x < 8) one_store(p, vec4(1 + p.x, 2, 0, 0)); two_store(p, vec4(3 + p.x, 4, 0, 0)); }\n"
+
+
+def shapes(tap):
+    """Input attachments, samples, arrays of textures and samplers, images that a fragment shader only reads."""
+    put("fill.glsl", FILL)
+    put("a.frag", SHAPES)
+    bodies.run("glslangValidator", "-V", "a.frag", "-o", "a.spv")
+    pairs = ", ".join(f"{{name: {'two' if t else 'one'}, sampler: hard, as: loose_{t}_nearest_{s}}}" for t in (0, 1) for s in (0, 1))
+    for file in ("a.frag", "a.spv"):
+        put("a.yaml", SHAPES_SPEC.replace("PAIRS", pairs).replace("FILE", file))
+        tap.result(f"shapes of textures, {file}", agrees([9, 20, 49, 22]))
+    done = diptych("compare", "--spec", "a.yaml", "--sanitize")
+    tap.result("... sanitized", [] if done.returncode == 0 else [done.stdout])
+
+
 # What others make of a shader: the last command of each has the module `plain` and writes `made`.
 GLSLANG = "glslangValidator -V {name}.comp -o plain.spv"
 FORMS = {"glsl": [], "plain": [GLSLANG, "cp plain.spv {name}.spv"],
@@ -318,6 +364,7 @@ def main():
             hlsl(tap)
             modules(tap)
             members(tap)
+            shapes(tap)
         else:
             tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
