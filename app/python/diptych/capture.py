@@ -46,7 +46,7 @@ class Run:
         arguments = " ".join(map(shlex.quote, command[1:]))
         begun = rd.ExecuteAndInject(program, os.getcwd(), arguments, variables(rd, command, settings), path, options, False)
         if not begun.ident:
-            console.fail(f"{command[0]}: cannot be started under RenderDoc: {getattr(begun, 'result', begun.status)}")
+            console.fail(f"{command[0]}: cannot be started under RenderDoc: {begun.result}")
         self.name, end = command[0], time.monotonic() + CONNECTING
         self.control: Any = None
         while not self.control and time.monotonic() < end:

@@ -198,19 +198,30 @@ class Frame:
         if texture.byteSize > MOST_BYTES:
             self.notes.append(f"{slot}: {texture.byteSize >> 20} MiB, left out")
             return None
-        parts = [texels_of(texture.format, raw, width, height, self.gl) for raw in self.layers(texture, mip)]
-        if not parts or not all(part for part in parts):
-            self.notes.append(f"{slot}: no content of the format {texture.format.Name()}, left out")
+        hashes, first = [hashlib.blake2b(digest_size=12) for _ in range(2)], None
+        draft = os.path.join(self.folder, "draft")
+        with open(draft, "wb") as file:
+            for raw in self.layers(texture, mip):
+                texels = texels_of(texture.format, raw, width, height, self.gl)
+                if texels is None:
+                    self.notes.append(f"{slot}: no content of the format {texture.format.Name()}, left out")
+                    return None
+                first = first or texels
+                rows = np.ascontiguousarray(texels.rows)
+                file.write(rows.data)
+                lines = [hashlib.blake2b(row.data, digest_size=12).digest() for row in rows]
+                hashes[0].update(b"".join(lines))
+                hashes[1].update(b"".join(reversed(lines)))
+        name, turned = (item.hexdigest() + ".raw" for item in hashes)
+        if not first:
             return None
-        rows = [part.rows for part in parts if part]
-        data = b"".join(item.tobytes() for item in rows)
-        name, form = self.keep(data), parts[0].format if parts[0] else ""
         if name not in self.small:
-            self.small[name] = small_picture(form, rows[0])
-        turned = hashlib.blake2b(b"".join(item[::-1].tobytes() for item in rows), digest_size=12).hexdigest()
+            self.small[name] = small_picture(first.format, first.rows)
+            self.bytes += os.path.getsize(draft)
+            os.rename(draft, os.path.join(self.folder, name))
         screen = bool(texture.creationFlags & rd.TextureCategory.SwapBuffer)
         entry = {"kind": "image", "resource": slot, "file": name, "mip": mip, "width": width, "height": height, "layers": count,
-                 "format": form, "turned": turned + ".raw", "label": self.label(resource), "screen": screen, "id": resource}
+                 "format": first.format, "turned": turned, "label": self.label(resource), "screen": screen, "id": resource}
         return {**entry, "samples": texture.msSamp} if texture.msSamp > 1 else entry
 
     def buffer(self, resource: int, slot: str) -> Json | None:
@@ -294,7 +305,7 @@ def open_capture(path: str) -> tuple[Any, str]:
     capture = rd.OpenCaptureFile()
     result = capture.OpenFile(path, "", None)
     if result != rd.ResultCode.Succeeded:
-        fail(f"is no whole capture of RenderDoc: {result}")
+        fail(f"is no whole capture of RenderDoc: {result.Message()}")
     driver = str(capture.DriverName())
     if driver == "OpenGL":
         start_screen()
@@ -302,7 +313,7 @@ def open_capture(path: str) -> tuple[Any, str]:
         fail(f"is a capture of {driver}; those of OpenGL and Vulkan are read")
     result, control = capture.OpenCapture(rd.ReplayOptions(), None)
     if result != rd.ResultCode.Succeeded:
-        fail(f"cannot be replayed: {result}")
+        fail(f"cannot be replayed: {result.Message()}")
     return control, driver
 
 

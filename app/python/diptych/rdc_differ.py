@@ -143,4 +143,9 @@ def differences(first: Json, second: Json, turned: bool, across: bool) -> tuple[
             told += f"{name}: {values}" not in texts
             (clocks if CLOCK.search(name) else texts).setdefault(f"{name}: {values}" if told <= MOST_TOLD else "more uniforms")
         texts.update(dict.fromkeys(found))
+    if across:
+        return list(texts), list(clocks)
+    for one, other in zip(first["shaders"], second["shaders"]):
+        if one["file"] != other["file"]:
+            texts[f"{one['stage']} shader: other code, see --save"] = None
     return list(texts), list(clocks)

@@ -38,13 +38,17 @@ class Side:
 
 @dataclass
 class Pair:
-    """Indices of two passes; None: only the other side has it. `contents`: entries of both; `inputs` likewise."""
+    """Indices of two passes; -1: only the other side has it. `contents`: entries of both; `inputs` likewise."""
 
-    first: int | None
-    second: int | None
+    first: int
+    second: int
     contents: list[tuple[Json, Json]] = field(default_factory=list)
     inputs: list[tuple[Json, Json]] = field(default_factory=list)
     turned: bool = False  # rows of the second are in the opposite order
+
+    @property
+    def both(self) -> bool:
+        return min(self.first, self.second) >= 0
 
 
 def numbers_of(entry: Json) -> str:
@@ -142,8 +146,8 @@ class Matcher:
                 pairs.append(Pair(-i, -k))
                 free[0].discard(-i)
                 free[1].discard(-k)
-        pairs.sort(key=lambda pair: pair.first or 0)
-        pairs += [Pair(i, None) for i in sorted(free[0])] + [Pair(None, k) for k in sorted(free[1])]
+        pairs.sort(key=lambda pair: pair.first)
+        pairs += [Pair(i, -1) for i in sorted(free[0])] + [Pair(-1, k) for k in sorted(free[1])]
         return self.fill(pairs)
 
     def anchor(self) -> list[tuple[int, float, int, int]]:
@@ -160,7 +164,7 @@ class Matcher:
         """Of each kind of pass, whether the targets that are no window's have opposite rows: one that is alone stays a fault."""
         votes: dict[str, int] = {}
         for pair in pairs:
-            kind = self.passes[0][pair.first or 0]["kind"]
+            kind = self.passes[0][pair.first]["kind"]
             for entry, other in pair.contents:
                 same, turned = self.distances(entry, other)
                 if entry["kind"] == "image" and not entry["screen"] and not other["screen"] and abs(same - turned) > TURNED:
@@ -168,15 +172,15 @@ class Matcher:
         return {kind: count > 0 for kind, count in votes.items()}
 
     def fill(self, pairs: list[Pair]) -> list[Pair]:
-        both = [pair for pair in pairs if pair.first is not None and pair.second is not None]
+        both = [pair for pair in pairs if pair.both]
         for pair in both:
-            first, second = self.passes[0][pair.first or 0], self.passes[1][pair.second or 0]
+            first, second = self.passes[0][pair.first], self.passes[1][pair.second]
             pair.contents = pair_up(first["entries"], second["entries"])
         turned = self.majority(both)
         across = self.sides[0].frame["api"] != self.sides[1].frame["api"]
         for pair in both:
             screen = any(entry["screen"] for contents in pair.contents for entry in contents)
-            pair.turned = across if screen else turned.get(self.passes[0][pair.first or 0]["kind"], False)
+            pair.turned = across if screen else turned.get(self.passes[0][pair.first]["kind"], False)
         self.pair_inputs(both)
         return pairs
 
@@ -184,8 +188,8 @@ class Matcher:
         """Of matched passes; an input that the other side reads first in another pass is found by its content."""
         inputs = [[entry for item in side for entry in item["inputs"]] for side in self.passes]
         for pair in pairs:
-            first = self.passes[0][pair.first or 0]["inputs"]
-            second = self.passes[1][pair.second or 0]["inputs"]
+            first = self.passes[0][pair.first]["inputs"]
+            second = self.passes[1][pair.second]["inputs"]
             for entry in first:
                 found = [other for other in inputs[1] if other["file"] in (entry["file"], entry["turned"]) and same_shape(entry, other)]
                 found += [other for one, other in pair_up([entry], second)]

@@ -7,7 +7,7 @@ import renderdoc as rd
 
 Json = dict[str, Any]
 STAGES = {"dispatch": [rd.ShaderStage.Compute], "draw": [rd.ShaderStage.Vertex, rd.ShaderStage.Geometry, rd.ShaderStage.Pixel]}
-MOST_NUMBERS = 4096  # of a block of uniforms
+MOST_UNIFORMS = 1024  # of a draw
 
 
 def word(value: Any) -> str:
@@ -48,6 +48,8 @@ def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[f
     """In the order of their offsets, which `constants` has of the same variables."""
     pairs = list(zip(variables, constants)) if len(constants) == len(variables) else [(variable, None) for variable in variables]
     for variable, constant in sorted(pairs, key=lambda pair: pair[1].byteOffset if pair[1] else 0):
+        if len(found) == MOST_UNIFORMS:
+            return
         name = prefix + variable.name
         if len(variable.members):
             array = variable.members[0].name.startswith("[")
@@ -57,8 +59,7 @@ def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[f
         count = max(1, variable.rows) * max(1, variable.columns)
         kind = word(variable.type)
         values = {"float": variable.value.f32v, "double": variable.value.f64v, "sint": variable.value.s32v}.get(kind, variable.value.u32v)
-        if sum(map(len, found.values())) < MOST_NUMBERS:
-            found[name] = list(values[:count])
+        found[name] = list(values[:count])
 
 
 def uniforms(control: Any, state: Any, kind: str) -> dict[str, list[float]]:
