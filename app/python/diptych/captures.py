@@ -364,6 +364,8 @@ class Comparison:
             if index % runs == 0:
                 self.matched.append(matched)
                 matched.tell()
+            if not any(pair.both for pair in matched.pairs):
+                self.console.fail(f"{side.source}: no pass fits one of {sides[0].source}; have both windows one size?")
         dump_first(sides[0], folders[0], names, self.matched[0].state if len(self.matched) == 1 else {})
         return [os.path.dirname(folder) if runs > 1 else folder for folder in folders[::runs]]
 
