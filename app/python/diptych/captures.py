@@ -10,7 +10,7 @@ import signal
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import ThreadPoolExecutor, TimeoutError as TooLong
 from typing import Any, Iterator
 
 from . import rdc_differ
@@ -63,11 +63,13 @@ class Replays:
     def __init__(self, console: Console, confined: bool):
         self.console, self.confined = console, confined
         self.running: list[subprocess.Popen[str]] = []
+        self.ended = False
 
     def __enter__(self) -> "Replays":
         return self
 
     def __exit__(self, *_: Any) -> None:
+        self.ended = True
         for process in self.running:
             process.kill()
 
@@ -80,6 +82,8 @@ class Replays:
         process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                    errors="replace", preexec_fn=limit)
         self.running.append(process)
+        if self.ended:
+            process.kill()
         last = ""
         for line in process.stderr or ():
             if line.startswith("replay: "):
@@ -98,6 +102,9 @@ class Replays:
             done = [pool.submit(self.run, *job) for job in zip(captures, folders, draws)]
             try:
                 failed = [item.result(SECONDS) for item in done]
+            except TooLong:
+                self.__exit__()
+                self.console.fail(f"a replay took more than {SECONDS} s")
             except BaseException:
                 self.__exit__()
                 raise
