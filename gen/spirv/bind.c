@@ -316,6 +316,25 @@ static void put_begin(struct binder *binder)
 
 /* ---------------------------------------------------------------------------------------------- */
 
+/* What the runtimes do not have, and some drivers crash of. */
+static bool check_capabilities(struct binder *binder)
+{
+    static const struct {
+        uint32_t capability;
+        const char *what;
+    } missing[] = {{SpvCapabilityPhysicalStorageBufferAddresses, "addresses of buffers"},
+                   {SpvCapabilityRayQueryKHR, "ray queries"},
+                   {SpvCapabilityFragmentShadingRateKHR, "shading rates"}};
+    const struct spirv *module = binder->module;
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    for (size_t k = 0; k < DT_ARRAY_COUNT(missing); k++)
+        if (spirv_is(module->words + at, SpvOpCapability) &&
+            module->words[at + 1] == missing[k].capability)
+            return refuse(binder, "the shader uses %s, which OpenGL does not have",
+                          missing[k].what);
+    return true;
+}
+
 static bool check_local(struct binder *binder)
 {
     const struct spirv *module = binder->module;
@@ -379,7 +398,8 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
     if (good) {
         each_variable(&binder, has_values, mark_loose);
         each_variable(&binder, stays, mark_kept);
-        good = check_local(&binder) && each_variable(&binder, is_resource, bind_variable) &&
+        good = check_capabilities(&binder) && check_local(&binder) &&
+               each_variable(&binder, is_resource, bind_variable) &&
                each_variable(&binder, has_values, move_variable);
     }
     if (good) {

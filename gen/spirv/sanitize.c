@@ -3,6 +3,7 @@
  * places are the author's, and values those of the operations that he wrote.
  *
  * Text of the generator has no place of its own: what it does is told where the author calls it. */
+#include "model/leaves.h"
 #include "prove.h"
 #include "sanitizer.h"
 
@@ -553,6 +554,20 @@ static bool is_own(const struct spirv *from, uint32_t pointer)
            storage == SpvStorageClassPrivate;
 }
 
+/* What a spec calls a member: a block of one by the block's name, but the generator's, of which bodies know the member. */
+static const char *name_member(const struct spirv *from, const uint32_t *chain, uint32_t type,
+                               uint32_t member)
+{
+    const uint32_t *variable = spirv_definition(from, chain[3]);
+    bool alone = spirv_length(spirv_definition(from, type)) == 3 &&
+                 spirv_is(variable, SpvOpVariable) && variable[3] == SpvStorageClassUniform &&
+                 spirv_pointee(from, variable) == type;
+    const char *block = alone ? spirv_variable_name(from, variable) : "_block";
+    size_t length = strlen(block);
+    bool own = length < 6 || strcmp(block + length - 6, "_block") != 0;
+    return own ? block : spirv_member_name(from, type, member);
+}
+
 /* All indices of an access chain. Whether it has written the chain, with indices that there are. */
 static bool put_chain(struct sanitizer *s, const uint32_t *chain)
 {
@@ -567,7 +582,7 @@ static bool put_chain(struct sanitizer *s, const uint32_t *chain)
         uint32_t index, member;
         if (spirv_is(type, SpvOpTypeStruct)) {
             constant_of(from, chain[word], &member);
-            const char *own = spirv_member_name(from, type[1], member);
+            const char *own = name_member(from, chain, type[1], member);
             name = own ? own : name;
             type = spirv_definition(from, type[2 + member]);
             continue;

@@ -157,7 +157,7 @@ static bool read_own(const struct pass *pass, const struct shader *shader, bool 
            (lines ? spirv_lower_phis(module) : without_lines(module));
 }
 
-/* A fault of two stages, as glslang would write it, at the first place that has the name. */
+/* A fault of two stages, as glslang would write it, at the first place that has the name, with the file of the stage before. */
 static void tell_fault(const struct shader *shader, const struct stage_fault *fault, char **log)
 {
     struct text text = {0};
@@ -166,7 +166,10 @@ static void tell_fault(const struct shader *shader, const struct stage_fault *fa
     free(*log);
     if (number)
         text_add(&text, "ERROR: %u:%d: '%s' : ", number, loc.line, fault->name);
-    text_add(&text, "%s\n", fault->text);
+    text_add(&text, "%s", fault->text);
+    if (shader->files->whole && shader->files->include_count)
+        text_add(&text, "; the vertex stage is %s", shader->files->includes[0].file->source->path);
+    text_add(&text, "\n");
     *log = *fault->text ? text.data : NULL;
 }
 

@@ -53,6 +53,9 @@ case("an alias of any kind", preset('alias0 = "../x: {y"\n'), 0, '"../x: {y"')
 case("a shader with blanks in its name", {"my shader.frag": fragment("")}, 0, '"my_shader.frag"')
 case("a file that is included, of an odd name", {"a.frag": fragment('#include "x y.inc"'), "x y.inc": "\n"}, 1, "is no name for a file")
 case("... of a folder that only looks like one", {"a.frag": fragment('#include ".../x.inc"'), ".../x.inc": "\n"}, 1, "is no name for a file")
+case("... of a folder above", {"sub/a.frag": fragment('#include "x.inc"', "X"), "include/x.inc": "#define X vec4(1)\n"}, 0, 'shader: "a.frag"')
+case("an address of a buffer", {"a.comp": "#version 450\n#extension GL_EXT_buffer_reference : require\nlayout(buffer_reference) buffer R { uint n; };\n"
+     "layout(binding = 0) buffer B { R there; };\nvoid main() { there.n = 1u; }\n"}, 1, "the shader uses addresses of buffers, which OpenGL does not have")
 case("... of no file", {"a.frag": fragment('\n#include "x.inc"')}, 1, "a.frag:3:")
 
 # ---- Tables, counts, sizes ---------------------------------------------------------------------------------------------
@@ -62,6 +65,10 @@ case("an array of outputs", {"a.frag": fragment("", "vec4(1)", "layout(location 
 case("an output at location 8", {"a.frag": fragment("", output="layout(location = 8) out vec4 shown;")}, 1, "a.frag:3:31: error: the output `shown` has a location above 7")
 case("an input that is a struct", {"a.frag": fragment("struct S { vec4 a; };\nlayout(location = 0) in S given;", "given.a")}, 0, 'given_a: "vec4(gl_FragCoord')
 case("... a block", {"a.frag": fragment("layout(location = 0) in S { vec4 a; } given;", "given.a")}, 0, '  a: "vec4(gl_FragCoord')
+case("a draw of depth alone", {"a.frag": "#version 450\nvoid main() { gl_FragDepth = 0.5; }\n"}, 0, "depth: {format: d32f, size: frame}")
+case("an image that a fragment shader stores in", {"a.frag": fragment("layout(binding = 0, r32ui) uniform uimage2D i;", "vec4(imageAtomicAdd(i, ivec2(0), 1u))")}, 1, "a.frag:2:45: error: a fragment shader stores in `i`")
+case("an array of 17 textures", {"a.frag": fragment("layout(binding = 0) uniform sampler2D t[17];", "texture(t[int(gl_FragCoord.x)], vec2(0))")}, 1, "a.frag:2:39: error: `t` has a shape that images do not have, or is an array")
+case("a length by a constant", {"a.comp": "#version 450\nlayout(constant_id = 0) const int N = 5;\nlayout(binding = 0) buffer B { uint sums[N + 1]; };\nvoid main() { sums[0] = N; }\n"}, 0, "updates: [B]")
 case("a double in a struct of a block", {"a.frag": fragment("struct S { vec4 a; double d; };\nlayout(binding = 0) uniform B { S own; };", "own.a + float(own.d)")}, 1, "`own_d` has no value in a spec: its type")
 case("... an array", {"a.frag": fragment("layout(location = 0) in vec2 given[3];", "vec4(given[2], 0, 1)")}, 0, "vec2[3](vec2(1), vec2(1), vec2(1))")
 case("... a whole number", {"a.frag": fragment("layout(location = 0) flat in uvec3 given;", "vec4(given, 1)")}, 0, "uvec3(1)")
