@@ -1,7 +1,7 @@
 /* See reflect.h. */
 #include "import/reflect.h"
 
-#include <spirv_cross/spirv_cross_c.h>
+#include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <ctype.h>
 #include <stdlib.h>
@@ -14,15 +14,13 @@
 #include "gen/glsl/initials.h"
 #include "gen/model/foreign.h"
 #include "gen/model/leaves.h"
-#include "gen/model/spirv_check.h"
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
+#include "gen/spirv/whole.h"
 
 struct reflecting {
     const struct spirv *module;
     bool *live; /* by function */
-    spvc_compiler compiler;
-    spvc_resources resources;
     struct reflection *out;
     bool failed;
 };
@@ -44,16 +42,29 @@ static struct reflected *append_reflected(struct reflecting *reader, enum reflec
 
 /* ---- Types ----------------------------------------------------------------------------------- */
 
-/* Of its numbers, up to 2^56: SPIRV-Cross counts in 32 bits. */
-static uint64_t least_bytes(spvc_compiler compiler, spvc_type type)
+static bool is_array(const uint32_t *type)
+{
+    return spirv_is(type, SpvOpTypeArray) || spirv_is(type, SpvOpTypeRuntimeArray);
+}
+
+/* Of its numbers, up to 2^56. An array without a length has one element. */
+static uint64_t least_bytes(const struct spirv *module, uint32_t id)
 {
     const uint64_t most = UINT64_C(1) << 56;
-    uint64_t bytes = 4 * spvc_type_get_vector_size(type) * spvc_type_get_columns(type);
-    for (unsigned i = 0; i < spvc_type_get_num_member_types(type); i++)
-        bytes += least_bytes(
-            compiler, spvc_compiler_get_type_handle(compiler, spvc_type_get_member_type(type, i)));
-    for (unsigned i = 0; i < spvc_type_get_num_array_dimensions(type); i++) {
-        SpvId length = spvc_type_get_array_dimension(type, i); /* 0: at run time */
+    const uint32_t *type = spirv_definition(module, id);
+    uint64_t bytes = 0;
+    if (spirv_is(type, SpvOpTypeInt) || spirv_is(type, SpvOpTypeFloat))
+        return type[2] / 8;
+    if (spirv_is(type, SpvOpTypeStruct))
+        for (uint32_t m = 0; m + 2 < spirv_length(type); m++) {
+            uint32_t offset = spirv_member_decoration(module, id, m, SpvDecorationOffset);
+            uint64_t end = least_bytes(module, type[2 + m]) + (offset == UINT32_MAX ? 0 : offset);
+            bytes = end > bytes ? end : bytes;
+        }
+    else if (is_array(type) || spirv_parts(module, type)) {
+        uint32_t stride = spirv_decoration(module, id, SpvDecorationArrayStride);
+        uint32_t length = is_array(type) ? spirv_array_length(module, type) : type[3];
+        bytes = stride == UINT32_MAX ? least_bytes(module, type[2]) : stride;
         bytes = length && bytes > most / length ? most : bytes * (length ? length : 1);
     }
     return bytes < most ? bytes : most;
@@ -74,12 +85,12 @@ static void write_type(const struct reflecting *reader, uint32_t id, struct refl
     set_type(item, known, &type);
 }
 
-static const char *shape_of(spvc_type type)
+static const char *shape_of(const uint32_t *image)
 {
-    bool array = spvc_type_get_image_arrayed(type);
-    if (spvc_type_get_image_multisampled(type) || spvc_type_get_num_array_dimensions(type))
+    bool array = image[5];
+    if (image[6])
         return NULL;
-    switch (spvc_type_get_image_dimension(type)) {
+    switch (image[3]) {
     case SpvDim2D:
         return array ? "2D array" : "2D";
     case SpvDim3D:
@@ -91,16 +102,8 @@ static const char *shape_of(spvc_type type)
     }
 }
 
-static char scalar_name(spvc_compiler compiler, spvc_type type)
-{
-    spvc_type sampled =
-        spvc_compiler_get_type_handle(compiler, spvc_type_get_image_sampled_type(type));
-    spvc_basetype base = spvc_type_get_basetype(sampled);
-    return base == SPVC_BASETYPE_INT32 ? 'i' : base == SPVC_BASETYPE_UINT32 ? 'u' : 'f';
-}
-
 /* The row of formats.def with this format of SPIR-V; NULL: none. */
-static const char *storage_format(spvc_type type)
+static const char *storage_format(SpvImageFormat format)
 {
     static const struct {
         SpvImageFormat format;
@@ -140,7 +143,6 @@ static const char *storage_format(spvc_type type)
                  {SpvImageFormatRg8ui, "rg8ui"},
                  {SpvImageFormatR16ui, "r16ui"},
                  {SpvImageFormatR8ui, "r8ui"}};
-    SpvImageFormat format = spvc_type_get_image_storage_format(type);
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
         for (int row = 0; names[i].format == format && row < DT_FORMAT_COUNT; row++) {
             const struct format_info *info = format_info((enum dt_format)row);
@@ -151,13 +153,6 @@ static const char *storage_format(spvc_type type)
 }
 
 /* ---- Resources ------------------------------------------------------------------------------- */
-
-static const char *reflected_name(const struct reflecting *reader,
-                                  const spvc_reflected_resource *resource)
-{
-    const char *name = spvc_compiler_get_name(reader->compiler, resource->id);
-    return name && *name ? name : spvc_compiler_get_name(reader->compiler, resource->base_type_id);
-}
 
 /* Whether something is stored in the image; one that a function takes counts. */
 static bool is_stored(const struct spirv *module, uint32_t image)
@@ -176,51 +171,45 @@ static bool is_stored(const struct spirv *module, uint32_t image)
     return stored && spirv_decoration(module, image, SpvDecorationNonWritable) == UINT32_MAX;
 }
 
-static void add_image(struct reflecting *reader, const spvc_reflected_resource *resource,
-                      enum reflected_kind kind)
+static void add_image(struct reflecting *reader, const uint32_t *variable, enum reflected_kind kind)
 {
-    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->type_id);
-    struct reflected *item = append_reflected(reader, kind, reflected_name(reader, resource));
+    const struct spirv *module = reader->module;
+    const uint32_t *type = spirv_definition(module, spirv_pointee(module, variable));
+    struct reflected *item = append_reflected(reader, kind, spirv_variable_name(module, variable));
     if (!item)
         return;
-    item->shape = shape_of(type);
-    item->scalar = scalar_name(reader->compiler, type);
-    item->depth = spvc_type_get_image_is_depth(type);
-    item->format = kind == REFLECTED_IMAGE ? storage_format(type) : NULL;
-    item->writes = kind == REFLECTED_IMAGE && is_stored(reader->module, resource->id);
+    bool alone = !is_array(type);
+    while (!spirv_is(type, SpvOpTypeImage))
+        type = spirv_definition(module, type[2]);
+    char letter = spirv_letter(spirv_definition(module, type[2]));
+    item->shape = alone ? shape_of(type) : NULL;
+    item->scalar = letter ? letter : 'f';
+    item->depth = type[4] == 1;
+    item->format = kind == REFLECTED_IMAGE ? storage_format(type[8]) : NULL;
+    item->writes = kind == REFLECTED_IMAGE && is_stored(module, variable[2]);
 }
 
-/* Whether all members have the decoration, or the block itself. */
-static bool is_decorated(const struct reflecting *reader, const spvc_reflected_resource *resource,
-                         SpvDecoration decoration)
+static void add_buffer(struct reflecting *reader, const uint32_t *variable)
 {
-    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
-    bool all = spvc_type_get_num_member_types(type);
-    for (unsigned i = 0; i < spvc_type_get_num_member_types(type); i++)
-        all &= spvc_compiler_has_member_decoration(reader->compiler, resource->base_type_id, i,
-                                                   decoration);
-    return all || spvc_compiler_has_decoration(reader->compiler, resource->id, decoration);
-}
-
-static void reflect_buffer(struct reflecting *reader, const spvc_reflected_resource *resource)
-{
-    spvc_type type = spvc_compiler_get_type_handle(reader->compiler, resource->base_type_id);
+    const struct spirv *module = reader->module;
+    uint32_t id = spirv_pointee(module, variable);
+    const uint32_t *type = spirv_definition(module, id);
     struct reflected *item =
-        append_reflected(reader, REFLECTED_BUFFER, reflected_name(reader, resource));
-    size_t bytes = 0;
+        append_reflected(reader, REFLECTED_BUFFER, spirv_variable_name(module, variable));
     if (!item)
         return;
-    item->bytes = least_bytes(reader->compiler, type);
-    item->writes = !is_decorated(reader, resource, SpvDecorationNonWritable);
-    spvc_compiler_get_declared_struct_size(reader->compiler, type, &bytes);
-    item->bytes = bytes > item->bytes ? bytes : item->bytes;
-    if (spvc_type_get_num_member_types(type) != 1)
+    bool read_only = spirv_is(type, SpvOpTypeStruct);
+    for (uint32_t m = 0; read_only && m + 2 < spirv_length(type); m++)
+        read_only = spirv_member_decoration(module, id, m, SpvDecorationNonWritable) != UINT32_MAX;
+    item->bytes = least_bytes(module, id);
+    item->writes =
+        !read_only && spirv_decoration(module, variable[2], SpvDecorationNonWritable) == UINT32_MAX;
+    const uint32_t *member = spirv_is(type, SpvOpTypeStruct) && spirv_length(type) == 3
+                                 ? spirv_definition(module, type[2])
+                                 : type;
+    if (!is_array(member) || is_array(spirv_definition(module, member[2])))
         return;
-    spvc_type member =
-        spvc_compiler_get_type_handle(reader->compiler, spvc_type_get_member_type(type, 0));
-    if (spvc_type_get_num_array_dimensions(member) != 1)
-        return;
-    write_type(reader, spvc_type_get_base_type_id(member), item);
+    write_type(reader, member[2], item);
     if (!strncmp(item->type, "mat", 3))
         *item->type = 0;
 }
@@ -247,41 +236,56 @@ static bool add_leaf(void *user, const struct spirv_leaf *leaf)
     return true;
 }
 
-/* Uniforms and inputs: what the shader uses of them. Outputs. */
-static void add_leaves(struct reflecting *reader, const spvc_reflected_resource *resource,
-                       enum reflected_kind kind)
-{
-    struct leaves leaves = {reader, kind,
-                            spirv_decoration(reader->module, resource->id, SpvDecorationLocation)};
-    reader->failed |=
-        !spirv_each_leaf(reader->module, spirv_definition(reader->module, resource->id),
-                         kind == REFLECTED_OUTPUT ? NULL : reader->live, add_leaf, &leaves);
-}
+/* In the order of a spec. */
+enum rank { TEXTURES, IMAGES, BUFFERS, BLOCKS, PUSH, INPUTS, OUTPUTS, RANKS };
 
-static void add_resource(struct reflecting *reader, const spvc_reflected_resource *resource,
-                         spvc_resource_type type)
+static enum rank rank_of(const struct spirv *module, const uint32_t *variable)
 {
-    switch (type) {
-    case SPVC_RESOURCE_TYPE_UNIFORM_BUFFER:
-    case SPVC_RESOURCE_TYPE_PUSH_CONSTANT:
-        add_leaves(reader, resource, REFLECTED_VALUE);
-        break;
-    case SPVC_RESOURCE_TYPE_STORAGE_BUFFER:
-        reflect_buffer(reader, resource);
-        break;
-    case SPVC_RESOURCE_TYPE_STORAGE_IMAGE:
-    case SPVC_RESOURCE_TYPE_SAMPLED_IMAGE:
-        add_image(reader, resource,
-                  type == SPVC_RESOURCE_TYPE_SAMPLED_IMAGE ? REFLECTED_TEXTURE : REFLECTED_IMAGE);
-        break;
+    uint32_t id = spirv_pointee(module, variable);
+    while (is_array(spirv_definition(module, id)))
+        id = spirv_definition(module, id)[2];
+    const uint32_t *type = spirv_definition(module, id);
+    bool built_in = spirv_decoration(module, variable[2], SpvDecorationBuiltIn) != UINT32_MAX ||
+                    spirv_member_decoration(module, id, 0, SpvDecorationBuiltIn) != UINT32_MAX;
+    switch (variable[3]) {
+    case SpvStorageClassUniformConstant:
+        return spirv_is(type, SpvOpTypeSampledImage)            ? TEXTURES
+               : spirv_is(type, SpvOpTypeImage) && type[7] == 2 ? IMAGES
+                                                                : RANKS;
+    case SpvStorageClassUniform:
+        return spirv_decoration(module, id, SpvDecorationBlock) != UINT32_MAX ? BLOCKS : BUFFERS;
+    case SpvStorageClassStorageBuffer:
+        return BUFFERS;
+    case SpvStorageClassPushConstant:
+        return PUSH;
+    case SpvStorageClassInput:
+        return built_in ? RANKS : INPUTS;
+    case SpvStorageClassOutput:
+        return built_in ? RANKS : OUTPUTS;
     default:
-        add_leaves(reader, resource,
-                   type == SPVC_RESOURCE_TYPE_STAGE_INPUT ? REFLECTED_INPUT : REFLECTED_OUTPUT);
+        return RANKS;
     }
 }
 
-/* Named constants of specialization, by their defaults. *any: there are some, also without a name. */
-static void add_constants(struct reflecting *reader, bool *any)
+static void add_variable(struct reflecting *reader, const uint32_t *variable, enum rank rank)
+{
+    static const enum reflected_kind kinds[RANKS] = {
+        REFLECTED_TEXTURE, REFLECTED_IMAGE, REFLECTED_BUFFER, REFLECTED_VALUE,
+        REFLECTED_VALUE,   REFLECTED_INPUT, REFLECTED_OUTPUT};
+    const struct spirv *module = reader->module;
+    struct leaves leaves = {reader, kinds[rank],
+                            spirv_decoration(module, variable[2], SpvDecorationLocation)};
+    if (rank <= IMAGES)
+        add_image(reader, variable, kinds[rank]);
+    else if (rank == BUFFERS)
+        add_buffer(reader, variable);
+    else
+        reader->failed |= !spirv_each_leaf(module, variable, rank == OUTPUTS ? NULL : reader->live,
+                                           add_leaf, &leaves);
+}
+
+/* Named constants of specialization, by their defaults. */
+static void add_constants(struct reflecting *reader)
 {
     const struct spirv *module = reader->module;
     SPIRV_EACH(module, at, module->declarations, module->code)
@@ -290,7 +294,6 @@ static void add_constants(struct reflecting *reader, bool *any)
         bool truth = spirv_is(i, SpvOpSpecConstantTrue), number = spirv_is(i, SpvOpSpecConstant);
         const char *name = spirv_name(module, spirv_result(i));
         bool own = truth || number || spirv_is(i, SpvOpSpecConstantFalse);
-        *any |= own || spirv_is(i, SpvOpSpecConstantOp);
         own &= name && *name && spirv_decoration(module, i[2], SpvDecorationSpecId) != UINT32_MAX;
         struct reflected *item = own ? append_reflected(reader, REFLECTED_CONSTANT, name) : NULL;
         if (!item)
@@ -306,46 +309,25 @@ static void add_constants(struct reflecting *reader, bool *any)
     }
 }
 
-static bool reflect_all(struct reflecting *reader)
+/* What main uses. */
+static bool add_variables(struct reflecting *reader)
 {
-    static const spvc_resource_type types[] = {
-        SPVC_RESOURCE_TYPE_SAMPLED_IMAGE,  SPVC_RESOURCE_TYPE_STORAGE_IMAGE,
-        SPVC_RESOURCE_TYPE_STORAGE_BUFFER, SPVC_RESOURCE_TYPE_UNIFORM_BUFFER,
-        SPVC_RESOURCE_TYPE_PUSH_CONSTANT,  SPVC_RESOURCE_TYPE_STAGE_INPUT,
-        SPVC_RESOURCE_TYPE_STAGE_OUTPUT};
-    for (size_t t = 0; t < DT_ARRAY_COUNT(types); t++) {
-        const spvc_reflected_resource *list = NULL;
-        size_t count = 0;
-        if (spvc_resources_get_resource_list_for_type(reader->resources, types[t], &list, &count) !=
-            SPVC_SUCCESS)
-            return false;
-        for (size_t i = 0; i < count; i++)
-            add_resource(reader, &list[i], types[t]);
-    }
-    for (unsigned i = 0; i < 3; i++)
-        reader->out->local[i] = spvc_compiler_get_execution_mode_argument_by_index(
-            reader->compiler, SpvExecutionModeLocalSize, i);
-    return !reader->failed;
-}
-
-static bool read_module(spvc_context context, const struct spirv *module,
-                        struct reflection *reflection)
-{
-    spvc_parsed_ir ir = NULL;
-    spvc_set active = NULL;
-    struct reflecting reader = {
-        .module = module, .live = spirv_live_functions(module), .out = reflection};
-    bool good =
-        reader.live &&
-        spvc_context_parse_spirv(context, module->words, module->count, &ir) == SPVC_SUCCESS &&
-        spvc_context_create_compiler(context, SPVC_BACKEND_NONE, ir,
-                                     SPVC_CAPTURE_MODE_TAKE_OWNERSHIP,
-                                     &reader.compiler) == SPVC_SUCCESS &&
-        spvc_compiler_get_active_interface_variables(reader.compiler, &active) == SPVC_SUCCESS &&
-        spvc_compiler_create_shader_resources_for_active_variables(
-            reader.compiler, &reader.resources, active) == SPVC_SUCCESS &&
-        reflect_all(&reader);
-    free(reader.live);
+    const struct spirv *module = reader->module;
+    reader->live = spirv_live_functions(module);
+    for (int rank = 0; reader->live && rank < RANKS; rank++)
+        SPIRV_EACH(module, at, module->declarations, module->code)
+        {
+            const uint32_t *i = module->words + at;
+            if (spirv_is(i, SpvOpVariable) && rank_of(module, i) == (enum rank)rank &&
+                spirv_mentions(module, reader->live, i[2]))
+                add_variable(reader, i, (enum rank)rank);
+        }
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    if (spirv_is(module->words + at, SpvOpExecutionMode) &&
+        module->words[at + 2] == SpvExecutionModeLocalSize)
+        memcpy(reader->out->local, module->words + at + 3, sizeof reader->out->local);
+    bool good = reader->live && !reader->failed;
+    free(reader->live);
     return good;
 }
 
@@ -363,29 +345,17 @@ static char *prepare(const char *text, int stage)
 }
 
 /* Takes over the words. */
-static bool reflect_words(uint32_t *words, size_t count, struct reflection *reflection, char **why)
+static bool reflect_words(uint32_t *words, size_t count, struct reflection *reflection)
 {
+    static const struct pipeline defaults;
     struct spirv module;
-    spvc_context context = NULL;
-    bool located = spirv_read(&module, words, count) && spirv_combine(&module) &&
-                   spirv_locate(&module, SpvStorageClassInput) &&
-                   spirv_locate(&module, SpvStorageClassOutput);
     struct reflecting reader = {.module = &module, .out = reflection};
-    bool any = false;
-    if (located)
-        add_constants(&reader, &any);
-    if (any) { /* SPIRV-Cross crashes where one is the length of an array */
-        size_t length = module.count;
-        uint32_t *frozen = spirv_optimize(module.words, &length, SPIRV_FREEZE);
-        spirv_free(&module);
-        located = spirv_read(&module, frozen, length);
-    }
-    bool good = located && !reader.failed && spvc_context_create(&context) == SPVC_SUCCESS &&
-                read_module(context, &module, reflection);
-    if (!good && context)
-        *why = strdup(spvc_context_get_last_error_string(context));
-    if (context)
-        spvc_context_destroy(context);
+    bool good = spirv_read(&module, words, count) && spirv_combine(&module) &&
+                spirv_locate(&module, SpvStorageClassInput) &&
+                spirv_locate(&module, SpvStorageClassOutput);
+    if (good)
+        add_constants(&reader);
+    good = good && whole_specialize(&defaults, &module) && add_variables(&reader);
     spirv_free(&module);
     return good;
 }
@@ -402,7 +372,7 @@ bool reflect_module(const uint32_t *words, size_t count, int stage, struct refle
     bool good =
         own && spirv_read(&module, own, count) && spirv_choose_entry(&module, models[stage]);
     own = spirv_take(&module, &count);
-    return good && reflect_words(own, count, reflection, why);
+    return good && reflect_words(own, count, reflection);
 }
 
 /* In a block a bool is a uint: bvec2(true, false) is uvec2(1, 0). */
@@ -436,7 +406,7 @@ bool reflect(const char *text, int stage,
     *why = NULL;
     *reflection = (struct reflection){0};
     uint32_t *words = code && spirv_init() ? glslang_compile(&job, &count, why) : NULL;
-    bool good = words && reflect_words(words, count, reflection, why);
+    bool good = words && reflect_words(words, count, reflection);
     if (good)
         glsl_initials(&job, take_initial, reflection);
     free(code);

@@ -1,5 +1,4 @@
-/* What a shader declares: its text goes through glslang as gen does it, the module through
- * SPIRV-Cross's reflection. What main does not reach is left out. */
+/* What a shader declares: its text goes through glslang as gen does it. What main does not reach is left out. */
 #pragma once
 
 #include <stdbool.h>
@@ -42,7 +41,7 @@ struct reflection {
 enum { REFLECT_COMPUTE, REFLECT_VERTEX, REFLECT_FRAGMENT }; /* as enum stage of gen/stages.h */
 
 /* text: with or without #version, which is taken for 460. include: as of glslang_job, or NULL. False:
- * *why, free(), has glslang's or SPIRV-Cross's message. Call reflect_free either way. */
+ * *why, free(), has glslang's message. Call reflect_free either way. */
 struct glslang_file;
 bool reflect(const char *text, int stage,
              bool (*include)(const void *user, const char *from, const char *name,

@@ -94,7 +94,7 @@ static void set_local(struct spirv *module)
     }
 }
 
-static bool specialize(const struct pipeline *pipeline, struct spirv *module)
+bool whole_specialize(const struct pipeline *pipeline, struct spirv *module)
 {
     bool any = false, good = true;
     SPIRV_EACH(module, at, module->declarations, module->code)
@@ -177,7 +177,8 @@ static void tell_fault(const struct shader *shader, const struct stage_fault *fa
 static bool read_stage(const struct model *model, const struct pass *pass,
                        const struct shader *shader, bool lines, struct spirv *module, char **log)
 {
-    return read_own(pass, shader, lines, module, log) && specialize(&model->pipeline, module) &&
+    return read_own(pass, shader, lines, module, log) &&
+           whole_specialize(&model->pipeline, module) &&
            spirv_locate(module, SpvStorageClassOutput);
 }
 

@@ -259,7 +259,7 @@ class Forms(bodies.Bodies):
         lines += [f"  out_{name}: {{of: float, count: {self.counts[name]}}}\n" for name in names]
         lines.append("passes:\n")
         for name in names:
-            stripped = self.forms[name] == "stripped"
+            stripped = self.forms[name] in ("stripped", "shaderc")
             values = ", values: {binding_0_0: float(one), binding_0_1: float(two), binding_0_2: float(three), binding_0_3: float(half_)}" if stripped else ""
             lines.append(f"  - {{name: {name}, dispatch: 1, local: 1, writes: [{{name: out_{name}, as: "
                          f"{'binding_1' if stripped else 'Results'}}}], shader: {name}"
