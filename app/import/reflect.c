@@ -42,11 +42,6 @@ static struct reflected *append_reflected(struct reflecting *reader, enum reflec
 
 /* ---- Types ----------------------------------------------------------------------------------- */
 
-static bool is_array(const uint32_t *type)
-{
-    return spirv_is(type, SpvOpTypeArray) || spirv_is(type, SpvOpTypeRuntimeArray);
-}
-
 /* Of its numbers, up to 2^56. An array without a length has one element. */
 static uint64_t least_bytes(const struct spirv *module, uint32_t id)
 {
@@ -61,9 +56,9 @@ static uint64_t least_bytes(const struct spirv *module, uint32_t id)
             uint64_t end = least_bytes(module, type[2 + m]) + (offset == UINT32_MAX ? 0 : offset);
             bytes = end > bytes ? end : bytes;
         }
-    else if (is_array(type) || spirv_parts(module, type)) {
+    else if (spirv_is_array(type) || spirv_parts(module, type)) {
         uint32_t stride = spirv_decoration(module, id, SpvDecorationArrayStride);
-        uint32_t length = is_array(type) ? spirv_array_length(module, type) : type[3];
+        uint32_t length = spirv_is_array(type) ? spirv_array_length(module, type) : type[3];
         bytes = stride == UINT32_MAX ? least_bytes(module, type[2]) : stride;
         bytes = length && bytes > most / length ? most : bytes * (length ? length : 1);
     }
@@ -178,7 +173,7 @@ static void add_image(struct reflecting *reader, const uint32_t *variable, enum 
     struct reflected *item = append_reflected(reader, kind, spirv_variable_name(module, variable));
     if (!item)
         return;
-    bool alone = !is_array(type);
+    bool alone = !spirv_is_array(type);
     while (!spirv_is(type, SpvOpTypeImage))
         type = spirv_definition(module, type[2]);
     char letter = spirv_letter(spirv_definition(module, type[2]));
@@ -207,7 +202,7 @@ static void add_buffer(struct reflecting *reader, const uint32_t *variable)
     const uint32_t *member = spirv_is(type, SpvOpTypeStruct) && spirv_length(type) == 3
                                  ? spirv_definition(module, type[2])
                                  : type;
-    if (!is_array(member) || is_array(spirv_definition(module, member[2])))
+    if (!spirv_is_array(member) || spirv_is_array(spirv_definition(module, member[2])))
         return;
     write_type(reader, member[2], item);
     if (!strncmp(item->type, "mat", 3))
@@ -241,9 +236,7 @@ enum rank { TEXTURES, IMAGES, BUFFERS, BLOCKS, PUSH, INPUTS, OUTPUTS, RANKS };
 
 static enum rank rank_of(const struct spirv *module, const uint32_t *variable)
 {
-    uint32_t id = spirv_pointee(module, variable);
-    while (is_array(spirv_definition(module, id)))
-        id = spirv_definition(module, id)[2];
+    uint32_t id = spirv_element_type(module, spirv_pointee(module, variable));
     const uint32_t *type = spirv_definition(module, id);
     bool built_in = spirv_decoration(module, variable[2], SpvDecorationBuiltIn) != UINT32_MAX ||
                     spirv_member_decoration(module, id, 0, SpvDecorationBuiltIn) != UINT32_MAX;

@@ -8,6 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "leaves.h"
 #include "spirv_check.h"
 
 /* ---- Names ----------------------------------------------------------------------------------- */
@@ -16,14 +17,6 @@ static bool has_name(const struct spirv *module, uint32_t id)
 {
     const char *name = spirv_name(module, id);
     return name && *name;
-}
-
-static uint32_t below_arrays(const struct spirv *module, uint32_t type)
-{
-    const uint32_t *declared = spirv_definition(module, type);
-    while (spirv_is(declared, SpvOpTypeArray) || spirv_is(declared, SpvOpTypeRuntimeArray))
-        declared = spirv_definition(module, type = declared[2]);
-    return type;
 }
 
 __attribute__((format(printf, 3, 4))) static void put_format(struct spirv_edit *edit, uint32_t id,
@@ -57,7 +50,7 @@ static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
     uint32_t id = variable[2], set = spirv_decoration(from, id, SpvDecorationDescriptorSet);
     uint32_t binding = spirv_decoration(from, id, SpvDecorationBinding);
     uint32_t location = spirv_decoration(from, id, SpvDecorationLocation);
-    uint32_t type = below_arrays(from, spirv_definition(from, variable[1])[3]);
+    uint32_t type = spirv_element_type(from, spirv_pointee(from, variable));
     bool block = spirv_is(spirv_definition(from, type), SpvOpTypeStruct);
     bool named = has_name(from, id) || (block && has_name(from, type));
     char name[64] = "";
@@ -160,7 +153,7 @@ static void lower_buffers(struct spirv *module)
         i[class] = SpvStorageClassUniform;
         if (class == 2)
             continue;
-        uint32_t type = below_arrays(module, spirv_definition(module, i[1])[3]);
+        uint32_t type = spirv_element_type(module, spirv_pointee(module, i));
         SPIRV_EACH(module, to, module->annotations, module->declarations)
         {
             uint32_t *own = module->words + to;

@@ -13,14 +13,14 @@ const char *spirv_own_name(const char *name)
     return name && !strncmp(name, "body_", 5) ? name + 5 : name;
 }
 
-static bool is_array(const uint32_t *type)
+bool spirv_is_array(const uint32_t *type)
 {
     return spirv_is(type, SpvOpTypeArray) || spirv_is(type, SpvOpTypeRuntimeArray);
 }
 
-static uint32_t element_type(const struct spirv *module, uint32_t type)
+uint32_t spirv_element_type(const struct spirv *module, uint32_t type)
 {
-    while (is_array(spirv_definition(module, type)))
+    while (spirv_is_array(spirv_definition(module, type)))
         type = spirv_definition(module, type)[2];
     return type;
 }
@@ -29,7 +29,7 @@ const char *spirv_variable_name(const struct spirv *module, const uint32_t *vari
 {
     const char *name = spirv_name(module, variable[2]);
     if (!name || !*name)
-        name = spirv_name(module, element_type(module, spirv_pointee(module, variable)));
+        name = spirv_name(module, spirv_element_type(module, spirv_pointee(module, variable)));
     return name ? spirv_own_name(name) : "?";
 }
 
@@ -44,7 +44,7 @@ uint32_t spirv_array_length(const struct spirv *module, const uint32_t *type)
 static bool add_lengths(const struct spirv *module, uint32_t type, struct text *out)
 {
     const uint32_t *declared = spirv_definition(module, type);
-    for (; is_array(declared); declared = spirv_definition(module, declared[2])) {
+    for (; spirv_is_array(declared); declared = spirv_definition(module, declared[2])) {
         uint32_t length = spirv_array_length(module, declared);
         text_add(out, "[%u]", length);
         if (!length)
@@ -57,7 +57,7 @@ bool spirv_type_name(const struct spirv *module, uint32_t type, struct text *out
 {
     static const char letters[] = "fiub", *const scalars[] = {"float", "int", "uint", "bool"},
                       *const vectors[] = {"vec", "ivec", "uvec", "bvec"};
-    const uint32_t *element = spirv_definition(module, element_type(module, type));
+    const uint32_t *element = spirv_definition(module, spirv_element_type(module, type));
     const uint32_t *column =
         spirv_is(element, SpvOpTypeMatrix) ? spirv_definition(module, element[2]) : element;
     const uint32_t *scalar =
@@ -83,9 +83,9 @@ bool spirv_leaf_type(const struct spirv *module, const struct spirv_leaf *leaf, 
     for (uint32_t i = 0; good && i < leaf->depth; i++) {
         const uint32_t *type = spirv_definition(module, leaf->types[i]);
         uint32_t length = spirv_array_length(module, type);
-        if (is_array(type))
+        if (spirv_is_array(type))
             text_add(out, "[%u]", length);
-        good = length || !is_array(type);
+        good = length || !spirv_is_array(type);
     }
     return good;
 }
@@ -167,7 +167,7 @@ static uint32_t count_leaves(const struct walk *walk, uint32_t type, uint32_t de
 {
     const uint32_t *declared = spirv_definition(walk->module, type);
     uint32_t count = 0;
-    if (depth < walk->most_depth && is_array(declared))
+    if (depth < walk->most_depth && spirv_is_array(declared))
         return count_leaves(walk, declared[2], depth + 1);
     if (depth >= walk->most_depth || !has_members(declared))
         return 1;
@@ -185,12 +185,12 @@ static void mark_use(void *user, const uint32_t *i)
     for (uint32_t word = 4; chain && word < spirv_length(i) && depth < walk->most_depth; word++) {
         const uint32_t *declared = spirv_definition(walk->module, type);
         uint32_t member = spirv_definition(walk->module, i[word])[3];
-        if (!is_array(declared) && !has_members(declared))
+        if (!spirv_is_array(declared) && !has_members(declared))
             break;
         depth++;
         for (uint32_t k = 0; has_members(declared) && k < member; k++)
             first += count_leaves(walk, declared[2 + k], depth);
-        type = declared[is_array(declared) ? 2 : 2 + member];
+        type = declared[spirv_is_array(declared) ? 2 : 2 + member];
     }
     memset(walk->used + first, true, count_leaves(walk, type, depth));
 }
@@ -203,10 +203,10 @@ static bool walk_type(struct walk *walk, uint32_t type)
     size_t length = strlen(leaf->name), room = sizeof leaf->name - length;
     bool good = true;
     leaf->types[depth] = type;
-    if (depth >= walk->most_depth || !(is_array(declared) || has_members(declared)))
+    if (depth >= walk->most_depth || !(spirv_is_array(declared) || has_members(declared)))
         return !walk->used[walk->next++] || walk->take(walk->user, leaf);
     leaf->depth++;
-    if (is_array(declared))
+    if (spirv_is_array(declared))
         good = walk_type(walk, declared[2]);
     for (uint32_t m = 0; good && has_members(declared) && m + 2 < spirv_length(declared); m++) {
         const char *name = spirv_own_name(spirv_member_name(walk->module, type, m));
@@ -227,15 +227,15 @@ bool spirv_each_leaf(const struct spirv *module, const uint32_t *variable, const
 {
     struct walk walk = {.module = module, .most_depth = MOST_STEPS, .take = take, .user = user};
     uint32_t type = walk.leaf.types[0] = spirv_pointee(module, variable);
-    bool block =
-        spirv_decoration(module, element_type(module, type), SpvDecorationBlock) != UINT32_MAX;
+    bool block = spirv_decoration(module, spirv_element_type(module, type), SpvDecorationBlock) !=
+                 UINT32_MAX;
     uint32_t count = count_leaves(&walk, type, 0);
     if (count > MOST_LEAVES)
         count = 1, walk.most_depth = 0;
     if (!block || !walk.most_depth)
         snprintf(walk.leaf.name, sizeof walk.leaf.name, "%s",
                  spirv_variable_name(module, variable));
-    walk.used = calloc(count, sizeof *walk.used);
+    walk.used = calloc(count + 1, sizeof *walk.used);
     if (walk.used && live)
         each_use(module, live, variable[2], mark_use, &walk);
     else if (walk.used)

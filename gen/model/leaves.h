@@ -28,6 +28,9 @@ bool spirv_mentions(const struct spirv *module, const bool *live, uint32_t id);
 /* GLSL's name of a type, as "vec4[2]"; of a leaf, with the arrays around it. False: a value has no such type. */
 bool spirv_type_name(const struct spirv *module, uint32_t type, struct text *out);
 bool spirv_leaf_type(const struct spirv *module, const struct spirv_leaf *leaf, struct text *out);
+bool spirv_is_array(const uint32_t *type);
+/* Below all layers of arrays. */
+uint32_t spirv_element_type(const struct spirv *module, uint32_t type);
 /* Length of an array, of a specialization constant by its default; 0: none, or at run time. */
 uint32_t spirv_array_length(const struct spirv *module, const uint32_t *type);
 

@@ -207,7 +207,7 @@ static void put_code(struct spreading *s)
 static bool is_array_of_resources(const struct spirv *from, const uint32_t *variable)
 {
     const uint32_t *type = spirv_definition(from, spirv_pointee(from, variable));
-    if (!spirv_is(type, SpvOpTypeArray) && !spirv_is(type, SpvOpTypeRuntimeArray))
+    if (!spirv_is_array(type))
         return false;
     return variable[3] == SpvStorageClassUniformConstant ||
            variable[3] == SpvStorageClassStorageBuffer ||
