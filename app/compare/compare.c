@@ -2,6 +2,7 @@
  * pass. All sides step through the passes together, so only one resource of each is in memory. */
 #include "compare/compare.h"
 
+#include <cjson/cJSON.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,6 +13,7 @@
 #include "compare/bisect.h"
 #include "compare/unwritten.h"
 #include "theirs/compare_dumps.h"
+#include "theirs/why.h"
 
 /* A dump holds only the last frame. */
 static uint32_t first_frame(const struct compare *compare)
@@ -33,14 +35,15 @@ static bool is_worse(const struct difference *a, const struct difference *b)
 }
 
 /* Of what breaks its contract first, while both copies are there. */
-static bool ask_why(struct pair *pair, const struct dt_resource *resource,
-                    const struct dt_bytes copies[2])
+static void ask_why(struct pair *pair, const struct dt_resource *resource,
+                    const struct dt_bytes copies[2], struct console *console)
 {
     const struct why_question question = {.resource = resource,
                                           .copies = copies,
                                           .labels = {pair->sides[0]->label, pair->sides[1]->label}};
-    return pair->broken || pair->found.size_differs ||
-           difference_verdict(&pair->found) != VERDICT_DIFFERS || why_find(&pair->why, &question);
+    if (!pair->broken && !pair->why && !pair->found.size_differs &&
+        difference_verdict(&pair->found) == VERDICT_DIFFERS)
+        pair->why = why_ask(&question, console);
 }
 
 /* Compares all sides' copies of one row at this stop; each pair's result goes to pair->found. */
@@ -59,8 +62,9 @@ static bool compare_copies(struct compare *compare, const struct row *row, uint3
         struct pair *pair = &compare->pairs[i];
         if (!source_take(&compare->sources[i + 1], row, &copies[1]))
             return false;
-        good = difference_measure(&pair->found, resource, frame, copies) &&
-               ask_why(pair, resource, copies);
+        good = difference_measure(&pair->found, resource, frame, copies);
+        if (good)
+            ask_why(pair, resource, copies, compare->console);
     }
     if (!good)
         report_error(&compare->console->log, "out of memory");
@@ -435,9 +439,8 @@ static void conclude_blame(struct compare *compare, struct pair *pair)
         cJSON_AddStringToObject(sheet->guilty.more, "shader", row->body);
     if (compare->region && pair == compare->bisected)
         add_region(compare, sheet->guilty.more);
-    if (pair->why.count && !pair->unwritten && row == pair->broken &&
-        blame->frame == pair->broken_frame)
-        why_json(row->why = cJSON_CreateObject(), &pair->why);
+    if (!pair->unwritten && row == pair->broken && blame->frame == pair->broken_frame)
+        row->why = cJSON_Duplicate(pair->why, true);
 }
 
 static void conclude(struct compare *compare)
@@ -556,7 +559,7 @@ static void compare_release(struct compare *compare)
     for (uint32_t i = 0; compare->pairs && i < compare->pair_count; i++) {
         struct pair *pair = &compare->pairs[i];
         blame_free(&pair->blame);
-        why_free(&pair->why);
+        cJSON_Delete(pair->why);
         sheet_free(&pair->sheet);
         free(pair->unwritten);
     }

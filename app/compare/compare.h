@@ -15,7 +15,6 @@
 #include "result/sheet.h"
 #include "run/source.h"
 #include "run/undefined.h"
-#include "theirs/why.h"
 #include "compare/twin.h"
 
 /* The folder of --golden: hashes of what the first side leaves in all frames, and its pictures. */
@@ -37,8 +36,8 @@ struct pair {
     struct sheet_row *odd;     /* the first with NaN or Inf in both, NULL: none, */
     uint32_t odd_frame;        /* in this frame */
     struct blame blame;
-    char *unwritten; /* what unwritten_find tells of that row; NULL: nothing; owned */
-    struct why why;  /* of that row and frame, with all inputs as they were */
+    char *unwritten;   /* what unwritten_find tells of that row; NULL: nothing; owned */
+    struct cJSON *why; /* why_ask of that row and frame, with all inputs as they were */
 };
 
 struct compare {

@@ -3,6 +3,7 @@
 #include <stdio.h>
 
 #include "compare/compare.h"
+#include "theirs/why.h"
 
 /* The texels that `raster` forgives. */
 static void print_edges(const struct compare *compare, const struct pair *pair)
@@ -35,8 +36,7 @@ static void print_verdict(const struct pair *pair)
     const struct sheet_row *row = blame->row;
     switch (blame->outcome) {
     case BLAME_GUILTY:
-        for (uint32_t i = 0; row->why && i < pair->why.count; i++)
-            printf("%s %s: %s\n", i ? "or  " : "why:", row->name, pair->why.reasons[i].text);
+        why_print(row->why, row->name);
         printf("guilty: pass %s", row->pass);
         if (row->body)
             printf(" (shader %s)", row->body);

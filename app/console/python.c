@@ -25,6 +25,8 @@ static bool give_request(const struct console *console, cJSON *request)
     bool good = path && text && file >= 0 &&
                 write(file, text, strlen(text)) == (ssize_t)strlen(text) &&
                 lseek(file, 0, SEEK_SET) == 0 && dup2(file, STDIN_FILENO) >= 0;
+    if (file >= 0)
+        close(file);
     cJSON_free(text);
     free(errors);
     free(path);
@@ -37,6 +39,10 @@ static bool set_path(const struct console *console)
 {
     char *folder = python_folder(&console->log);
     const char *users = getenv("PYTHONPATH");
+    if (folder && users && !strncmp(users, folder, strlen(folder))) {
+        free(folder); /* an earlier child has set it */
+        return true;
+    }
     char *path =
         folder ? format_string("%s%s%s", folder, users ? ":" : "", users ? users : "") : NULL;
     bool good = path && setenv("PYTHONPATH", path, 1) == 0 && setenv("PYTHONSAFEPATH", "1", 1) == 0;
@@ -53,11 +59,13 @@ static bool hand_over(struct console *console, const char *verb, cJSON *request)
            report_error(&console->log, "%s: cannot be handed to Python: %s", verb, strerror(errno));
 }
 
-bool python_child(struct console *console, const char *verb, const char *what, cJSON *request)
+bool python_child(struct console *console, const char *verb, const char *what, cJSON *request,
+                  int output)
 {
-    const struct tool tool = {.what = what, .hint = "install the package python3"};
+    const struct tool tool = {
+        .what = what, .hint = "install the package python3", .explains = output >= 0};
     char *const argv[] = {"/usr/bin/python3", "-m", "diptych", (char *)verb, NULL};
-    return hand_over(console, verb, request) && tool_run(&tool, argv, -1, console);
+    return hand_over(console, verb, request) && tool_run(&tool, argv, output, console);
 }
 
 int python_verb(struct console *console, const char *verb, cJSON *request)

@@ -14,6 +14,7 @@ cJSON *options_json(const struct options *options, enum verb_id verb);
  * of this executable, "version", and "errors", what was told until now. Returns only when Python
  * cannot be started: EXIT_USAGE, logged. */
 int python_verb(struct console *console, const char *verb, cJSON *request);
-/* The same in a child process, which writes files and prints nothing. `what`: for the error, "writing the page". False:
- * logged. */
-bool python_child(struct console *console, const char *verb, const char *what, cJSON *request);
+/* The same in a child process, which writes files, and prints nothing, or to the descriptor `output`, -1: none. `what`: for the
+ * error, "writing the page". False: logged. */
+bool python_child(struct console *console, const char *verb, const char *what, cJSON *request,
+                  int output);

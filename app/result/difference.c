@@ -427,6 +427,7 @@ void errors_join(struct errors *errors, const struct errors *more)
 {
     errors->pairs += more->pairs;
     errors->odd |= more->odd;
+    errors->missing |= more->missing;
     errors->elements = more->elements > errors->elements ? more->elements : errors->elements;
     errors->differing = more->differing > errors->differing ? more->differing : errors->differing;
     errors->ulp = fmax(errors->ulp, more->ulp);

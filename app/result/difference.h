@@ -91,6 +91,7 @@ struct errors {
     uint32_t pairs;
     uint64_t elements;  /* of a pair */
     bool odd;           /* a pair of another size, or with NaN or Inf, which no contract allows */
+    bool missing;       /* in one of the runs */
     uint64_t differing; /* elements with a differing number, in the pair that has most */
     double ulp, rel, abs, of_exact; /* the largest */
     uint64_t beyond

@@ -113,7 +113,9 @@ static bool is_still(const struct sheet_row *row)
 static void print_errors(const struct errors *errors)
 {
     static const double shares[] = {0.5, 0.95, 0.999, 1};
-    if (errors->odd)
+    if (errors->missing)
+        printf("  missing in a run\n");
+    else if (errors->odd)
         printf("  NaN, Inf or other sizes\n");
     else if (!errors->differing)
         printf("  none\n");
@@ -188,6 +190,8 @@ static void add_errors(cJSON *root, const char *name, const struct errors *error
     cJSON_AddNumberToObject(item, "elements", (double)errors->elements);
     cJSON_AddNumberToObject(item, "differing", (double)errors->differing);
     cJSON_AddBoolToObject(item, "not_comparable", errors->odd);
+    if (errors->missing)
+        cJSON_AddTrueToObject(item, "missing");
     cJSON_AddNumberToObject(item, "median", errors_quantile(errors, 0.5));
     cJSON_AddNumberToObject(item, "p95", errors_quantile(errors, 0.95));
     cJSON_AddNumberToObject(item, "p99_9", errors_quantile(errors, 0.999));
@@ -421,9 +425,10 @@ bool measured_write(const struct sheet *const *sheets, uint32_t count, const cha
         sheets[0]->runs, sheets[0]->runs);
     for (uint32_t k = 0; k < found; k++) {
         if (bounds[k].all.odd)
-            report_message(&console->log, DT_WARNING,
-                           "%s: NaN, Inf or other sizes in some runs: no contract allows them",
-                           bounds[k].key);
+            report_message(
+                &console->log, DT_WARNING,
+                "%s: missing, NaN, Inf or other sizes in some runs: no contract allows them",
+                bounds[k].key);
         write_bound(draft.out, &bounds[k]);
     }
     free(bounds);

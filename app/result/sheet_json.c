@@ -214,5 +214,5 @@ bool sheets_write(cJSON *page, const struct options *options, struct console *co
         cJSON_AddStringToObject(page, "junit", options->junit);
     add_shown_text(page, "templates", templates);
     free(templates);
-    return python_child(console, "comparison", "writing the page", page);
+    return python_child(console, "comparison", "writing the page", page, -1);
 }

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "picture/edges.h"
+#include "theirs/why.h"
 #include "formats.h"
 
 /* ---- Matching ---------------------------------------------------------------------------------- */
@@ -343,6 +344,7 @@ bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2
 {
     struct dt_bytes copies[2];
     struct asked_match asked = {sides, match};
+    const struct dt_contract contract = match->what.contract; /* loading makes `what` anew */
     bool same, good = dumps_load(sides, match, copies, &same);
     const struct why_question question = {
         .resource = &match->what,
@@ -350,30 +352,32 @@ bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2
         .labels = {dumps->sides[0]->label, dumps->sides[1]->label},
         .relative = load_relative,
         .user = &asked};
-    struct why why = {0};
-    if (good && same && !why_find(&why, &question)) {
-        report_error(&dumps->console->log, "out of memory");
-        good = false;
-    }
-    if (why.count)
-        why_json(match->row->why = cJSON_CreateObject(), &why);
-    why_free(&why);
+    match->what.contract = contract;
+    if (good && same)
+        match->row->why = why_ask(&question, dumps->console);
     free(copies[0].data);
     free(copies[1].data);
     return good;
 }
 
+/* The resources of the first pass that differs; where all of them have noise alone, those behind it, until one has more. */
 static bool explain(struct dumps *dumps)
 {
     const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
-    for (uint32_t i = 0; i < dumps->count && dumps->guilty; i++) {
+    bool known = true;
+    for (uint32_t i = 0; i < dumps->count && dumps->guilty && known; i++) {
         struct match *match = &dumps->matches[i];
-        if (match->row->compared &&
-            difference_verdict(&match->row->difference) == VERDICT_DIFFERS &&
-            !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
-            match->sides[0]->frame == dumps->guilty->sides[0]->frame &&
-            !dumps_ask_why(dumps, sides, match))
+        bool first = !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
+                     match->sides[0]->frame == dumps->guilty->sides[0]->frame;
+        if (!match->row->compared ||
+            difference_verdict(&match->row->difference) != VERDICT_DIFFERS ||
+            (!first && dumps->loud))
+            continue;
+        if (!dumps_ask_why(dumps, sides, match))
             return false;
+        known = match->row->why;
+        if (known && !dumps->loud && !cJSON_IsTrue(cJSON_GetObjectItem(match->row->why, "noise")))
+            dumps->loud = match;
     }
     return true;
 }
@@ -396,6 +400,7 @@ static bool add_runs(void *user, struct errors *errors, const int sides[2], cons
     struct dt_bytes copies[2] = {0};
     bool same = false;
     bool good = !match.sides[0] || !match.sides[1] || dumps_load(dumps, &match, copies, &same);
+    errors->missing |= !match.sides[0] || !match.sides[1];
     if (good && !measured_add(errors, &match.what, same ? copies : NULL)) {
         report_error(dumps[0]->log, "out of memory");
         good = false;

@@ -6,7 +6,6 @@
 #include "result/measured.h"
 #include "result/sheet.h"
 #include "theirs/theirs.h"
-#include "theirs/why.h"
 
 /* An entry of the first dump and its partner in the second. */
 struct match {
@@ -33,7 +32,9 @@ struct dumps {
     uint32_t count;
     struct match *first;  /* that differs; NULL: none */
     struct match *guilty; /* the same, or with --run the first with an own error */
-    struct sheet sheet;   /* rows of all matches, and of entries that the second side alone has */
+    struct match
+        *loud; /* the first that differs by more than rounding noise; NULL: none is known */
+    struct sheet sheet; /* rows of all matches, and of entries that the second side alone has */
 };
 
 /* Brings both copies into one form: fields at the same places, the smaller format, one origin. Fills match->what
@@ -63,6 +64,7 @@ bool dumps_load(const struct theirs *const sides[2], struct match *match, struct
 bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
                  struct match *match, const struct dt_bytes copies[2],
                  struct difference *difference);
+/* Fills the row's `why`. */
 bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
                    struct match *match);
 

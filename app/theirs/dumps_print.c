@@ -4,6 +4,7 @@
 #include <stdio.h>
 
 #include "theirs/dumps.h"
+#include "theirs/why.h"
 
 static void conclude_match(struct match *match)
 {
@@ -32,6 +33,11 @@ void dumps_conclude(struct dumps *dumps)
     sheet->guilty = (struct sheet_event){.row = dumps->guilty->row,
                                          .frame = dumps->guilty->row->frame,
                                          .more = cJSON_CreateObject()};
+    if (dumps->loud) {
+        cJSON *loud = cJSON_AddObjectToObject(sheet->guilty.more, "beyond_noise");
+        cJSON_AddStringToObject(loud, "pass", dumps->loud->sides[0]->pass);
+        cJSON_AddStringToObject(loud, "resource", dumps->loud->sides[0]->resource);
+    }
     if (dumps->guilty->row->own)
         cJSON_AddBoolToObject(sheet->guilty.more, "ran_again", true);
 }
@@ -54,14 +60,21 @@ static void print_outcome(const struct dumps *dumps)
         printf("%s: %s, resource %s%s\n",
                told->row->own ? "guilty, on the same inputs" : "first pass that differs",
                told->sides[0]->pass, told->sides[0]->resource, frame);
+    if (dumps->loud)
+        printf("first error beyond noise: %s, resource %s: %s\n", dumps->loud->sides[0]->pass,
+               dumps->loud->sides[0]->resource,
+               cJSON_GetStringValue(cJSON_GetObjectItem(dumps->loud->row->why, "size")));
 }
 
+/* How many elements use their bound, and why others break it. */
 static void print_reasons(const struct match *match)
 {
-    const cJSON *list = cJSON_GetObjectItem(match->row->why, "why"), *reason;
-    cJSON_ArrayForEach(reason, list)
-        printf("%s %s: %s\n", reason == list->child ? "why:" : "or  ", match->sides[0]->resource,
-               cJSON_GetStringValue(cJSON_GetObjectItem(reason, "text")));
+    const struct difference *difference = &match->row->difference;
+    if (match->row->compared && difference_verdict(difference) == VERDICT_WITHIN)
+        printf("%s: %.2g %% of the elements differ, within their bound\n", match->place,
+               100 * (double)difference->differing / (double)difference->elements);
+    if (match->row->why)
+        why_print(match->row->why, match->sides[0]->resource);
 }
 
 void dumps_print(const struct dumps *dumps)

@@ -1,13 +1,14 @@
-/* Why two copies of a resource differ: tries what usually is wrong between two renderers. why.c
- * tries, why_at.c, why_map.c and why_where.c have the faults. */
+/* Why two copies of a resource differ: asks the module why of app/python/diptych, which tries what usually is wrong between two
+ * renderers. */
 #pragma once
 
+#include "console/console.h"
 #include "picture/texels.h"
 #include "diptych.h"
 
 struct cJSON;
 
-/* Content beside the copy that is asked about. */
+/* Content beside the copy that is asked about; why_faults.py counts them likewise. */
 enum why_relative {
     WHY_FRAME_BEFORE,
     WHY_FRAME_AFTER,
@@ -17,7 +18,7 @@ enum why_relative {
 };
 
 struct why_question {
-    const struct dt_resource *resource; /* of both copies */
+    const struct dt_resource *resource; /* of both copies, with their contract */
     const struct dt_bytes *copies;      /* two, of one extent */
     const char *labels[2];
     /* The relative of that side's copy; free(bytes->data). False: there is none. May be NULL. */
@@ -25,20 +26,8 @@ struct why_question {
     void *user;
 };
 
-struct why_reason {
-    const char *name;       /* of the fault: "flip_y" */
-    char *text;             /* a sentence without a full stop; owned */
-    uint64_t before, after; /* elements that differ, at all and where the fault is taken back */
-};
-
-enum { WHY_MOST = 3 };
-struct why {
-    struct why_reason reasons[WHY_MOST]; /* the likeliest first */
-    uint32_t count;                      /* 0: nothing brings the copies nearer */
-};
-
-/* False when out of memory. why_free either way. */
-bool why_find(struct why *why, const struct why_question *question);
-/* Adds the list "why" to an object: name, text, before, after. */
-void why_json(struct cJSON *root, const struct why *why);
-void why_free(struct why *why); /* takes a zeroed one */
+/* {"why": [{"name", "text", "before", "after"}], "why_not", "noise", "size"}: the reason, or none and a text that says so; whether
+ * the errors are mere rounding; how large they are. NULL without Python or NumPy, logged: what to install. */
+struct cJSON *why_ask(const struct why_question *question, struct console *console);
+/* Prints the reason, or that there is none, on stdout. */
+void why_print(const struct cJSON *answer, const char *name);

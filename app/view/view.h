@@ -49,6 +49,7 @@ struct view_verdict {
     uint32_t first;            /* row that differs; rows.outputs.count: none */
     struct difference largest; /* of that row */
     uint32_t side;             /* that differs from the first there */
+    bool wanted;               /* the picture stands still */
     char *why;                 /* of the difference in the row `first`; owned */
     char *undefined;           /* --sanitize: what was found, a line each; NULL: not known; owned */
     double checked, cost;      /* end of the last check, and how long it took, in milliseconds */

@@ -2,6 +2,7 @@
  * under the spec's contracts, as `compare` does. */
 #include "view/view.h"
 
+#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -57,6 +58,7 @@ void view_verdict_begin(struct view *view)
     double pause = verdict->cost * (soon ? 2 : 10);
     bool due = now - verdict->checked > (pause > least ? pause : least) && view->frame > 0;
     bool wanted = view->paused || (last && view->frames + 1 >= last);
+    verdict->wanted = wanted;
     verdict->checking = (view->side_count > 1 || view->options->setup.sanitize) && (due || wanted);
     if (!verdict->checking)
         return;
@@ -68,7 +70,7 @@ void view_verdict_begin(struct view *view)
     verdict->checked = now; /* the start, until the end is known */
 }
 
-/* What makes the copies equal or nearer, a line each; "" when nothing does. */
+/* What makes the copies equal or nearer. Takes seconds: only while the picture stands still. */
 static bool ask_why(struct view *view, uint32_t side, const struct dt_resource *resource,
                     const struct dt_bytes copies[2])
 {
@@ -76,15 +78,15 @@ static bool ask_why(struct view *view, uint32_t side, const struct dt_resource *
         .resource = resource,
         .copies = copies,
         .labels = {view->sides.list[0].label, view->sides.list[side].label}};
-    struct why why = {0};
     struct text text = {0};
-    bool good = why_find(&why, &question);
-    for (uint32_t i = 0; good && i < why.count; i++)
-        text_add(&text, "%s: %s\n", i ? "or" : "why", why.reasons[i].text);
-    why_free(&why);
+    cJSON *answer = view->verdict.wanted ? why_ask(&question, view->console) : NULL;
+    const cJSON *list = cJSON_GetObjectItem(answer, "why"), *reason;
+    cJSON_ArrayForEach(reason, list)
+        text_add(&text, "why: %s\n", cJSON_GetStringValue(cJSON_GetObjectItem(reason, "text")));
+    cJSON_Delete(answer);
     free(view->verdict.why);
     view->verdict.why = text.data;
-    return good && !text.failed;
+    return !text.failed;
 }
 
 static bool measure_shown(struct view *view, uint32_t side, uint32_t index,

@@ -25,6 +25,7 @@ VERBS: dict[str, tuple[str, int]] = {
     "report": ("report", 2),
     "sweep": ("grid", 2),
     "tune": ("tune", 1),
+    "why": ("why", 1),  # for compare and view
 }
 
 

@@ -1,0 +1,681 @@
+"""Why two copies of a resource differ: tries the faults of why_faults.py, and names one that the evidence holds. The C program
+hands over both copies (app/theirs/why.c); the answer goes to stdout.
+
+Each rule of evidence is a function here. Faults are found on one half of the differing elements and confirmed on the other; what is
+counted and told is of all elements, or of an even sample above four million."""
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Iterator
+
+import numpy as np
+
+from .console import Console
+from .why_faults import CHANNELS, MAPS, PLACES, SHOWN, Array, Fault, Point, most_of, phrase, rows_of
+
+MOST_SAMPLES, MOST_COUNTED, CHUNK, FEW = 1500, 4 << 20, 1 << 16, 8
+NAME_BITS, NUMBER_BITS, DOUBT_BITS = 9, 20, 16  # of a fault's name, of a number that is measured; what must be earned above both
+BEYOND = 50  # times the range: errors that are larger, and NaN
+ULP_NOISE = {"float": 64, "half": 8}
+KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bits, code of 1.0
+    "unorm8": ("<u1", 0, 8, 255), "unorm16": ("<u2", 0, 16, 65535), "unorm24": ("<u4", 0, 24, (1 << 24) - 1),
+    "snorm16": ("<i2", 0, 16, 32767),
+    "half": ("<f2", 0, 16, 0), "float": ("<f4", 0, 32, 0), "r11f": ("<u4", 0, 11, 0), "g11f": ("<u4", 11, 11, 0), "b10f": ("<u4", 22, 10,
+                                                                                                                           0),
+    "r10": ("<u4", 0, 10, 1023), "g10": ("<u4", 10, 10, 1023), "b10": ("<u4", 20, 10, 1023), "a2": ("<u4", 30, 2, 3),
+    "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
+    "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}
+
+
+def is_integer(kind: str) -> bool:
+    return "int" in kind
+
+
+# ---- Copies --------------------------------------------------------------------------------------
+
+
+class Copy:
+    """Numbers of one copy, read where they are asked for. `c` of its components count."""
+
+    def __init__(self, raw: Array, extent: list[int], stride: int, components: list[dict[str, Any]], is_image: bool):
+        self.raw, self.stride, self.components, self.c = raw, stride, components, len(components)
+        self.w, self.h, self.d = extent if is_image else [extent[0], 1, 1]
+        kinds, places = [component["kind"] for component in components], [component["offset"] for component in components]
+        types = [KINDS[kind][0] for kind in kinds]
+        self.table = np.frombuffer(raw, np.dtype({"names": [f"f{i}" for i in range(self.c)], "formats": types, "offsets": places,
+                                                  "itemsize": stride}))
+        size = np.dtype(types[0]).itemsize
+        self.dense = len(set(kinds)) == 1 and places == list(range(0, stride, size)) and KINDS[kinds[0]][2] == 8 * size
+        self.flat = np.frombuffer(raw, types[0]).reshape(-1, self.c) if self.dense else None
+
+    def column(self, at: Array, i: int) -> Array:
+        _, shift, bits, one = KINDS[self.components[i]["kind"]]
+        values = self.table[f"f{i}"][at]
+        if bits < 8 * values.itemsize:
+            values = values >> shift & (1 << bits) - 1
+        if self.components[i]["kind"] in ("r11f", "g11f", "b10f"):
+            values = (values << 15 - bits).astype("<u2").view("<f2")
+        values = values.astype(np.float64)
+        return np.maximum(values / one, -1) if one else values
+
+    def values(self, at: Array) -> Array:
+        if self.flat is None:
+            return np.stack([self.column(at, i) for i in range(self.c)], -1)
+        values = self.flat[at][:, :self.c].astype(np.float64)
+        one = KINDS[self.components[0]["kind"]][3]
+        return np.maximum(values / one, -1) if one else values
+
+    def get(self, z: Array, y: Array, x: Array) -> Array:
+        """A row of numbers for each point; outside the copy NaN."""
+        inside = (x >= 0) & (x < self.w) & (y >= 0) & (y < self.h) & (z >= 0) & (z < self.d)
+        if inside.all():
+            return self.values((z * self.h + y) * self.w + x)
+        out = np.full((len(inside), self.c), np.nan)
+        out[inside] = self.values(((z * self.h + y) * self.w + x)[inside])
+        return out
+
+
+class Pair:
+    """Both copies, of which `source` is the one that a fault predicts from; what faults may look at."""
+
+    def __init__(self, copies: list[Copy], side: int, relatives: dict[int, Copy], question: Question):
+        self.source, self.target, self.relatives, self.question = copies[side], copies[1 - side], relatives, question
+        self.w, self.h, self.d, self.c, self.stride = self.target.w, self.target.h, self.target.d, self.target.c, self.target.stride
+        self.image, self.kind, self.one, self.integer = question.image, question.kind, question.one, is_integer(question.kind)
+        self.step = 1.01 / self.one if self.one else 1e-6 * question.range if not self.integer else 0
+        self.range, self.share, self.get, self.told = question.range, question.share, self.source.get, ()
+        self.hope = 0.  # the error that a promising fault leaves at a glance
+
+    def set_points(self, differing: Point, others: Point) -> None:
+        self.differing, self.all = differing, others
+        self.differing_from, self.differing_to = self.get(*differing), self.target.get(*differing)
+        self.all_from, self.all_to = self.get(*others), self.target.get(*others)
+
+    def other(self) -> Copy:
+        return self.target
+
+    def byte(self, x: Array) -> Array:
+        return (x * self.stride)[:, None] + np.array([component["offset"] for component in self.target.components[:self.c]])
+
+    def words(self, byte: Array) -> Array:
+        whole = np.frombuffer(self.source.raw[:len(self.source.raw) // 4 * 4], "<u4")
+        inside = (byte >= 0) & (byte + 4 <= 4 * len(whole)) & (byte % 4 == 0)
+        bits = whole[np.where(inside, byte // 4, 0)]
+        values = np.stack([bits[:, i].view(KINDS[component["kind"]][0]).astype(np.float64) if KINDS[component["kind"]][2] == 32
+                           else np.full(len(bits), np.nan)
+                           for i, component in enumerate(self.target.components[:self.c])], -1)
+        return np.where(inside, values, np.nan)
+
+    def transposed(self) -> Array:
+        side = 4 if self.c % 16 == 0 else 3 if self.c % 9 == 0 else 1
+        return np.arange(self.c).reshape(-1, side, side).transpose(0, 2, 1).ravel() if side > 1 and not self.image else np.arange(self.c)
+
+    def raw_to(self) -> Array:
+        z, y, x = self.differing
+        whole = np.frombuffer(self.target.raw, np.uint8)
+        return whole[:len(whole) // self.stride * self.stride].reshape(-1, self.stride)[(z * self.h + y) * self.w + x]
+
+    def mask(self) -> Array:
+        """Which texels differ beyond the contract, of one layer."""
+        found = np.concatenate([beyond for _, beyond, _ in self.question.chunks(1)])
+        return found.reshape(self.h, self.w)
+
+    def crops(self, most: int) -> tuple[Array, Array]:
+        """The middle of the first layer of both."""
+        h, w = min(self.h, most), min(self.w, most)
+        y, x = (a.ravel() for a in np.mgrid[(self.h - h) // 2:(self.h - h) // 2 + h, (self.w - w) // 2:(self.w - w) // 2 + w])
+        a, b = (np.clip(np.nan_to_num(side.get(0 * x, y, x)), -1e6, 1e6).reshape(h, w, self.c) for side in (self.source, self.target))
+        return a, b
+
+    def error_crop(self) -> Array:
+        """Of the channel that differs most."""
+        a, b = self.crops(256)
+        return (b - a)[:, :, np.abs(b - a).sum((0, 1)).argmax()]
+
+    def peaks(self) -> list[tuple[float, float]]:
+        """Steps by which `to` seems moved, by phase and by plain correlation."""
+        a, b = (crop[:, :, :3].mean(2) for crop in self.crops(512))
+        cross = np.fft.rfft2(a - a.mean()) * np.conj(np.fft.rfft2(b - b.mean()))
+        found: dict[tuple[float, float], None] = {}
+        for spectrum in (cross / np.maximum(np.abs(cross), 1e-12), cross):
+            surface = np.fft.irfft2(spectrum, a.shape)
+            for at in np.argsort(surface, axis=None)[:-4:-1]:
+                y, x = np.unravel_index(at, a.shape)
+                found[float(x - a.shape[1] * (2 * x > a.shape[1])), float(y - a.shape[0] * (2 * y > a.shape[0]))] = None
+        found.pop((0., 0.), None)
+        return list(found)
+
+
+# ---- The question --------------------------------------------------------------------------------
+
+
+class Question:
+    """Two copies, their contract, and samples of the elements that differ beyond it."""
+
+    def __init__(self, request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]]):
+        components, stride, self.image = request["components"], request["stride"], request["image"]
+        self.contract, self.labels, self.kind = request["contract"], request["labels"], components[0]["kind"]
+        self.one, self.integers = KINDS[self.kind][3], np.array([is_integer(component["kind"]) for component in components])
+        self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
+        self.elements, self.share, self.range = self.copies[0].w * self.copies[0].h * self.copies[0].d, 0., 1.
+        random = np.random.default_rng(1)
+        others = self.points(random.integers(0, self.elements, MOST_SAMPLES) if self.elements > MOST_SAMPLES else np.arange(self.elements))
+        both = [copy.get(*others) for copy in self.copies]
+        if self.image and len(components) == 4 and all((values[:, 3] == 1).all() for values in both):
+            for copy in self.copies:  # an artificial fourth channel tells nothing
+                copy.c = 3
+        sizes = np.abs(np.concatenate(both)[:, :self.copies[0].c])
+        sizes = sizes[np.isfinite(sizes) & (sizes < 1e30)]
+        self.range = float(sizes.mean()) if len(sizes) and sizes.any() else 1.
+        self.before, differing, self.errors = self.sample(random)
+        self.pairs = [Pair(self.copies, side, {which: Copy(raw, extent, stride, components, self.image) for (of, which),
+                                               (raw, extent) in relatives.items() if of == side}, self) for side in (0, 1)]
+        for pair in self.pairs:
+            for other in pair.relatives.values():
+                other.c = self.copies[0].c
+            pair.set_points(self.points(differing), others)
+        self.glance = np.sort(random.permutation(len(differing))[:256])
+        for pair in self.pairs:
+            pair.hope = np.median(self.error(pair.differing_from, pair.differing_to)[self.glance].max(1)) / 5 if len(differing) else 0.
+        self.first_half = random.permutation(len(differing)) % 2 == 0
+        narrow = [values[:, :self.copies[0].c] for values in both]
+        self.broken_before, self.loud_before = self.beyond(*narrow), self.loud(*narrow)
+
+    def points(self, elements: Array) -> Point:
+        w, h = self.copies[0].w, self.copies[0].h
+        return elements // (w * h), elements // w % h, elements % w
+
+    def error(self, want: Array, got: Array) -> Array:
+        """Of each number; what is NaN in one is far off."""
+        apart = np.abs(want - got)
+        apart[(want == got) | (np.isnan(want) & np.isnan(got))] = 0
+        return np.where(apart <= BEYOND * self.range, apart, BEYOND * self.range)
+
+    def beyond(self, want: Array, got: Array) -> Array:
+        """The same yardstick before and after: whether a number of each row breaks the contract."""
+        kind, bound = self.contract["kind"], self.contract["tolerance"]
+        apart, size = np.abs(want - got), np.fmax(np.abs(want), np.abs(got))
+        wrong = ~(apart <= 0) & ~(want == got) & ~(np.isnan(want) & np.isnan(got))
+        if kind == "ulp":
+            far = apart * self.one > bound + 1e-3 if self.one else self.ulps(want, got) > bound
+            exact = self.integers[:want.shape[1]] if bound <= 1 else np.zeros(want.shape[1], bool)
+            wrong &= ~(~far & ~exact)
+        elif kind in ("abs", "image"):
+            wrong &= ~(apart <= bound * (1 + 1e-9))
+        elif kind in ("rel", "of_exact"):
+            wrong &= ~(apart <= (bound * size if kind == "rel" else 2 * bound * np.fmax(size, 1e-3)))
+        return wrong.any(1)
+
+    def loud(self, want: Array, got: Array) -> Array:
+        """Where noise lies on all, a fault of a part is still more than that."""
+        apart = self.error(want, got)
+        if self.one or is_integer(self.kind):
+            return apart.max(1) * max(self.one, 1) > 1.5
+        return (apart > ULP_NOISE.get(self.kind, 4) * self.ulp(want, got)).any(1)
+
+    def ulp(self, want: Array, got: Array) -> Array:
+        """Of the larger one, or of a hundredth of the range."""
+        _, exponent = np.frexp(np.fmax(np.fmax(np.abs(want), np.abs(got)), 0.01 * self.range))
+        return np.ldexp(1., exponent - 1 - {"half": 10, "float": 23}.get(self.kind, 6))
+
+    def ulps(self, want: Array, got: Array) -> Array:
+        """Floats between both; of integers, their distance."""
+        if is_integer(self.kind):
+            return np.abs(want - got)
+        if self.kind in ("half", "float"):
+            float_type, integer, top = (np.float16, np.int16, 0x8000) if self.kind == "half" else (np.float32, np.int32, 1 << 31)
+            a, b = (v.astype(float_type).view(integer).astype(np.int64) for v in (want, got))
+            return np.abs(np.where(a < 0, -(a + top), a) - np.where(b < 0, -(b + top), b)).astype(float)
+        _, exponent = np.frexp(np.fmax(np.abs(want), np.abs(got)))
+        return np.abs(want - got) / np.ldexp(1., np.maximum(exponent - 1, -14) - (5 if self.kind == "b10f" else 6))
+
+    def rounded(self, values: Array) -> Array:
+        """As far as the format holds them."""
+        if self.one:
+            return np.rint(np.clip(values, -1 if self.kind == "snorm16" else 0, 1) * self.one) / self.one
+        return values.astype(np.float16 if self.kind == "half" else np.float32).astype(np.float64) if self.kind in ("half",
+                                                                                                                    "float") else values
+
+    def bits(self, error: Array, got: Array) -> Array:
+        """What it takes to write the errors of each row down, in the smallest steps of its numbers."""
+        size = np.fmax(np.abs(np.nan_to_num(got)), 1e-3 * self.range)
+        unit = 1 / self.one if self.one else 1. if is_integer(self.kind) else size * 2. ** (-11 if self.kind == "half"
+                                                                                            else -6 if self.kind in ("r11f", "g11f",
+                                                                                                                     "b10f") else -24)
+        return np.where(error <= 2 * unit, 0, np.log2(1 + error / unit)).sum(1)
+
+    def chunks(self, step: int) -> Iterator[tuple[Array, Array, Array]]:
+        """All elements, one in `step`; whether they are beyond, and by more than rounding."""
+        for start in range(0, self.elements, CHUNK * step):
+            at = np.arange(start, min(start + CHUNK * step, self.elements), step)
+            points = self.points(at)
+            a, b = (copy.get(*points) for copy in self.copies)
+            yield at, self.beyond(a, b), self.loud(a, b)
+
+    def stride(self) -> int:
+        return (self.elements // MOST_COUNTED + 1) | 1
+
+    def sample(self, random: Any) -> tuple[int, Array, Array]:
+        """How many elements are beyond, a sample of them, and of the errors of all."""
+        sets, count, most = [np.zeros(0, int)] * 2, 0, 0
+        for at, beyond, loud in self.chunks(self.stride()):
+            count, most = count + int(beyond.sum()), most + int((beyond & loud).sum())
+            for i, chosen in enumerate((beyond & loud, beyond)):
+                more = np.concatenate([sets[i], at[chosen]])
+                sets[i] = np.sort(random.permutation(more)[:32 * MOST_SAMPLES]) if len(more) > 64 * MOST_SAMPLES else more
+        kept = sets[0] if most >= FEW else sets[1]
+        self.share = min((most if most >= FEW else count) * self.stride() / self.elements, 1.)
+        at = np.arange(0, self.elements, max(1, self.elements // 20000))
+        points = self.points(at)
+        errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1)
+        return min(count * self.stride(), self.elements), np.sort(random.permutation(kept)[:MOST_SAMPLES]), errors
+
+
+# ---- Rules of evidence ---------------------------------------------------------------------------
+
+
+@dataclass
+class Trial:
+    """Faults in a row that may explain the pair: of place, of channels, of numbers; and what they leave."""
+    faults: list[tuple[Fault, tuple[float, ...]]]
+    side: int
+    colour: bool  # alpha stays as it is
+    choices: int = 1  # parameters that were tried
+    left: float = 1.
+    falls: bool = False
+    bits: float = math.inf
+    errors: tuple[float, float] = (0., 0.)  # medians before and after
+    after: int = 0
+
+    def model_bits(self) -> float:
+        return sum(NAME_BITS + NUMBER_BITS * fault.found for fault, _ in self.faults) + math.log2(self.choices)
+
+    def predict(self, pair: Pair, points: Point) -> Array:
+        faults = list(self.faults)
+        if faults and faults[0][0].at:
+            fault, p = faults.pop(0)
+            values = fault.at(pair, p, *points)  # type: ignore[misc]
+        else:
+            values = pair.get(*points)
+        return self.rest(pair, values, faults)
+
+    def rest(self, pair: Pair, values: Array, faults: list[tuple[Fault, tuple[float, ...]]]) -> Array:
+        known = np.isfinite(values).all(1)
+        for fault, p in faults:
+            if fault.map is None:
+                continue
+            new = fault.map(p, values)
+            if self.colour and fault in MAPS:
+                new[:, 3] = values[:, 3]
+            values = new
+        values = pair.question.rounded(values)
+        values[known[:, None] & np.isnan(values)] = np.inf  # a map without a value there is wrong, not unknown
+        return values
+
+
+def explains(left: float, before: Array, after: Array, fall: float) -> bool:
+    """Nine tenths are within the contract, or the whole distribution of errors falls."""
+    return left <= 0.1 or bool(fall and all(np.quantile(after, share) <= np.quantile(before, share) / fall for share in (0.5, 0.99)))
+
+
+def least_fall(question: Question, trial: Trial) -> float:
+    """By ten; where a number was fitted by more, and codes must be within the contract then."""
+    fitted = any(fault.found and fault.map for fault, _ in trial.faults)
+    return 0 if fitted and question.one else 30 if fitted else 10
+
+
+def loses_nothing(pair: Pair, trial: Trial, value: Array, target: Array) -> bool:
+    """What a fault throws away is what `to` truly lacks."""
+    return all(fault.loses is None or fault.loses(pair, p, value, target) for fault, p in trial.faults)
+
+
+def distinct(trial: Trial, pair: Pair, points: Point, target: Array, chosen: Array) -> Array:
+    """Of the chosen rows, one of each kind: few distinct values prove little, whatever their number. A fault of place is proved by
+    neighbourhoods, one of numbers by pairs of numbers."""
+    z, y, x = (axis[chosen] for axis in points)
+    if trial.faults[0][0].at and pair.image:
+        parts = [target[chosen], pair.target.get(z, y, np.minimum(x + 1, pair.w - 1)), pair.target.get(z, np.minimum(y + 1, pair.h - 1), x)]
+    else:
+        parts = [pair.get(z, y, x), target[chosen]]
+    _, first = np.unique(rows_of(np.concatenate(parts, 1)), return_index=True)
+    return np.flatnonzero(chosen)[first]
+
+
+def is_no_luck(trial: Trial, gain: float) -> bool:
+    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it."""
+    return gain >= trial.model_bits() + DOUBT_BITS
+
+
+def is_promising(pair: Pair, want: Array) -> bool:
+    """A glance at few elements: most faults are far off."""
+    question, glance = pair.question, pair.question.glance
+    got = pair.differing_to[glance]
+    unknown = np.isnan(want)
+    known = ~unknown.all(1)
+    if known.mean() < 0.2:
+        return False
+    want = np.where(unknown, got, want)
+    after = question.error(want, got).max(1)[known]
+    return bool(2 * np.count_nonzero(after <= pair.hope) >= len(after) or question.beyond(want, got)[known].mean() <= 0.25)
+
+
+def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
+    """All rules, on samples. Fills what the trial leaves."""
+    question, got = pair.question, pair.differing_to
+    unknown = np.isnan(want).all(1)
+    if unknown.mean() > 0.75:
+        return False
+    missing = np.isnan(want) & ~unknown[:, None]
+    want = np.where(missing, got, want)
+    before, after = question.error(pair.differing_from, got), question.error(want, got)
+    wrong = question.beyond(want, got) & ~unknown
+    worst = [error.max(1) for error in (before, after)]
+    for half in (question.first_half, ~question.first_half):
+        known = half & ~unknown
+        if not known.any() or not explains(wrong[known].mean(), worst[0][known], worst[1][known], least_fall(question, trial)):
+            return False
+    trial.left, trial.falls = float(wrong[~unknown].mean()), explains(1, worst[0][~unknown], worst[1][~unknown],
+                                                                      least_fall(question, trial))
+    lost = np.isnan(want_all).any(1)
+    broken = question.beyond(want_all, pair.all_to) & ~question.broken_before & ~lost
+    if trial.left > 0.1:  # nearer, not equal: what was equal may be off by rounding, too
+        broken &= question.error(want_all, pair.all_to).max(1) > np.median(worst[0]) / 1000
+    broken |= question.loud(want_all, pair.all_to) & ~question.loud_before & ~lost
+    if broken.mean() > 0.1 * question.share:
+        return False
+    chosen = distinct(trial, pair, pair.differing, got, ~question.first_half & ~unknown)
+    gain = float((question.bits(before, got) - question.bits(after, got))[chosen].sum())
+    fitted = sum(fault.found for fault, _ in trial.faults)
+    residual = float(question.bits(np.where(unknown[:, None], before, after), got).sum())
+    trial.bits = residual * (1 + 0.02 * fitted) + trial.model_bits() + 100 * broken.sum()
+    trial.errors = float(np.median(worst[0][~unknown])), float(np.median(worst[1][~unknown]))
+    return is_no_luck(trial, gain) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
+
+
+def noise_of(question: Question) -> str | None:
+    """A few ulp or codes, of both signs: rounding, never a cause."""
+    pair = question.pairs[0]
+    a, b = pair.differing_from, pair.differing_to
+    if is_integer(question.kind) or len(a) < 2 or not np.isfinite(a).all() or not np.isfinite(b).all():
+        return None
+    error = b - a
+    up = float((error[error != 0] > 0).mean())
+    if question.one:
+        most, unit = float(np.abs(error).max() * question.one), "code"
+        small = most <= 2.01
+    else:
+        most, unit = float(np.quantile((np.abs(error) / question.ulp(a, b)).max(1), 0.99)), "ulp"
+        small = most <= ULP_NOISE.get(question.kind, 4)
+    if not small or not (0.1 <= up <= 0.9 or most <= 4):
+        return None
+    count = max(1, round(most))
+    return f"rounding noise of {count} {unit}{'s' if unit == 'code' and count > 1 else ''}; no systematic cause"
+
+
+# ---- Search --------------------------------------------------------------------------------------
+
+
+def ranks(values: Array) -> Array:
+    """Of each column, without its mean, of length 1."""
+    order = np.argsort(np.argsort(values, axis=0, kind="stable"), axis=0).astype(float)
+    for i in range(values.shape[1]):  # equal numbers have one rank
+        _, inverse, counts = np.unique(values[:, i], return_inverse=True, return_counts=True)
+        order[:, i] = (np.bincount(inverse, order[:, i]) / counts)[inverse]
+    order -= order.mean(0)
+    return order / np.maximum(np.sqrt((order ** 2).sum(0)), 1e-9)
+
+
+def related(values: Array, target: Array) -> tuple[float, tuple[float, ...]]:
+    """How far each channel of `to` follows some channel in order, whatever map is between; and the best order of channels."""
+    known = np.isfinite(values).all(1) & np.isfinite(target).all(1)
+    if known.sum() < 32:
+        return 0., ()
+    tie = np.abs(ranks(target[known]).T @ ranks(values[known]))
+    if tie.shape[0] > 4:
+        return float(np.diag(tie).mean()), ()
+    c = len(tie)
+    best = max(itertools.permutations(range(c)), key=lambda order: sum(tie[i, order[i]] for i in range(c))
+               + 1e-6 * sum(i == k for i, k in enumerate(order)))
+    return float(np.mean([tie[i, best[i]] for i in range(c)])), tuple(float(i) for i in best)
+
+
+def fill_beyond(values: Array, target: Array) -> Array:
+    """Outside a picture that was drawn smaller lies one colour."""
+    unknown = np.isnan(values).all(1)
+    if unknown.sum() > 8:
+        colour, share = most_of(target[unknown])
+        if share > 0.95:
+            values = np.where(unknown[:, None], colour, values)
+    return values
+
+
+class Placed:
+    """A fault of place, or none, with its numbers at samples: at a few of those that differ, at all of them, at others."""
+
+    def __init__(self, faults: list[tuple[Fault, tuple[float, ...]]], pair: Pair, side: int, choices: int = 1):
+        self.faults, self.pair, self.side, self.choices = faults, pair, side, choices
+        self.glance = self.at(tuple(axis[pair.question.glance] for axis in pair.differing), pair.differing_to[pair.question.glance])
+
+    def at(self, points: Any, target: Array) -> Array:
+        if not self.faults:
+            return self.pair.get(*points)
+        fault, p = self.faults[0]
+        values = fault.at(self.pair, p, *points)  # type: ignore[misc]
+        return fill_beyond(values, target) if fault.name == "scale" else values
+
+    @cached_property
+    def differing(self) -> Array:
+        return self.at(self.pair.differing, self.pair.differing_to)
+
+    @cached_property
+    def others(self) -> Array:
+        return self.at(self.pair.all, self.pair.all_to)
+
+
+def places(question: Question) -> Iterator[Placed]:
+    for side, pair in enumerate(question.pairs):
+        yield Placed([], pair, side)
+        for fault in PLACES:
+            if not fault.applies(pair) or (side and not fault.sided):
+                continue
+            choices = fault.fit(pair, pair.differing, pair.differing_to) if fault.fit else [fault.p]
+            for p in choices:
+                yield Placed([(fault, p)], pair, side, len(choices))
+
+
+class Search:
+    def __init__(self, question: Question):
+        self.question = question
+        self.best: Trial | None = None
+
+    def attempt(self, placed: Placed, more: list[tuple[Fault, tuple[float, ...]]]) -> None:
+        pair = placed.pair
+        maps = any(fault in MAPS for fault, _ in more)
+        for colour in (False, True) if maps and pair.image and pair.c == 4 else (False,):
+            trial = Trial([*placed.faults, *more], placed.side, colour, placed.choices)
+            if not trial.faults:
+                continue
+            if not is_promising(pair, trial.rest(pair, placed.glance, more)):
+                continue
+            want, want_all = trial.rest(pair, placed.differing, more), trial.rest(pair, placed.others, more)
+            if judge(pair, trial, want, want_all) and (self.best is None or trial.bits < self.best.bits - 0.5):
+                self.best = trial
+
+    def maps_on(self, placed: Placed, before: list[tuple[Fault, tuple[float, ...]]]) -> None:
+        pair, question = placed.pair, self.question
+        values = placed.differing
+        for fault, p in before:
+            values = fault.map(p, values)  # type: ignore[misc]
+        for fault in MAPS:
+            if not fault.applies(pair):
+                continue
+            choices = [fault.p]
+            if fault.fit:
+                rows = question.first_half
+                count = min(3, pair.c) if pair.image else pair.c
+                v, target = values[rows, :count].ravel(), pair.differing_to[rows, :count].ravel()
+                choices = fault.fit(pair, v, target)
+            for p in choices:
+                self.attempt(placed, [*before, (fault, p)])
+
+    def run(self) -> Trial | None:
+        """First one fault of each kind, then faults of numbers and channels where those of place come nearest."""
+        kept: list[tuple[float, tuple[float, ...], Placed]] = []
+        for placed in places(self.question):
+            self.attempt(placed, [])
+            score, order = related(placed.glance, placed.pair.differing_to[self.question.glance])
+            kept.append((score, order, placed))
+        plain = [item for item in kept if not item[2].faults]
+        for _, _, placed in plain:
+            self.channels_on(placed, ())
+            self.maps_on(placed, [])
+        if self.best and self.best.left <= 0.1:
+            return self.best
+        kept.sort(key=lambda item: -item[0])
+        near = [item for item in kept if item[2].faults and item[0] > 0.5][:8]
+        for _, order, placed in [*plain, *near]:
+            if placed.faults:
+                self.channels_on(placed, order)
+                self.maps_on(placed, [])
+            for before in self.orders(placed, order):
+                self.maps_on(placed, before)
+        return self.best
+
+    def orders(self, placed: Placed, order: tuple[float, ...]) -> Iterator[list[tuple[Fault, tuple[float, ...]]]]:
+        """Faults of channels after which a map may hold."""
+        pair = placed.pair
+        for fault in CHANNELS:
+            same = order and fault.map is CHANNELS[0].map and fault.p[:pair.c] == order
+            if fault.applies(pair) and (same or not placed.faults and fault.name in ("premultiplied", "matrix", "alpha_lost",
+                                                                                     "channel_inverted", "channel_negated")):
+                yield [(fault, fault.p)]
+
+    def channels_on(self, placed: Placed, order: tuple[float, ...]) -> None:
+        for fault in CHANNELS:
+            if fault.applies(placed.pair):
+                self.attempt(placed, [(fault, fault.p)])
+
+
+# ---- Answers -------------------------------------------------------------------------------------
+
+
+def holds(question: Question, trial: Trial) -> bool:
+    """What the samples say is so of all elements."""
+    return trial.after <= (1 if trial.falls else 0.1) * question.before
+
+
+def count_left(question: Question, trial: Trial) -> int:
+    """Of all elements, those that the faults leave beyond the contract. Unknown ones stay as they were."""
+    pair, left, step = question.pairs[trial.side], 0, question.stride()
+    for start in range(0, question.elements, CHUNK * step):
+        points = question.points(np.arange(start, min(start + CHUNK * step, question.elements), step))
+        want, got = trial.predict(pair, points), pair.target.get(*points)
+        if trial.faults[0][0].name == "scale":
+            want = fill_beyond(want, got)
+        unknown = np.isnan(want)
+        left += int(question.beyond(np.where(unknown, got, want), got).sum())
+    return min(left * step, question.elements)
+
+
+def describe(question: Question, trial: Trial) -> dict[str, Any]:
+    labels = {"from": question.labels[trial.side], "to": question.labels[1 - trial.side]}
+    words = ", and ".join(phrase(fault, p, labels) for fault, p in trial.faults)
+    exact = question.contract["kind"] == "exact"
+    head = "far nearer"
+    if trial.after == 0:
+        head = "equal (to a code)" if question.one and not exact else "equal"
+    elif trial.after <= 0.1 * question.before:
+        head = "nearly equal"
+    counts = f"{question.before} {'differs' if question.before == 1 else 'differ'} before, {trial.after} after"
+    if head == "far nearer":
+        counts += f"; median error {trial.errors[0]:.2g} before, {trial.errors[1]:.2g} after"
+    return {"name": name_of(trial), "text": f"{head} {words} ({counts})", "before": question.before, "after": trial.after}
+
+
+def name_of(trial: Trial) -> str:
+    fault, p = trial.faults[0]
+    if fault.name != "shift":
+        return fault.name
+    x, y = abs(p[0]), abs(p[1])
+    return "layer" if p[2] else "shift_xy" if x and y else f"shift_{'2' if max(x, y) == 2 else ''}{'x' if x else 'y'}"
+
+
+def shown(question: Question, names: tuple[str, ...] = ()) -> dict[str, Any] | None:
+    """A place where all differences are, or what both copies show together."""
+    best: tuple[float, dict[str, Any]] | None = None
+    for fault in SHOWN:
+        for pair in question.pairs[:2 if fault.sided else 1]:
+            if not fault.applies(pair) or (names and fault.name not in names) or (not names and fault.name in FIRST):
+                continue
+            pair.told = ()
+            if fault.mark:
+                left, cost = fault.mark(pair, fault.p), VAGUE.get(fault.name, 0.05)
+            else:
+                left, cost = is_place(question, pair, fault)
+            if left is None or left > (0.05 if fault.mark else 0.02):
+                continue
+            if best is None or left + cost < best[0]:
+                labels = {"from": question.labels[question.pairs.index(pair)], "to": question.labels[1 - question.pairs.index(pair)]}
+                after = math.ceil(left * question.before)
+                counts = f"{question.before} {'differs' if question.before == 1 else 'differ'} before, {after} elsewhere"
+                words = phrase(fault, pair.told or fault.p, labels)
+                best = left + cost, {"name": fault.name, "text": f"differs {words} ({counts})", "before": question.before, "after": after}
+    return best[1] if best else None
+
+
+def is_place(question: Question, pair: Pair, fault: Fault) -> tuple[float | None, float]:
+    """All differences lie there, it is a small part of the whole, and a fair share of it differs."""
+    inside = fault.where(pair, fault.p, *pair.differing)  # type: ignore[misc]
+    share = max(float(fault.where(pair, fault.p, *pair.all).mean()), 1 / question.elements)  # type: ignore[misc]
+    filled = question.share * float(inside.mean()) / share
+    if share > 0.6 or filled < (0.1 if fault.name == "tile_edges" else 0.3) or len(inside) * -math.log2(share) < NAME_BITS + DOUBT_BITS:
+        return None, 0
+    return float(1 - inside.mean()), 0.3 * share
+
+
+FIRST = ("nan", "uninitialised", "dither")
+VAGUE = {"clear": 0.2, "tiles": 0.16}  # places that fit much
+
+
+def size_of(question: Question) -> str:
+    """How large the differences are, for the head of the verdict."""
+    values = np.concatenate([pair.all_from for pair in question.pairs])
+    values = values[np.isfinite(values)]
+    span = 1. if question.one else float(np.quantile(values, 0.99) - np.quantile(values, 0.01)) if len(values) else 0.
+    span = span or float(np.abs(values).max(initial=0)) or 1.
+    mean, large = (float(v) / span for v in (question.errors.mean(), np.quantile(question.errors, 0.99)))
+    return f"mean {100 * mean:.2g} % of the range, {'visible' if large >= 1.5 / 255 else 'hardly visible'}"
+
+
+def answer(question: Question) -> dict[str, Any]:
+    result: dict[str, Any] = {"why": [], "noise": False, "size": size_of(question)}
+    if not question.before:
+        return result
+    first = shown(question, FIRST)
+    noise = None if first else noise_of(question)
+    if noise and not question.one:
+        return {**result, "why_not": noise, "noise": True}
+    trial = Search(question).run() if not first and question.before >= FEW else None
+    if trial:
+        trial.after = count_left(question, trial)
+    reason = first or (describe(question, trial) if trial and holds(question, trial) else None) or shown(question)
+    if reason:
+        return {**result, "why": [reason]}
+    return {**result, "why_not": noise or "no simple cause", "noise": bool(noise)}
+
+
+def ask(request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]]) -> dict[str, Any]:
+    with np.errstate(all="ignore"):
+        return answer(Question(request, raws, relatives))
+
+
+def main(console: Console, request: dict[str, Any]) -> tuple[int, dict[str, Any]]:
+    """Files are those of /proc/self/fd."""
+    raws = [np.memmap(path, np.uint8, "r") for path in request["files"]]
+    relatives = {(item["side"], item["which"]): (np.memmap(item["file"], np.uint8, "r"), item["extent"]) for item in request["relatives"]}
+    print(json.dumps(ask(request, raws, relatives)))
+    return 0, {}

@@ -1,0 +1,819 @@
+"""The table of faults that `why` tries: what one renderer does and the other does not.
+
+A fault predicts one copy, `to`, from the other, `from`, at points of the picture: arrays z, y, x, of a buffer the element in x. A
+number that it cannot know is NaN."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, Callable
+
+import numpy as np
+
+Array = Any  # of numpy
+Point = tuple[Array, Array, Array]
+
+
+@dataclass(eq=False)
+class Fault:
+    """`words` follow "equal"; {from} and {to} are the copies' names, {0} and so on what `fit` has found. One of `at`, `map`, `where`
+    and `mark` is there: numbers of `to` by points of `from`; by the same numbers of `from`; whether the fault shows at points;
+    what share of the differing elements the fault leaves, by looking at both copies, None: it does not apply."""
+    name: str
+    words: str
+    at: Callable[..., Array] | None = None
+    map: Callable[..., Array] | None = None
+    where: Callable[..., Array] | None = None
+    mark: Callable[..., float | None] | None = None
+    p: tuple[float, ...] = ()
+    fit: Callable[..., list[tuple[float, ...]]] | None = None  # all parameters to try
+    applies: Callable[[Any], bool] = lambda pair: True
+    loses: Callable[..., bool] | None = None  # whether what it throws away is what `to` truly lacks
+    sided: bool = True  # not the same from either copy
+    found: int = field(default=0)  # numbers of p that are measured, not chosen
+
+
+# ---- Where a fault applies -----------------------------------------------------------------------
+
+
+def image(pair: Any) -> bool:
+    return bool(pair.image and pair.h > 1)
+
+
+def buffer(pair: Any) -> bool:
+    return not pair.image
+
+
+def square(pair: Any) -> bool:
+    return image(pair) and pair.w == pair.h
+
+
+def layers(pair: Any) -> bool:
+    return bool(pair.image and pair.d > 1)
+
+
+def cube(pair: Any) -> bool:
+    return bool(pair.image and pair.d % 6 == 0)
+
+
+def colour(pair: Any) -> bool:
+    return bool(pair.image and 3 <= pair.c <= 4)
+
+
+def alpha(pair: Any) -> bool:
+    return bool(pair.image and pair.c == 4)
+
+
+def two(pair: Any) -> bool:
+    return bool(pair.c == 2)
+
+
+def several(pair: Any) -> bool:
+    return bool(1 < pair.c <= 4)
+
+
+def three(pair: Any) -> bool:
+    return bool(3 <= pair.c <= 4)
+
+
+def reals(pair: Any) -> bool:
+    return not pair.integer
+
+
+def has_depth(pair: Any) -> bool:
+    return bool(pair.image and pair.c == 1 and not pair.integer)
+
+
+# ---- Places: numbers of another texel ------------------------------------------------------------
+
+
+def turned(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return pair.get(z, pair.h - 1 - y if p[1] else y, pair.w - 1 - x if p[0] else x)
+
+
+def swapped(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    last = pair.w - 1
+    return pair.get(z, last - x if p[1] else x, last - y if p[0] else y)
+
+
+def shifted(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return pair.get(z + int(p[2]), y + int(p[1]), x + int(p[0]))
+
+
+def rolled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return pair.get(z, (y + int(p[1])) % pair.h, (x + int(p[0])) % pair.w)
+
+
+def shifts(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
+    """The steps at the peaks of the phase correlation, over the edge and not; of a buffer, all short ones."""
+    if not pair.image:
+        return [(float(step), 0., 0.) for step in (1, -1, 2, -2, 3, -3, 4, -4, 8, -8, 16, -16)]
+    return [(x, y, 0.) for x, y in pair.peaks()]
+
+
+def halves(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
+    return [(x, y, 0.) for x, y in ((pair.w // 2, 0), (0, pair.h // 2), (pair.w // 2, pair.h // 2))]
+
+
+def between(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """The mean of the texels between which half a texel lies; of a border, the last one."""
+    dx, dy = int(p[0]), int(p[1])
+    return sum(pair.get(z, y + j * dy, x + i * dx) for i in (0, 1) for j in (0, 1)) / 4
+
+
+def filtered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """A box of 3 by 3, or a tent."""
+    total, weights = 0., 0.
+    for j in (-1, 0, 1):
+        for i in (-1, 0, 1):
+            weight = (2 - abs(i)) * (2 - abs(j)) if p[0] else 1
+            total, weights = total + weight * pair.get(z, y + j, x + i), weights + weight
+    return total / weights
+
+
+def coarse(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """p: columns and rows of a block, and 0: its mean; 1, 2: its first or last texel."""
+    bx, by = int(p[0]), int(p[1])
+    x, y = x // bx * bx, y // by * by
+    if p[2]:
+        return pair.get(z, y + (by - 1 if p[2] > 1 else 0), x + (bx - 1 if p[2] > 1 else 0))
+    return sum(pair.get(z, y + j, x + i) for j in range(by) for i in range(bx)) / (bx * by)
+
+
+def smooth(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """Between the middles of blocks, linear. p: as above; the blocks' means or first texels."""
+    total: Array = 0.
+    steps = [((at + 0.5) / size - 0.5, int(size)) for at, size in ((x, p[0]), (y, p[1]))]
+    weight: Array
+    for j in (0, 1):
+        for i in (0, 1):
+            weight = 1.
+            block = []
+            for (place, size), more, count in zip(steps, (i, j), (pair.w, pair.h)):
+                low = np.floor(place).astype(int)
+                weight = weight * (place - low if more else 1 - (place - low))
+                block.append(np.clip(low + more, 0, -(-count // size) - 1) * size)
+            inside = [np.minimum(block[0], pair.w - int(p[0])), np.minimum(block[1], pair.h - int(p[1]))]
+            total = total + weight[:, None] * coarse(pair, p, z, inside[1], inside[0])
+    return total
+
+
+def scaled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """p: the factor; where the picture stands still, 0 to 1 of width and height; 0: the nearest texel by its corner, 1: by its
+    middle, 2: linear."""
+    scale, mode = p[0], int(p[3])
+    middle = 0. if mode == 0 else 0.5
+    u = (x + middle - p[1] * pair.w) / scale + p[1] * pair.w
+    v = (y + middle - p[2] * pair.h) / scale + p[2] * pair.h
+    if mode < 2:
+        return pair.get(z, np.floor(v + 1e-9).astype(int), np.floor(u + 1e-9).astype(int))
+    u, v = u - 0.5, v - 0.5
+    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
+    a, b = (u - i)[:, None], (v - j)[:, None]
+    return (pair.get(z, j, i) * (1 - a) + pair.get(z, j, i + 1) * a) * (1 - b) + (pair.get(z, j + 1, i) * (1 - a)
+                                                                                  + pair.get(z, j + 1, i + 1) * a) * b
+
+
+def scales(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
+    anchors = ((0., 0.), (0., 1.), (0.5, 0.5))
+    return [(scale, *anchor, float(mode)) for scale in (2, 0.5, 1.5, 2 / 3, 3, 1 / 3, 4, 0.25, 1.25, 0.8, 4 / 3, 0.75)
+            for anchor in anchors for mode in range(3)]
+
+
+def of_relative(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """Frames have one size; of a mip the texel that lies there."""
+    other = pair.relatives[int(p[0])]
+    if pair.image:
+        x, y = x * other.w // pair.w, y * other.h // pair.h
+    return other.get(z, y, x)
+
+
+def reordered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """Layers backwards, or with p faces of that axis swapped, 3: of all."""
+    if p[0] < 0:
+        return pair.get(pair.d - 1 - z, y, x)
+    return pair.get(np.where((z % 6 // 2 == p[0]) | (p[0] == 3), z ^ 1, z), y, x)
+
+
+# ---- Pitch and layout: numbers of another byte ----------------------------------------------------
+
+
+def pitched(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """Rows p[2] numbers apart, where `to` has them side by side."""
+    row = pair.w * pair.c
+    number = (y * int(p[2]) + x * pair.c)[:, None] + np.arange(pair.c)
+    inside = (number >= 0) & (number < row * pair.h)
+    number = np.where(inside, number, 0)
+    values = pair.get(np.repeat(z, pair.c), (number // row).ravel(), (number % row // pair.c).ravel())
+    return np.where(inside, values[np.arange(len(values)), (number % pair.c).ravel()].reshape(number.shape), np.nan)
+
+
+def pitches(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
+    """Where the first numbers of a row of `to` stand in `from`."""
+    row, found = pair.w * pair.c, set()
+    lines = min(pair.h, 8)
+    y, x = (a.ravel() for a in np.mgrid[0:lines, 0:pair.w])
+    flat, sought = pair.get(0 * x, y, x).ravel(), pair.other().get(0 * x, y, x).ravel()
+    for line in (1, 2, 3):
+        start = sought[line * row:line * row + 16] if lines > 3 else sought[:0]
+        if len(start) < 16 or np.ptp(start) == 0:
+            continue
+        windows = np.lib.stride_tricks.sliding_window_view(flat, 16)
+        near = np.nonzero(np.abs(windows[:, ::5] - start[::5]).max(1) <= 0.02 * pair.range)[0]
+        best = sorted(near[near >= line * row // 2], key=lambda i: np.abs(windows[i] - start).max())[:2]
+        found |= {int(at) // line for at in best if at % line == 0 and at // line != row}
+    return [(pitch / pair.c, float(pair.w), float(pitch)) for pitch in sorted(found)]
+
+
+def repacked(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """`to` has p[0] bytes for each thing that has p[1] in `from`."""
+    byte = pair.byte(x)
+    into, out = int(p[0]), int(p[1])
+    return pair.words(np.where(byte % into < out, byte // into * out + byte % into, -1))
+
+
+def restrided(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return pair.words(pair.byte(0 * x) + (x * int(p[0]))[:, None])
+
+
+def strides(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
+    return [(float(stride), float(pair.stride)) for stride in range(4, 4 * pair.stride + 1, 4) if stride != pair.stride]
+
+
+def moved(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return pair.words(pair.byte(x) + int(p[0]))
+
+
+def transposed(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    if not pair.image:
+        return pair.get(z, y, x)[:, pair.transposed()]
+    channels = [pair.get(z, y, np.full_like(x, channel)) for channel in range(pair.c)]
+    rows = np.minimum(x, pair.c - 1)
+    return np.stack([channel[np.arange(len(x)), rows] for channel in channels], -1)
+
+
+def matrices(pair: Any) -> bool:
+    return bool(pair.c > 2 and pair.w == pair.c) if pair.image else bool((pair.transposed() != np.arange(pair.c)).any())
+
+
+def matrices4(pair: Any) -> bool:
+    return bool(not pair.image and pair.c % 16 == 0 and matrices(pair))
+
+
+def matrix_row(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """p: the step between the rows of a column, 1, or 4 if the matrix is by rows; the row; 1: negated, else z is 0..1 against -1..1."""
+    step, row = int(p[0]), int(p[1])
+    values = pair.get(z, y, x)
+    cells = np.nonzero(np.arange(pair.c) % 16 // step % 4 == row)[0]
+    values[:, cells] = -values[:, cells] if p[2] else (values[:, cells] + values[:, cells + step]) / 2
+    return values
+
+
+# ---- Channels: maps of whole texels --------------------------------------------------------------
+
+
+def ordered(p: Any, v: Array) -> Array:
+    """p: the channel of `from` that each of `to` has; 4: 0, 5: 1."""
+    more = np.concatenate([v, np.ones((len(v), 4 - v.shape[1])), np.zeros((len(v), 1)), np.ones((len(v), 1))], 1)
+    return more[:, [int(i) for i in p[:v.shape[1]]]]
+
+
+def grey(p: Any, v: Array) -> Array:
+    one = v[:, :3] @ np.array([0.2126, 0.7152, 0.0722]) if p[0] else v[:, 0]
+    return np.concatenate([np.repeat(one[:, None], 3, 1), v[:, 3:]], 1)
+
+
+def premultiplied(p: Any, v: Array) -> Array:
+    return np.concatenate([v[:, :3] * v[:, 3:], v[:, 3:]], 1)
+
+
+def one_channel(p: Any, v: Array) -> Array:
+    """Channel p[0] is -v or 1 - v."""
+    v = v.copy()
+    v[:, int(p[0])] = (0 if p[1] else 1) - v[:, int(p[0])]
+    return v
+
+
+def constant_there(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    """What `to` should have lost is the same number everywhere in it, and not in `from`."""
+    gone = [i for i, channel in enumerate(p[:target.shape[1]]) if channel > 3]
+    return bool((np.ptp(target[:, gone], 0) == 0).all() and (np.ptp(value[:, gone], 0) > 0).all())
+
+
+def is_grey(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    return bool((np.ptp(target[:, :3], 1) <= pair.step).all() and (np.ptp(value[:, :3], 1) > pair.step).mean() > 0.1)
+
+
+def luma(kr: float, kb: float) -> Array:
+    kg = 1 - kr - kb
+    return np.array([[kr, kg, kb], [-kr / 2 / (1 - kb), -kg / 2 / (1 - kb), 0.5], [0.5, -kg / 2 / (1 - kr), -kb / 2 / (1 - kr)]])
+
+
+BT601, BT709 = luma(0.299, 0.114), luma(0.2126, 0.0722)
+MATRICES = [np.linalg.inv(BT709) @ BT601, np.linalg.inv(BT601) @ BT709,
+            *(np.linalg.inv(m) @ np.diag([219 / 255, 224 / 255, 224 / 255]) @ m for m in (BT601, BT709))]
+
+
+def matrix(p: Any, v: Array) -> Array:
+    return np.concatenate([v[:, :3] @ MATRICES[int(p[0])].T + p[1], v[:, 3:]], 1)
+
+
+# ---- Maps: each number by itself -----------------------------------------------------------------
+
+
+def to_srgb(p: Any, v: Array) -> Array:
+    return np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1 / 2.4) - 0.055)
+
+
+def to_light(p: Any, v: Array) -> Array:
+    return np.where(v <= 0.04045, v / 12.92, ((np.maximum(v, 0) + 0.055) / 1.055) ** 2.4)
+
+
+def power(p: Any, v: Array) -> Array:
+    return np.maximum(v, 0) ** p[0]
+
+
+def line(p: Any, v: Array) -> Array:
+    return p[0] * v + p[1]
+
+
+def inverse_line(p: Any, v: Array) -> Array:
+    return 1 / (p[0] * v + p[1])
+
+
+def limited(p: Any, v: Array) -> Array:
+    return np.clip(v, p[0], p[1])
+
+
+def wrapped(p: Any, v: Array) -> Array:
+    return v - np.floor(v / p[0]) * p[0]
+
+
+def stored(p: Any, v: Array) -> Array:
+    """In codes of p[0] steps, or floats of p[0] bits of fraction and p[2] as the least exponent; p[1]: cut off."""
+    to_whole: Any = np.trunc if p[1] else np.rint
+    if p[0] > 60:
+        return to_whole(v * p[0]) / p[0]
+    _, exponent = np.frexp(v)
+    unit = np.ldexp(1.0, np.maximum(exponent - 1, int(p[2])) - int(p[0]))
+    return to_whole(v / unit) * unit
+
+
+def whole(p: Any, v: Array) -> Array:
+    return np.floor(v) if p[0] else np.rint(v)
+
+
+def other_bytes(p: Any, v: Array) -> Array:
+    kind = {0: np.float32, 1: np.float16, 2: np.uint32, 3: np.int32, 4: np.uint16, 5: np.int16}[int(p[0])]
+    return v.astype(kind).byteswap().astype(np.float64)
+
+
+def out_of_range(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    """All that `to` has is inside, and a part of `from` is not."""
+    return bool(((target >= p[0]) & (target <= p[1])).all() and ((value < p[0]) | (value > p[1])).mean() > 0.01)
+
+
+def no_sign(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    return bool((target >= 0).all() and (value < 0).mean() > 0.01)
+
+
+def on_grid(call: Callable[..., Array]) -> Callable[..., bool]:
+    """All numbers of `to` are on the coarser grid, and few of `from` are."""
+    def check(pair: Any, p: Any, value: Array, target: Array) -> bool:
+        exact, other = (np.abs(call((*p[:1], 0., *p[2:]), v) - v) <= 2e-7 * np.abs(v) for v in (target, value))
+        return bool(exact.mean() > 0.995 and other.mean() < 0.5)
+    return check
+
+
+def below(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    return bool(((target >= 0) & (target < p[0])).all() and (value >= p[0]).mean() > 0.01)
+
+
+# Fits take numbers of `from` and of `to` that differ.
+
+
+def middle(values: Array) -> float:
+    return float(np.median(values)) if len(values) else float("nan")
+
+
+def usable(pair: Any, v: Array, target: Array) -> tuple[Array, Array]:
+    """Numbers that are finite and at no end of a code's range."""
+    keep = np.isfinite(v) & np.isfinite(target)
+    if pair.one:
+        keep &= (v > 0) & (v < 1) & (target > 0) & (target < 1)
+    return v[keep], target[keep]
+
+
+def fit_line(pair: Any, v: Array, target: Array, inverse: bool = False) -> list[tuple[float, ...]]:
+    v, target = usable(pair, v, target)
+    target = 1 / target if inverse else target
+    good = np.isfinite(target)
+    v, target = v[good], target[good]
+    if len(v) < 8 or np.ptp(v) == 0:
+        return []
+    order = np.argsort(v, kind="stable")
+    v, target = v[order], target[order]
+    half = len(v) // 2
+    wide = v[half:2 * half] - v[:half] > 0.05 * np.ptp(v)
+    if wide.sum() < 4:
+        return []
+    slope = middle((target[half:2 * half] - target[:half])[wide] / (v[half:2 * half] - v[:half])[wide])
+    offset = middle(target - slope * v)
+    for _ in range(4):  # the line through most, then by least squares of those near it
+        apart = np.abs(target - slope * v - offset)
+        near = apart <= max(3 * np.median(apart), 1e-12)
+        if near.sum() < 6 or np.ptp(v[near]) == 0:
+            break
+        centre, rise = v[near].mean(), target[near].mean()
+        slope = float(((v[near] - centre) * (target[near] - rise)).sum() / ((v[near] - centre) ** 2).sum())
+        offset = float(rise - slope * centre)
+    return [(slope, offset)] if np.isfinite(slope + offset) and abs(slope) > 1e-6 else []
+
+
+def fit_inverse(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
+    return fit_line(pair, v, target, True)
+
+
+def fit_factor(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
+    v, target = usable(pair, v, target)
+    large = np.abs(v) > 0.1 * pair.range
+    factor = middle(target[large] / v[large])
+    if pair.one and large.sum() > 8:
+        factor = float((target[large] * v[large]).sum() / (v[large] ** 2).sum())
+    return [(factor, 0.)] if large.sum() >= 4 and abs(factor) > 1e-9 and abs(factor - 1) > 1e-5 else []
+
+
+def fit_offset(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
+    v, target = usable(pair, v, target)
+    offset = middle(target - v)
+    return [(1., offset)] if len(v) >= 4 and offset != 0 else []
+
+
+def fit_bytes(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
+    kinds = {"float": 0, "half": 1, "uint": 2, "int": 3, "uint16": 4, "int16": 5}
+    return [(float(kinds[pair.kind]),)] if pair.kind in kinds else []
+
+
+def fit_power(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
+    keep = (v > 0.02) & (v < 0.98) & (target > 0.001) & (target < 0.999)
+    exponent = middle(np.log(target[keep]) / np.log(v[keep]))
+    return [(exponent,)] if keep.sum() > 8 and 0.1 < exponent < 10 else []
+
+
+# ---- Depth bias ----------------------------------------------------------------------------------
+
+
+def slope_of(pair: Any, z: Array, y: Array, x: Array) -> Array:
+    """The larger of both axes; of each the smaller step to a neighbour, so that edges have none."""
+    here = pair.get(z, y, x)
+    both = [np.fmin(np.abs(pair.get(z, y + j, x + i) - here), np.abs(pair.get(z, y - j, x - i) - here)) for i, j in ((1, 0), (0, 1))]
+    return np.fmax(*both)
+
+
+def biased(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return pair.get(z, y, x) + p[0] * slope_of(pair, z, y, x) + p[1]
+
+
+def fit_bias(pair: Any, points: Point, target: Array) -> list[tuple[float, ...]]:
+    slope, error = slope_of(pair, *points).ravel(), (target - pair.get(*points)).ravel()
+    found = fit_line(_Plain(), slope[np.isfinite(slope)], error[np.isfinite(slope)])
+    return [p for p in found if abs(p[0]) > 0.01]
+
+
+class _Plain:
+    one = 0
+
+
+# ---- Where it shows ------------------------------------------------------------------------------
+
+
+def border(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    """p: columns from the left, rows from the first, and from the other ends."""
+    return (x < p[0]) | (y < p[1]) | (x >= pair.w - p[2]) | (y >= pair.h - p[3])
+
+
+def behind_tiles(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    tile = int(p[0])
+    inside = x < pair.w // tile * tile
+    return ~(inside & (y < pair.h // tile * tile)) if image(pair) else ~inside
+
+
+def tile_edge(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    tile = int(p[0])
+    edges = (x % tile == 0) | (x % tile == tile - 1)
+    return edges | (y % tile == 0) | (y % tile == tile - 1) if image(pair) else edges
+
+
+def in_layer(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    return z == (pair.d - 1 if p[0] else 0)
+
+
+def half_covered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
+    value = pair.get(z, y, x)[:, 3]
+    return (value > 0) & (value < 1)
+
+
+# ---- What both copies show together ---------------------------------------------------------------
+
+
+def rows_of(values: Array) -> Array:
+    return np.ascontiguousarray(values).view(np.dtype((np.void, values.itemsize * values.shape[1]))).ravel()
+
+
+def most_of(values: Array) -> tuple[Array, float]:
+    """The row that occurs most often, and its share."""
+    _, index, counts = np.unique(rows_of(values), return_index=True, return_counts=True)
+    best = counts.argmax()
+    return values[index[best]], float(counts[best] / len(values))
+
+
+def not_nan(pair: Any, p: Any) -> float:
+    return float(np.isfinite(pair.differing_to).all(1).mean())
+
+
+PATTERNS = [bytes.fromhex(word) for word in ("efbeadde", "0df0adba", "bebafeca", "0df0feca")]
+FILLS = bytes.fromhex("cdccfeabaaa55a55ddfdbd7fba")
+
+
+def no_pattern(pair: Any, p: Any) -> float | None:
+    raw = pair.raw_to()
+    if len(raw) < 2:
+        return None
+    same = (raw == raw[:, :1]).all(1) & np.isin(raw[:, 0], np.frombuffer(FILLS, np.uint8))
+    if raw.shape[1] % 4 == 0:
+        for word in PATTERNS:
+            same |= (raw.reshape(len(raw), -1, 4) == np.frombuffer(word, np.uint8)).all((1, 2))
+    return float(1 - same.mean())
+
+
+def cleared(pair: Any, p: Any) -> float | None:
+    """Where they differ, `from` has one value and `to` many."""
+    if len(pair.differing_to) < 8:
+        return None
+    _, share = most_of(pair.differing_from)
+    _, varied = most_of(pair.differing_to)
+    return 1 - share if varied < 0.5 else None
+
+
+def not_inverted(pair: Any, p: Any) -> float | None:
+    """What is background in one copy is covered in the other."""
+    ground, share = most_of(pair.all_from)
+    if not 0.1 < share < 0.9:
+        return None
+    a, b = (pair.all_from == ground).all(1), (pair.all_to == ground).all(1)
+    return float((a == b).mean())
+
+
+def other_order(pair: Any, p: Any) -> float | None:
+    if pair.image or not 4 <= pair.w <= 4 << 20:
+        return None
+    a, b = (np.sort(rows_of(side.get(*[np.zeros(pair.w, int)] * 2, np.arange(pair.w)))) for side in (pair, pair.other()))
+    return float((a != b).mean()) if len(np.unique(a)) > 3 else None
+
+
+def not_tiles(pair: Any, p: Any) -> float | None:
+    """The share of tiles with a difference that do not differ as a whole."""
+    tile = int(p[0])
+    if pair.d > 1 or pair.w < 3 * tile or pair.h < 2 * tile or pair.w * pair.h > 1 << 22:
+        return None
+    whole = pair.mask()[:pair.h // tile * tile, :pair.w // tile * tile]
+    shares = whole.reshape(pair.h // tile, tile, pair.w // tile, tile).mean((1, 3))
+    touched = shares > 0
+    full = shares[touched] > 0.9
+    return float(1 - full.mean()) if 3 <= touched.sum() <= 0.8 * touched.size else None
+
+
+def not_smeared(pair: Any, p: Any) -> float | None:
+    """From a column or row on, `to` repeats its texel before it. p: along x; from the other end."""
+    if pair.w * pair.h > 1 << 24 or not pair.image:
+        return None
+    points = pair.differing
+    along, size = (points[2], pair.w) if p[0] else (points[1], pair.h)
+    edge = int(along.max()) + 1 if p[1] else int(along.min()) - 1
+    share = (edge if p[1] else size - 1 - edge) / size
+    if not 0 <= edge < size or share > 0.9 or share * size < 3:
+        return None
+    place = [points[0], points[1], np.full_like(along, edge)] if p[0] else [points[0], np.full_like(along, edge), points[2]]
+    kept = pair.other().get(*place)
+    still = pair.question.loud(kept, pair.differing_to)
+    pair.told = (edge,)
+    return float(still.mean()) if most_of(pair.differing_to)[1] < 0.5 else None
+
+
+def not_dithered(pair: Any, p: Any) -> float | None:
+    """Low bits alone differ, and the difference is itself negated where it is turned (p: in x, in y) or moved."""
+    if not pair.one or not pair.image:
+        return None
+    error = pair.error_crop()
+    if not error.any() or np.abs(error).max() > 2.01 * pair.step:
+        return None
+    error = error - error.mean()
+    turned_one = error[::-1 if p[1] else 1, ::-1 if p[0] else 1]
+    spectrum = np.fft.rfft2(error) * np.conj(np.fft.rfft2(turned_one))
+    least = np.fft.irfft2(spectrum, error.shape).min() / (error ** 2).sum()
+    noise = 1 / np.sqrt(error.size)
+    return 0. if least < -0.42 and least < -12 * noise else None
+
+
+def not_antialiased(pair: Any, p: Any) -> float | None:
+    """Differences at few edges alone, where `to` lies between neighbours in `from`, and `from` is as one of its neighbours."""
+    z, y, x = pair.differing
+    if not image(pair) or len(x) < 16 or pair.share > 0.2:
+        return None
+    ring = np.stack([pair.get(z, y + j, x + i) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)])
+    low, high = np.nanmin(ring, 0), np.nanmax(ring, 0)
+    near = np.nanmin(np.abs(ring - pair.differing_from), 0)
+    steep = (high - low).max(1) > 0.1 * pair.range
+    inside = ((pair.differing_to >= low - pair.step) & (pair.differing_to <= high + pair.step)).all(1)
+    sharp = (near <= 0.1 * (high - low) + pair.step).all(1)
+    between_ = (np.abs(pair.differing_to - pair.differing_from).max(1) < 0.95 * (high - low).max(1))
+    return float(1 - (steep & inside & sharp & between_).mean())
+
+
+# ---- The table -----------------------------------------------------------------------------------
+
+
+def channels(name: str, words: str, *order: float) -> Fault:
+    lost = constant_there if max(order) > 3 else None
+    return Fault(name, words, map=ordered, p=order, applies=colour if order[3] == 3 else alpha, loses=lost)
+
+
+def grid(name: str, words: str, *p: float) -> Fault:
+    return Fault(name, "if {from} is " + words, map=stored, p=p, applies=reals, loses=on_grid(stored))
+
+
+FLIP_NAMES = {(0, 1): ("flip_y", "a flip in y: OpenGL's row 0 is the bottom"), (1, 0): ("mirror_x", "a mirror in x"),
+              (1, 1): ("turn", "half a turn: x and y run backwards")}
+BLOCKS = {(2, 2): "2x2 texels", (4, 4): "4x4 texels", (3, 3): "3x3 texels", (2, 1): "2 columns", (1, 2): "2 rows"}
+ENDS = {(0, 0, 0, 1): "in the last row alone", (0, 1, 0, 0): "in the first row alone",
+        (0, 0, 1, 0): "in the last column (or element) alone",
+        (1, 0, 0, 0): "in the first column (or element) alone",
+        (0, 0, 1, 1): "in the last row and column alone: an odd size is rounded down",
+        (1, 1, 1, 1): "at the border alone: clamp, wrap or border colour",
+        (2, 2, 2, 2): "in the two texels at the border: clamp, wrap or border colour"}
+SMEARS = {(1, 0): "right of column {0}", (1, 1): "left of column {0}", (0, 0): "behind row {0}", (0, 1): "before row {0}"}
+
+PLACES = [
+    *(Fault(name, "after " + words, at=turned, p=p, applies=image, sided=False) for p, (name, words) in FLIP_NAMES.items()),
+    Fault("reversed", "with the elements in reverse order", at=turned, p=(1, 0), applies=buffer, sided=False),
+    Fault("axes", "with x and y in each other's place", at=swapped, p=(0, 0), applies=square, sided=False),
+    Fault("quarter_turn", "after a quarter turn of {from}", at=swapped, p=(1, 0), applies=square),
+    Fault("frame", "one frame late: {to} has the frame before of {from}", at=of_relative, p=(0,), applies=lambda pair: 0 in pair.relatives),
+    Fault("frame", "one frame early: {to} has the frame after of {from}", at=of_relative, p=(1,), applies=lambda pair: 1 in pair.relatives),
+    Fault("layer", "one layer off: {to} has the layer after of {from}", at=shifted, p=(0, 0, 1), applies=layers),
+    Fault("layers_reversed", "with the layers in reverse order", at=reordered, p=(-1,), applies=layers, sided=False),
+    *(Fault("faces", f"with {words} swapped", at=reordered, p=(axis,), applies=cube, sided=False)
+      for axis, words in enumerate(("the faces +x and -x", "the faces +y and -y", "the faces +z and -z", "opposite faces of the cube"))),
+    Fault("mip", "one mip off: {to} has the finer mip of {from}", at=of_relative, p=(2,), applies=lambda pair: 2 in pair.relatives),
+    Fault("mip", "one mip off: {to} has the coarser mip of {from}", at=of_relative, p=(3,), applies=lambda pair: 3 in pair.relatives),
+    Fault("shift", "after a shift of {0} texels (or elements) in x and {1} in y", at=shifted, fit=shifts, found=2),
+    Fault("roll", "after {0} texels in x and {1} in y, round the edge", at=rolled, fit=halves, applies=image),
+    *(Fault("half_texel_" + ("x" if x and not y else "y" if y and not x else "xy"),
+            "after half a texel in " + ("x" if not y else "y" if not x else "x and y") + ": centres are at .5",
+            at=between, p=(x, y), applies=image) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))),
+    Fault("pitch", "if rows of a pitch of {0} texels were read as {1}: {from} has the padding of rows in it", at=pitched, fit=pitches,
+          found=1, applies=image),
+    Fault("scale", "at {0} times the scale of {from} about {1}", at=scaled, fit=scales, applies=image, found=1),
+    *(Fault("nearest", f"where {{to}} filters and {{from}} repeats {words}: nearest against linear", at=smooth, p=(*size, 1),
+            applies=image) for size, words in BLOCKS.items()),
+    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies=image) for size,
+      words in BLOCKS.items()),
+    *(Fault("half_rate", f"if {{to}} repeats one texel of {words}: nearest, lower resolution", at=coarse, p=(*size, last), applies=image)
+      for size, words in BLOCKS.items() for last in (1, 2)),
+    *(Fault("half_rate", f"if {{to}} has means of {words}, filtered: lower resolution", at=smooth, p=(*size, 0), applies=image) for size,
+      words in BLOCKS.items()),
+    Fault("blurred", "if {from} is filtered by 3x3 texels, as {to} is", at=filtered, p=(0,), applies=image),
+    Fault("blurred", "if {from} is filtered by a 3x3 tent, as {to} is", at=filtered, p=(1,), applies=image),
+    Fault("transposed", "after each matrix is transposed (rows against columns)", at=transposed, applies=matrices, sided=False),
+    Fault("matrix_y", "with the y row of each matrix negated (Vulkan's y points down)", at=matrix_row, p=(1, 1, 1), applies=matrices4,
+          sided=False),
+    Fault("matrix_y", "with the y row of each matrix negated (by rows)", at=matrix_row, p=(4, 1, 1), applies=matrices4, sided=False),
+    Fault("matrix_z", "if the z row of each matrix of {from} goes from -1..1 to 0..1", at=matrix_row, p=(1, 2, 0), applies=matrices4),
+    Fault("matrix_z", "if the z row of each matrix (by rows) of {from} goes from -1..1 to 0..1", at=matrix_row, p=(4, 2, 0),
+          applies=matrices4),
+    *(Fault("layout", f"with {words} (std140, std430 or packed): {into} bytes each in {{to}}, {out} in {{from}}", at=repacked,
+            p=(into, out), applies=buffer) for into, out, words in (
+        (12, 16, "vec3 of 12 against 16 bytes"), (4, 16, "numbers of 4 against 16 bytes"), (8, 16, "vec2 of 8 against 16 bytes"),
+        (16, 12, "vec3 of 16 against 12 bytes"), (16, 4, "numbers of 16 against 4 bytes"), (16, 8, "vec2 of 16 against 8 bytes"))),
+    Fault("stride", "with elements of {0} bytes against {1} (std140, std430 or packed)", at=restrided, fit=strides, found=1,
+          applies=buffer),
+    Fault("moved", "if all lies one number (4 bytes) later", at=moved, p=(4,), applies=lambda pair: not pair.image and pair.stride > 4),
+    Fault("moved", "if all lies 16 bytes later", at=moved, p=(16,), applies=lambda pair: not pair.image and 16 % pair.stride),
+    Fault("depth_bias", "with an error in proportion to the slope of depth: {0} slope + {1} (depth bias)", at=biased, fit=fit_bias,
+          found=2, applies=has_depth),
+]
+
+CHANNELS = [
+    channels("red_blue", "with red and blue swapped (RGBA against BGRA)", 2, 1, 0, 3),
+    channels("channels", "with red and green swapped", 1, 0, 2, 3),
+    channels("channels", "with green and blue swapped", 0, 2, 1, 3),
+    channels("channels", "with the channels in the order g, b, r", 1, 2, 0, 3),
+    channels("channels", "with the channels in the order b, r, g", 2, 0, 1, 3),
+    channels("channels", "with the channels in the order a, r, g, b", 3, 0, 1, 2),
+    channels("channels", "with the channels in the order a, b, g, r", 3, 2, 1, 0),
+    channels("channels", "with the channels in the order g, b, a, r", 1, 2, 3, 0),
+    Fault("channels", "with both channels swapped", map=ordered, p=(1, 0), applies=two, sided=False),
+    Fault("grey", "if {to} has the first channel of {from} in all", map=grey, p=(0,), applies=colour, loses=is_grey),
+    Fault("grey", "if {to} has the luminance of {from} in all channels", map=grey, p=(1,), applies=colour, loses=is_grey),
+    channels("alpha_lost", "if alpha is 1 in {to}", 0, 1, 2, 5),
+    channels("alpha_lost", "if alpha is 0 in {to}", 0, 1, 2, 4),
+    channels("channel_lost", "if blue is 0 in {to}", 0, 1, 4, 3),
+    channels("channel_lost", "if green and blue are 0 in {to}", 0, 4, 4, 3),
+    Fault("premultiplied", "if {from} is multiplied by alpha, as {to} is", map=premultiplied, applies=alpha),
+    Fault("alpha_inverted", "with alpha inverted", map=one_channel, p=(3, 0), applies=alpha, sided=False),
+    Fault("channel_inverted", "with green as 1 - g (normal maps)", map=one_channel, p=(1, 0), applies=colour, sided=False),
+    Fault("channel_inverted", "with red as 1 - r", map=one_channel, p=(0, 0), applies=colour, sided=False),
+    Fault("channel_negated", "with x (red) negated", map=one_channel, p=(0, 1), applies=several, sided=False),
+    Fault("channel_negated", "with y (green) negated", map=one_channel, p=(1, 1), applies=several, sided=False),
+    Fault("channel_negated", "with z (blue) negated: the other handedness", map=one_channel, p=(2, 1), applies=three, sided=False),
+    *(Fault("matrix", words, map=matrix, p=p, applies=colour) for words, p in (
+        ("as if {to} was encoded with BT.601 and decoded with BT.709, {from} not",
+         (0, 0.)), ("as if {to} was encoded with BT.709 and decoded with BT.601, {from} not", (1, 0.)),
+        ("if {to} has the limited range of video in BT.601", (2, 16 / 255)), ("if {to} has the limited range of video in BT.709",
+                                                                              (3, 16 / 255)))),
+]
+
+MAPS = [
+    Fault("srgb", "if {to} is decoded from sRGB once: {from} has one encoding less", map=to_srgb, applies=reals),
+    Fault("srgb", "if {from} is decoded from sRGB once: {to} has one encoding less", map=to_light, applies=reals),
+    Fault("gamma", "if {to} is decoded from a gamma of 2.2", map=power, p=(1 / 2.2,), applies=reals),
+    Fault("gamma", "if {from} is decoded from a gamma of 2.2", map=power, p=(2.2,), applies=reals),
+    Fault("srgb_gamma", "with a gamma of 2.2 in {to} against sRGB in {from}", map=lambda p, v: to_light(p, v) ** (1 / 2.2), applies=reals),
+    Fault("square", "if {from} is squared, as {to} is", map=power, p=(2,), applies=reals),
+    Fault("depth_range", "after z * 2 - 1 of {from} (0..1 against -1..1)", map=line, p=(2, -1), applies=reals),
+    Fault("depth_range", "after (z + 1) / 2 of {from} (-1..1 against 0..1)", map=line, p=(0.5, 0.5), applies=reals),
+    Fault("depth_reversed", "after 1 - z (reversed depth, or inverted)", map=line, p=(-1, 1), applies=reals, sided=False),
+    Fault("depth_reversed", "after 1 - 2 z of {from} (reversed, 0..1 against -1..1)", map=line, p=(-2, 1), applies=reals),
+    Fault("negated", "with the sign turned", map=line, p=(-1, 0), sided=False),
+    Fault("byte_codes", "if {to} has codes of 0..255 for 0..1", map=line, p=(255, 0)),
+    Fault("limited_range", "if {to} has the limited range of video (16..235)", map=line, p=(219 / 255, 16 / 255), applies=reals),
+    Fault("limited_range", "if {from} has the limited range of video (16..235)", map=line, p=(255 / 219, -16 / 219), applies=reals),
+    Fault("clamped", "if {from} is clamped to 0..1, as {to} is", map=limited, p=(0, 1), applies=reals, loses=out_of_range),
+    Fault("clamped", "if what is negative in {from} is 0, as in {to}", map=limited, p=(0, np.inf), loses=out_of_range),
+    Fault("absolute", "if {to} has magnitudes without the sign", map=lambda p, v: np.abs(v), loses=no_sign),
+    Fault("reciprocal", "after 1 / v", map=lambda p, v: 1 / v, applies=reals, sided=False),
+    Fault("tone", "if {to} has v / (1 + v) (tone mapped)", map=lambda p, v: v / (1 + v), applies=reals),
+    Fault("logarithm", "if {to} has log2 of {from}", map=lambda p, v: np.log2(v), applies=reals),
+    Fault("logarithm", "if {to} has ln of {from}", map=lambda p, v: np.log(v), applies=reals),
+    Fault("depth_linear", "if {from} is hyperbolic depth and {to} linear: 1 / {to} is {0} {from} + {1}", map=inverse_line,
+          fit=fit_inverse, found=2, applies=reals),
+    Fault("byte_order", "with the bytes of each number in the other order", map=other_bytes, fit=fit_bytes),
+    Fault("integer", "if {from} is rounded to whole numbers", map=whole, p=(0,), applies=reals, loses=on_grid(whole)),
+    Fault("integer", "if {from} is rounded down to whole numbers", map=whole, p=(1,), applies=reals, loses=on_grid(whole)),
+    Fault("wrapped", "if {to} keeps 8 bits of {from}", map=wrapped, p=(256,), loses=below),
+    Fault("wrapped", "if {to} keeps 16 bits of {from}", map=wrapped, p=(65536,), loses=below),
+    grid("half", "rounded to half floats", 10, 0, -14),
+    grid("half", "cut to half floats", 10, 1, -14),
+    *(grid(f"unorm{bits}", f"{words} to {bits}-bit codes{more}", 2. ** bits - 1, cut)
+      for bits in (8, 10, 16) for cut, words, more in ((0, "rounded", ""), (1, "cut down", ", not rounded"))),
+    grid("snorm16", "rounded to 16-bit signed codes", 32767, 0),
+    grid("float11", "rounded to floats of 11 bits (r11g11b10f)", 6, 0, -14),
+    grid("float11", "cut to floats of 11 bits (r11g11b10f)", 6, 1, -14),
+    grid("bfloat16", "rounded to bfloat16", 7, 0, -126),
+    grid("bfloat16", "cut to bfloat16", 7, 1, -126),
+    grid("float19", "rounded to 10 bits of fraction (TF32)", 10, 0, -126),
+    Fault("factor", "with a factor of {0} on {from}", map=line, fit=fit_factor, found=1),
+    Fault("offset", "with {1} added to {from}", map=line, fit=fit_offset, found=1),
+    Fault("affine", "with {0} v + {1} of {from}", map=line, fit=fit_line, found=2, applies=reals),
+    Fault("power", "with {from} to the power of {0}", map=power, fit=fit_power, found=1, applies=reals),
+]
+
+SHOWN = [
+    Fault("order", "in the order of elements alone: the same are in both", mark=other_order, sided=False),
+    Fault("dither", "by 1 code, as dithering does; the pattern is turned in y", mark=not_dithered, p=(0, 1), sided=False),
+    Fault("dither", "by 1 code, as dithering does; the pattern is turned in x", mark=not_dithered, p=(1, 0), sided=False),
+    Fault("dither", "by 1 code, as dithering does; the pattern is turned in x and y", mark=not_dithered, p=(1, 1), sided=False),
+    Fault("dither", "by 1 code, as dithering does; the pattern is moved", mark=not_dithered, p=(0, 0), sided=False),
+    Fault("nan", "where {to} is NaN or infinite", mark=not_nan),
+    Fault("uninitialised", "where {to} has the pattern of memory that nothing has written", mark=no_pattern),
+    Fault("coverage", "by coverage: what is background in one is drawn in the other (winding, culling or depth test)", mark=not_inverted),
+    *(Fault("smear", words + " alone, where {to} repeats its texel there: clamped to an edge inside", mark=not_smeared, p=p,
+            applies=image) for p, words in SMEARS.items()),
+    *(Fault("border", words, where=border, p=p, sided=False) for p, words in ENDS.items()),
+    *(Fault("rest", f"behind the last whole {'group' if tile == 64 else 'tile'} of {tile}: the dispatch is too small", where=behind_tiles,
+            p=(tile,), sided=False) for tile in (8, 16, 32, 64)),
+    *(Fault("tile_edges", f"at the edges of tiles of {tile} alone", where=tile_edge, p=(tile,), sided=False) for tile in (64, 32, 16, 8)),
+    *(Fault("tiles", f"in whole tiles of {tile}x{tile}", mark=not_tiles, p=(tile,), sided=False, applies=image) for tile in (32, 16, 8)),
+    Fault("clear", "where {from} has one value: {to} lacks a clear, or {from} a draw", mark=cleared),
+    Fault("layer_alone", "in the first layer alone", where=in_layer, p=(0,), applies=layers, sided=False),
+    Fault("layer_alone", "in the last layer alone", where=in_layer, p=(1,), applies=layers, sided=False),
+    Fault("edges", "at edges alone, where {to} lies between its neighbours: {to} is multisampled or filtered, {from} is not",
+          mark=not_antialiased),
+    Fault("alpha_edges", "only where alpha lies between 0 and 1: alpha to coverage, or blending", where=half_covered, applies=alpha,
+          sided=False),
+]
+
+
+def phrase(fault: Fault, p: Any, labels: dict[str, str]) -> str:
+    """The words of a fault with its numbers."""
+    if fault.name == "shift":
+        steps = [f"{abs(step):g} texel{'s' if abs(step) > 1 else ''} (or elements) in {axis}" if axis == "x"
+                 else f"{abs(step):g} texel{'s' if abs(step) > 1 else ''} in y"
+                 for step, axis in zip(p, "xy") if step]
+        return "after a shift of " + " and ".join(steps)
+    numbers: list[Any] = [f"{number:.6g}" for number in p]
+    if fault.name == "scale":
+        numbers[1] = "the centre" if p[1] else "the corner of " + ("the last row" if p[2] else "row 0")
+    text = fault.words
+    for key, value in [*labels.items(), *((str(i), number) for i, number in enumerate(numbers))]:
+        text = text.replace("{" + key + "}", value)
+    return text
