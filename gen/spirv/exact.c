@@ -197,6 +197,14 @@ static bool put_product(struct exact *exact, const uint32_t *division)
     return true;
 }
 
+/* Whether it is a division by a constant that exact_divide_constant takes. */
+static bool has_short_divisor(const struct exact *exact, const uint32_t *division)
+{
+    uint32_t bits;
+    return spirv_is(division, SpvOpFDiv) && constant_bits(exact, division[4], &bits) &&
+           !(bits & 0xfff) && (bits >> 23 & 0xff) >= 127 && (bits >> 23 & 0xff) < 255;
+}
+
 static bool is_shift(const uint32_t *instruction)
 {
     return spirv_is(instruction, SpvOpShiftRightLogical) ||
@@ -279,6 +287,8 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
     take_constant_form(exact, &name, &instruction, own);
     if (put_product(exact, instruction))
         return true;
+    if (has_short_divisor(exact, instruction))
+        name = "divide_constant";
     uint32_t function = find_replacement(exact, instruction, name, first, false);
     const uint32_t *type = spirv_definition(exact->from, instruction[1]);
     if (function) {

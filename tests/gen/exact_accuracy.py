@@ -136,7 +136,8 @@ def test_steps_are_exact_to_rounding(backend):
 
 
 FUNCTIONS = (  # fields of the result and of the arguments; the function; error in units in the last place
-    ("quotient", "x y", np.divide, 2), ("sqrt", "x", np.sqrt, 2), ("inversesqrt", "x", lambda x: 1 / np.sqrt(x), 2),
+    ("quotient", "x y", np.divide, 2), ("quotient_whole", "x", lambda x: x / -100, 0.5),
+    ("quotient_part", "x", lambda x: x / 0.375, 0.5), ("sqrt", "x", np.sqrt, 2), ("inversesqrt", "x", lambda x: 1 / np.sqrt(x), 2),
     ("sin", "angle", np.sin, 4), ("cos", "angle", np.cos, 4), ("tan", "angle", np.tan, 4), ("asin", "unit", np.arcsin, 4),
     ("acos", "unit", np.arccos, 4), ("atan", "x", np.arctan, 4), ("atan2", "angle unit", np.arctan2, 4), ("exp", "exponent", np.exp, 4),
     ("exp2", "exponent", np.exp2, 4), ("log", "x", np.log, 4), ("log2", "x", np.log2, 4),

@@ -1,6 +1,7 @@
 /* The scalar functions of templates/glsl/exact.glsl, compiled as C++ and held against the CPU: `/` and
  * sqrt bit by bit, the others by identities; exact_accuracy.py has their errors on devices.
  * DIPTYCH_LONG takes 10^8 pairs. TAP. */
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -128,6 +129,8 @@ bool all(bvec2 b)
 
 using std::abs;
 using std::floor;
+using std::max;
+using std::min;
 
 #include "exact_scalars.h" /* made of templates/glsl/exact.glsl by the build */
 
@@ -183,6 +186,15 @@ void divide(float x, float y)
         printf("# %a / %a is %a, not %a\n", (double)x, (double)y, (double)wanted, (double)found);
 }
 
+/* y: 12 bits, at least 1, as exact.c calls it. */
+void divide_short(float x, float y)
+{
+    float wanted = normal(normal(x) / y), found = exact_divide_constant(x, y);
+    if (!same(found, wanted) && wrong++ < 5)
+        printf("# %a / constant %a is %a, not %a\n", (double)x, (double)y, (double)wanted,
+               (double)found);
+}
+
 void root(float x)
 {
     float wanted = sqrtf(normal(x)), found = exact_sqrt(x);
@@ -232,6 +244,25 @@ void divide_ends()
             divide(ldexpf(random_mantissa(), exponent), ldexpf(random_mantissa(), other));
 }
 
+/* All mantissas of 12 bits: random numbers, quotients next to half-way, the ends of the range. */
+void divide_constants()
+{
+    static const uint ends[] = {0,          0x80000000, 0x7f800000, 0xff800000, 0x7fc00000,
+                                0x7f7fffff, 0x00800000, 0x80800001, 0x007fffff, 0x00000001};
+    for (uint m = 0; m < 2048; m++) {
+        float y = uintBitsToFloat(0x3f800000u | m << 12);
+        for (int i = 0; i < 300; i++) {
+            float by = ldexpf(random_bits() % 2 ? y : -y, (int)(random_bits() % 127));
+            float x = (float)(((double)random_mantissa() + 0x1p-24) * (double)y);
+            divide_short(uintBitsToFloat(random_bits()), by);
+            divide_short(x, y);
+            divide_short(nextafterf(x, 0.0f), by);
+        }
+        for (uint end : ends)
+            divide_short(uintBitsToFloat(end), y);
+    }
+}
+
 bool whole_quotients()
 {
     for (int n = 1; n <= 600; n++)
@@ -249,6 +280,8 @@ void test_division(long count)
     report(!wrong, "so are quotients next to half-way between two floats");
     divide_ends();
     report(!wrong, "so are those of zeros, infinities, NaN and the ends of the range");
+    divide_constants();
+    report(!wrong, "so are quotients by constants of 12 bits");
     for (uint m = 0; m < 0x1000000u; m++)
         root(uintBitsToFloat(0x3f800000u + m));
     report(!wrong, "so are the roots of all mantissas");

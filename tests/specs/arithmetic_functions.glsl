@@ -13,6 +13,8 @@ void main()
     Arguments a = arguments[i];
     Functions f;
     f.quotient = RATIO(a.x, a.y);
+    f.quotient_whole = a.x / -100.0;
+    f.quotient_part = a.x / 0.375;
     f.sqrt = sqrt(a.x);
     f.inversesqrt = inversesqrt(a.x);
     f.sin = sin(a.angle);
