@@ -226,7 +226,9 @@ static void report_open(void *user, const struct open_operation *operation)
     while (!glsl_find_in_line(&loc, operation->word, strlen(operation->word)) && operation->wrong &&
            loc.line > 1) /* up to where the function begins */
         loc.line--;
-    if (operation->raster && proving->numbers)
+    if (operation->ends)
+        diag_warning(proving->diag, loc, "`%s` %s", operation->word, operation->why);
+    else if (operation->raster && proving->numbers)
         diag_warning(proving->diag, loc, "`%s` decides at edges: %s", operation->word,
                      operation->why);
     else

@@ -205,6 +205,19 @@ static bool has_short_divisor(const struct exact *exact, const uint32_t *divisio
            !(bits & 0xfff) && (bits >> 23 & 0xff) >= 127 && (bits >> 23 & 0xff) < 255;
 }
 
+/* The end of a function that has no `return` there: glslang returns a value that nothing sets; it is zero here. */
+static bool put_end(struct exact *exact, const uint32_t *end)
+{
+    struct spirv_edit *edit = &exact->edit;
+    const uint32_t *value =
+        spirv_is(end, SpvOpReturnValue) ? spirv_definition(exact->from, end[1]) : NULL;
+    if (!value || !spirv_is(value, SpvOpUndef))
+        return false;
+    uint32_t zero = spirv_declare(edit, SpvOpConstantNull, value[1], NULL, 0);
+    SPIRV_PUT(edit, &edit->code, SpvOpReturnValue, zero);
+    return true;
+}
+
 static bool is_shift(const uint32_t *instruction)
 {
     return spirv_is(instruction, SpvOpShiftRightLogical) ||
@@ -341,7 +354,7 @@ bool spirv_exact(struct spirv *module)
     SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
     {
         const uint32_t *instruction = module->words + at;
-        if (replace(&exact, instruction))
+        if (replace(&exact, instruction) || put_end(&exact, instruction))
             continue;
         spirv_copy(edit, &edit->code, instruction);
         if (spirv_is_arithmetic(instruction))

@@ -30,6 +30,7 @@
 
 enum verdict {
     WRONG,   /* no value at all */
+    ENDS,    /* a value that the author left out */
     DRIVER,  /* a value of a texture unit or of the scheduler, or arithmetic of double precision */
     RASTER,  /* a value of the rasterizer */
     ROUNDED, /* correctly rounded; open without NoContraction */
@@ -79,6 +80,7 @@ static const uint16_t exact_operations[] = {
     SpvOpConstantFalse,
     SpvOpConstant,
     SpvOpConstantComposite,
+    SpvOpConstantNull,
     SpvOpVariable,
     SpvOpFunction,
     SpvOpFunctionParameter,
@@ -360,7 +362,8 @@ static void tell_finding(struct proof *proof, const char *word, const char *why,
 {
     proof->at.word = word;
     proof->at.why = why;
-    proof->at.wrong = verdict == WRONG;
+    proof->at.wrong = verdict == WRONG || verdict == ENDS;
+    proof->at.ends = verdict == ENDS;
     proof->at.raster = verdict == RASTER;
     proof->found(proof->user, &proof->at);
 }
@@ -479,22 +482,22 @@ const char *prove_word(const uint32_t *instruction, uint32_t glsl)
     return rule && *rule->word ? rule->word : NULL;
 }
 
-/* Whether the use is the end of a function that returns a value. */
-static bool returns(const struct proof *proof, const struct value_use *use)
+static bool has_no_use(const struct proof *proof, const struct value_use *use)
 {
     (void)proof;
-    return spirv_is(use->instruction, SpvOpReturnValue);
+    (void)use;
+    return false;
 }
 
-/* A function may end without a `return`: glslang then returns a value that nothing sets. */
+/* A function may end without a `return`: glslang then returns a value that nothing sets, and exact.c zero instead. */
 static bool check_end(struct proof *proof, const uint32_t *instruction)
 {
     const char *name = spirv_name(proof->module, proof->function);
-    if (!spirv_is(instruction, SpvOpUndef) || !name || !all_uses(proof, instruction[2], 0, returns))
+    if (!spirv_is(instruction, SpvOpUndef) || !name ||
+        !all_uses(proof, instruction[2], 0, has_no_use))
         return false;
     snprintf(proof->name, sizeof proof->name, "%.*s", (int)strcspn(name, "("), name);
-    tell_finding(proof, proof->name, "it may end without `return`, and its value is then undefined",
-                 WRONG);
+    tell_finding(proof, proof->name, "may end without `return`, and is then 0", ENDS);
     return true;
 }
 

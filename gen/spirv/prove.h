@@ -9,6 +9,7 @@ struct open_operation {
     const char *word;    /* how a body has it, or a description */
     const char *why;     /* what is open */
     bool wrong;          /* an error also without --prove */
+    bool ends;           /* a function without `return`: wrong, but a warning */
     bool raster;         /* a value of the rasterizer */
 };
 

@@ -1,6 +1,6 @@
-// A function that returns nothing on one path.
-// refused: `f`
-// refused: return
+// A function that ends without `return` gives 0 there.
+// expect: 2 0
+// fast: skip
 float f(float p)
 {
     if (p < 0.5)
@@ -11,4 +11,5 @@ float f(float p)
 void main()
 {
     result[0] = f(0.6 * one);
+    result[1] = f(0.8 * one);
 }
