@@ -115,9 +115,18 @@ class Replays:
             self.console.fail("nothing was compared")
         return [self.side(capture, folder) for capture, folder in zip(captures, folders)]
 
+    def frame(self, capture: str, folder: str) -> Json:
+        """What the replay, which the capture may have taken over, left: it names files of its folder alone."""
+        kept = {entry.name for entry in os.scandir(folder) if entry.is_file(follow_symlinks=False)} | {"frame.json"}
+        with open(os.open(os.path.join(folder, "frame.json"), os.O_RDONLY | os.O_NOFOLLOW), encoding="utf-8") as file:
+            frame: Json = json.load(file)
+        named = [item["file"] for made in frame["passes"] for key in ("entries", "inputs", "shaders") for item in made[key]]
+        if not kept.issuperset([*named, "small.npz"]):
+            self.console.fail(f"{capture}: its replay names files that it did not write")
+        return frame
+
     def side(self, capture: str, folder: str) -> Side:
-        with open(os.path.join(folder, "frame.json"), encoding="utf-8") as file:
-            frame = json.load(file)
+        frame = self.frame(capture, folder)
         source = f"{capture} ({frame['api']}, RenderDoc {frame['renderdoc']}{frame['device'] and ', captured on ' + frame['device']})"
         side = Side(folder, LABELS.get(frame["api"], frame["api"]), source, frame)
         side.read_small()
