@@ -118,7 +118,7 @@ for header in templates/c/diptych.h templates/c/formats.def templates/c/types.de
     put 644 $header "include/diptych/$(basename $header)"
 done
 
-for file in app/python/diptych/*; do
+for file in app/python/diptych/* app/python/diptych/rdc/*; do
     [ ! -f "$file" ] || put 644 "$file" "lib/python3/dist-packages/${file#app/python/}"
 done
 

@@ -15,8 +15,8 @@ from .console import Console, Failure
 # The number is the exit status of a failure.
 VERBS: dict[str, tuple[str, int]] = {
     "bench": ("bench", 1),
-    "capture": ("capture", 1),
-    "compare": ("captures", 2),  # of captures
+    "capture": ("rdc.capture", 1),
+    "compare": ("rdc.compare", 2),  # of captures
     "comparison": ("comparison", 2),  # for compare
     "cost": ("cost", 2),
     "flicker": ("flicker", 1),

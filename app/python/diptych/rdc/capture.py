@@ -9,7 +9,7 @@ import tempfile
 import time
 from typing import Any
 
-from .console import Console
+from ..console import Console
 
 Json = dict[str, Any]
 CONNECTING, WAITING, ENDING = 10.0, 120.0, 3.0  # seconds

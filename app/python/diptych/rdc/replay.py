@@ -1,4 +1,4 @@
-"""Replays a capture of RenderDoc: `python3 -m diptych.rdc CAPTURE FOLDER DRAWS`, a process that `captures` starts, as a rule in a
+"""Replays a capture of RenderDoc: `python3 -m diptych.rdc.replay CAPTURE FOLDER DRAWS`, a process that `compare` starts, as a rule in a
 sandbox. Leaves FOLDER/frame.json, one raw file per content, and small.npz, small pictures that passes are matched by.
 
 A pass is a run of draws into the same targets, a dispatch, a copy, or a chain of mips. DRAWS is the number of a pass whose draws
@@ -17,8 +17,8 @@ from typing import Any, Iterator, NoReturn
 import numpy as np
 import renderdoc as rd
 
-from . import rdc_state
-from .rdc_texels import small_picture, texels_of
+from . import state as rdc_state
+from .texels import small_picture, texels_of
 
 Json = dict[str, Any]
 FLAGS = rd.ActionFlags

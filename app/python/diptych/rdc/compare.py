@@ -13,11 +13,11 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor, TimeoutError as TooLong
 from typing import Any, Iterator
 
-from . import rdc_differ
+from . import differ
 from .capture import renderdoc
-from .console import Console, printable, write
-from .rdc_match import Matcher, Pair, Side
-from .verbs import HERE
+from ..console import Console, printable, write
+from .match import Matcher, Pair, Side
+from ..verbs import HERE
 
 Json = dict[str, Any]
 LIMITS = {resource.RLIMIT_AS: 16 << 30, resource.RLIMIT_CPU: 1800, resource.RLIMIT_FSIZE: 4 << 30}  # of a replay
@@ -58,7 +58,7 @@ def limit() -> None:
 
 
 class Replays:
-    """Processes of rdc.py."""
+    """Processes of replay.py."""
 
     def __init__(self, console: Console, confined: bool):
         self.console, self.confined = console, confined
@@ -77,7 +77,7 @@ class Replays:
         """Why it failed, or nothing."""
         path = os.path.realpath(capture)
         package = [os.path.dirname(HERE), *filter(None, os.environ.get("PYTHONPATH", "").split(":"))]
-        words = ["/usr/bin/python3", "-m", "diptych.rdc", path, folder, draws]
+        words = ["/usr/bin/python3", "-m", "diptych.rdc.replay", path, folder, draws]
         words = sandbox(path, folder, package) + words if self.confined else words
         process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                    errors="replace", preexec_fn=limit)
@@ -264,7 +264,7 @@ class Matched:
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
         for pair, first, second in self.both():
-            texts, moved = rdc_differ.differences(first, second, pair.turned, sides[0].label != sides[1].label)
+            texts, moved = differ.differences(first, second, pair.turned, sides[0].label != sides[1].label)
             for into, items in ((self.state, texts), (self.clocks, moved)):
                 if items:
                     into[names[pair.first]] = items

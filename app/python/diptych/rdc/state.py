@@ -1,4 +1,4 @@
-"""What RenderDoc tells of OpenGL's and of Vulkan's state at an event, under the same words, for rdc.py."""
+"""What RenderDoc tells of OpenGL's and of Vulkan's state at an event, under the same words, for replay.py."""
 from __future__ import annotations
 
 from typing import Any, Iterator

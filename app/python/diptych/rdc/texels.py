@@ -1,4 +1,4 @@
-"""Texels of RenderDoc's formats as those of a dump (templates/dump.schema.json), and small pictures of them, for rdc.py."""
+"""Texels of RenderDoc's formats as those of a dump (templates/dump.schema.json), and small pictures of them, for replay.py."""
 from __future__ import annotations
 
 import re

@@ -1,4 +1,4 @@
-"""How state and uniforms of two matched passes differ, in words, for `captures`. Conventions of the two APIs are no differences:
+"""How state and uniforms of two matched passes differ, in words, for compare.py. Conventions of the two APIs are no differences:
 the order of rows, and matrices that differ by clip space alone."""
 from __future__ import annotations
 

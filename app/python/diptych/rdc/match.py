@@ -1,4 +1,4 @@
-"""Which passes of two captured frames belong together, and which of their resources; for `captures`. Names are no keys: labels stand
+"""Which passes of two captured frames belong together, and which of their resources; for compare.py. Names are no keys: labels stand
 on one side only, and runs of one program differ in the order of passes.
 
 The pass that leaves the presented picture anchors. Passes with equal contents, in either order of rows, match whatever their order;
@@ -19,7 +19,7 @@ LEAST_SCORE = 2.0
 
 @dataclass
 class Side:
-    """A replayed frame; `folder` holds what rdc.py wrote."""
+    """A replayed frame; `folder` holds what replay.py wrote."""
 
     folder: str
     label: str
