@@ -88,11 +88,12 @@ static void hand_relatives(struct handed *handed, const struct why_question *que
 {
     for (int i = 0; i < 2 * WHY_RELATIVES && question->relative; i++) {
         enum why_relative which = (enum why_relative)(i % WHY_RELATIVES);
+        int side = i / WHY_RELATIVES;
         struct dt_bytes bytes = {0};
-        if (!question->relative(question->user, which, i / WHY_RELATIVES, &bytes))
+        if (!question->relative(question->user, which, side, &bytes))
             continue;
         cJSON *item = cJSON_CreateObject();
-        cJSON_AddNumberToObject(item, "side", i / WHY_RELATIVES);
+        cJSON_AddNumberToObject(item, "side", side);
         cJSON_AddNumberToObject(item, "which", which);
         cJSON_AddItemToObject(item, "extent", extent_json(bytes.extent));
         cJSON_AddItemToObject(item, "file", hand_file(handed, &bytes));

@@ -474,9 +474,10 @@ def biased(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 
 
 def fit_bias(pair: Any, points: Point, target: Array) -> list[tuple[float, ...]]:
+    """Factors of a polygon offset are small numbers."""
     slope, error = slope_of(pair, *points).ravel(), (target - pair.get(*points)).ravel()
     found = fit_line(_Plain(), slope[np.isfinite(slope)], error[np.isfinite(slope)])
-    return [p for p in found if abs(p[0]) > 0.01]
+    return [p for p in found if 0.01 < abs(p[0]) < 100]
 
 
 class _Plain:
