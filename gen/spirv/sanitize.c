@@ -758,8 +758,8 @@ static void put_return(struct sanitizer *s, const struct spirv_function *functio
     PUT(s, SpvOpReturnValue, zero);
 }
 
-/* The header of a loop: its branch may end the function. The code behind the loop has no new way in, since it may
- * use values of the last turn. Returns the words up to that branch, which is written, too. */
+/* The header of a loop: two more blocks, one of which ends the function. The code behind the loop has no new way in,
+ * since it may use values of the last turn. Returns the words up to the branch, which is written, too. */
 static uint32_t put_header(struct sanitizer *s, const struct spirv_function *function,
                            const uint32_t *merge)
 {
@@ -768,11 +768,27 @@ static uint32_t put_header(struct sanitizer *s, const struct spirv_function *fun
     spirv_copy(&s->edit, &s->edit.code, merge);
     if (!over)
         return 0;
-    uint32_t end = s->edit.bound++;
-    PUT(s, SpvOpBranchConditional, over, end, branch[1]);
+    uint32_t check = s->edit.bound++, end = s->edit.bound++, next = s->edit.bound++;
+    PUT(s, SpvOpBranch, check);
+    PUT(s, SpvOpLabel, check);
+    PUT(s, SpvOpSelectionMerge, next, SpvSelectionControlMaskNone);
+    PUT(s, SpvOpBranchConditional, over, end, next);
     PUT(s, SpvOpLabel, end);
     put_return(s, function);
+    PUT(s, SpvOpLabel, next);
+    PUT(s, SpvOpBranch, branch[1]);
+    s->ends[s->label] = next;
     return spirv_length(merge);
+}
+
+/* A block before may have got more blocks behind it. */
+static void put_phi(struct sanitizer *s, const uint32_t *phi)
+{
+    size_t at = s->edit.code.count;
+    spirv_copy(&s->edit, &s->edit.code, phi);
+    for (uint32_t i = 4; i < spirv_length(phi) && s->edit.code.count > at; i += 2)
+        if (s->ends[phi[i]])
+            s->edit.code.data[at + i] = s->ends[phi[i]];
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */
@@ -832,6 +848,8 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         more = put_header(s, function, i);
     else if (loops && spirv_is(i, SpvOpUnreachable))
         put_return(s, function); /* behind a loop that glslang takes for one that never ends */
+    else if (spirv_is(i, SpvOpPhi))
+        put_phi(s, i);
     else if (safe)
         PUT(s, spirv_opcode(i), i[1], i[2], i[3], safe);
     else if (!written && !quads_discard(s, i))
@@ -933,9 +951,11 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
     struct sanitizer s = {.request = request,
                           .from = module,
                           .glsl = spirv_glsl(module),
-                          .counters = calloc(module->words[3], sizeof *s.counters)};
+                          .counters = calloc(module->words[3], sizeof *s.counters),
+                          .ends = calloc(module->words[3], sizeof *s.ends)};
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |= !s.counters || !assigned_begin(&s) || !content_begin(&s) || !quads_begin(&s);
+    s.edit.failed |=
+        !s.counters || !s.ends || !assigned_begin(&s) || !content_begin(&s) || !quads_begin(&s);
     if (!s.edit.failed) {
         spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
                      module->declarations - module->annotations);
@@ -953,5 +973,6 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
     free(s.variables.data);
     free(s.handed_on.data);
     free(s.counters);
+    free(s.ends);
     return spirv_edit_end(&s.edit, module);
 }

@@ -16,9 +16,10 @@ struct sanitizer {
     bool begun;              /* the variables of the function are written */
     struct spirv_words seen; /* pairs of a hash of file, line and word, and the operations so far */
     uint32_t *counters;      /* by label of a loop's header: its variable; 0: no loop */
-    struct assigned *ids;    /* by id */
-    struct content *content; /* of content.c */
-    struct quads *quads;     /* of quads.c */
+    uint32_t *ends;       /* by label of a loop's header: the block that leaves it now; 0: itself */
+    struct assigned *ids; /* by id */
+    struct content *content;      /* of content.c */
+    struct quads *quads;          /* of quads.c */
     struct spirv_words variables; /* of this pass, in the private storage class, */
     struct spirv_words handed_on; /* and inputs or outputs */
 };
