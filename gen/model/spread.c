@@ -1,5 +1,6 @@
 /* Arrays of textures, samplers, images and buffers become variables, NAME_0, NAME_1, ..., which passes list one by one.
- * What reads a texture by an index that is no constant reads each, and takes that of the index. */
+ * What reads a texture by an index that is no constant reads each, and takes that of the index. A chain into an array
+ * of numbers stays in place of the index, so that --sanitize finds one that the array has not. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,9 +16,10 @@ struct spreading {
     struct spirv_edit edit;
     const uint32_t *array; /* its variable */
     uint32_t count, elements[MOST_ELEMENTS];
-    bool used;
-    uint32_t *known; /* by id: 1 + element that the pointer is of, by a constant index */
-    uint32_t *chain; /* by id: the pointer by another index that it is, or is read by */
+    bool used, chooses;
+    uint32_t numbers; /* array in the function that is written; 0: not yet */
+    uint32_t *known;  /* by id: 1 + element that the pointer is of, by a constant index */
+    uint32_t *chain;  /* by id: the pointer by another index that it is, or is read by */
 };
 
 static bool is_chain(const struct spreading *s, const uint32_t *i)
@@ -74,7 +76,7 @@ static bool follow_array(struct spreading *s)
         if (fixed && spirv_length(i) == 5)
             s->known[result] = 1 + constant_element(s, i);
         else if (own && !fixed && spirv_length(i) == 5)
-            s->chain[result] = result;
+            s->chain[result] = result, s->chooses = true;
         else if ((own && !fixed) || (chain && !is_handle(from, i) && !is_choice(from, i)))
             return false;
         else if (chain && is_handle(from, i))
@@ -149,12 +151,33 @@ static uint32_t put_for(struct spreading *s, const uint32_t *i, uint32_t k)
     return words[spirv_result_word(i)];
 }
 
+/* Behind the first label of a function: an array of as many numbers, of the same name. */
+static void put_numbers(struct spreading *s)
+{
+    struct spirv_edit *edit = &s->edit;
+    uint32_t type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
+    uint32_t length = spirv_declare(edit, SpvOpConstant, type, &s->count, 1);
+    type = spirv_declare(edit, SpvOpTypeArray, 0, (uint32_t[]){type, length}, 2);
+    type = spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassFunction, type}, 2);
+    s->numbers = SPIRV_VALUE(edit, &edit->code, SpvOpVariable, type, SpvStorageClassFunction);
+    spirv_put_name(edit, s->numbers, spirv_variable_name(s->from, s->array));
+}
+
+static void put_index(struct spreading *s, uint32_t index)
+{
+    struct spirv_edit *edit = &s->edit;
+    uint32_t type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
+    type = spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassFunction, type}, 2);
+    SPIRV_VALUE(edit, &edit->code, SpvOpAccessChain, type, s->numbers, index);
+}
+
 static void put_choice(struct spreading *s, const uint32_t *i, uint32_t chain)
 {
     struct spirv_edit *edit = &s->edit;
     const uint32_t *type = spirv_definition(s->from, i[1]);
     uint32_t index = spirv_definition(s->from, chain)[4],
              index_type = spirv_definition(s->from, index)[1];
+    put_index(s, index);
     uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0), value = put_for(s, i, 0);
     for (uint32_t k = 1; k < s->count; k++) {
         uint32_t other = put_for(s, i, k);
@@ -189,13 +212,17 @@ static void put_code(struct spreading *s)
             put_choice(s, i, chain);
             continue;
         }
-        if (is_chain(s, i)) { /* into a buffer */
-            uint32_t words[64] = {i[1], i[2], s->elements[constant_element(s, i)]};
-            memcpy(words + 3, i + 5, (spirv_length(i) - 5) * sizeof *words);
-            spirv_put(edit, &edit->code, spirv_opcode(i), words, spirv_length(i) - 2);
+        if (is_chain(s, i)) { /* into a buffer; it may be as long as an instruction can be */
+            uint32_t head[] = {(*i - (1 << 16)), i[1], i[2], s->elements[constant_element(s, i)]};
+            spirv_append(edit, &edit->code, head, sizeof head / sizeof *head);
+            spirv_append(edit, &edit->code, i + 5, spirv_length(i) - 5);
             continue;
         }
         spirv_copy(edit, &edit->code, i);
+        if (spirv_is(i, SpvOpFunction))
+            s->numbers = 0;
+        else if (spirv_is(i, SpvOpLabel) && s->chooses && !s->numbers)
+            put_numbers(s);
         for (uint32_t word = 1; word < spirv_length(i) && !edit->failed; word++)
             if (!spirv_is_literal(i, word) && s->known[i[word]])
                 edit->code.data[start + word] = s->elements[s->known[i[word]] - 1];
