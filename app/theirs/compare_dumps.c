@@ -1,5 +1,5 @@
 /* `diptych compare A B...`: dumps of renderers, no spec; the first is compared with each of the others. Python makes dumps of
- * captures (app/python/diptych/captures.py), and then calls this. */
+ * captures (app/python/diptych/rdc/compare.py), and then calls this. */
 #include "theirs/compare_dumps.h"
 
 #include <dirent.h>

@@ -158,7 +158,7 @@ static bool find_format(struct their_entry *entry, const char *name, bool stenci
     return false;
 }
 
-/* The other part of what the entry before has as depth. */
+/* Whether a texel has depth and stencil: the entry is the depth, and the stencil needs one of its own. */
 static bool has_stencil(const struct their_entry *entry)
 {
     return entry->texel && !entry->texel->stencil &&

@@ -7,7 +7,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "base/files.h"
+#include "base/temporary.h"
 #include "console/python.h"
 
 enum { MOST_FILES = 2 + 2 * WHY_RELATIVES };
@@ -18,25 +18,13 @@ struct handed {
     bool good;
 };
 
-static bool write_whole(int file, const uint8_t *data, size_t size)
-{
-    while (size) {
-        ssize_t written = write(file, data, size);
-        if (written <= 0)
-            return false;
-        data += written;
-        size -= (size_t)written;
-    }
-    return true;
-}
-
 /* The path by which the child opens the content. */
 static cJSON *hand_file(struct handed *handed, const struct dt_bytes *bytes)
 {
     int file = memfd_create("copy", 0);
     char path[40];
     snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    handed->good &= file >= 0 && write_whole(file, bytes->data, bytes->size);
+    handed->good &= file >= 0 && write_all(file, bytes->data, bytes->size);
     if (file >= 0)
         handed->files[handed->count++] = file;
     return cJSON_CreateString(path);

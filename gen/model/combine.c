@@ -30,7 +30,7 @@ static bool is_attachment(const uint32_t *image)
     return spirv_is(image, SpvOpTypeImage) && image[3] == SpvDimSubpassData;
 }
 
-/* Of an image, or of what combines one: whether it is to be another. */
+/* Whether a type of image, or of an image with its sampler, has to become a plain texture. */
 static bool is_special(const struct combining *c, const uint32_t *type)
 {
     if (spirv_is(type, SpvOpTypeSampledImage))

@@ -62,7 +62,7 @@ static inline const uint32_t *spirv_type(const struct spirv *module, uint32_t va
 {
     return spirv_definition(module, spirv_definition(module, value)[1]);
 }
-/* The type of what a variable holds. */
+/* The type that a variable points to. */
 static inline uint32_t spirv_pointee(const struct spirv *module, const uint32_t *variable)
 {
     return spirv_definition(module, variable[1])[3];
