@@ -82,6 +82,9 @@ class Scene:
         self.layers = np.stack([np.roll(self.rgba, 7 * i, 1) * f32(1 - 0.1 * i) for i in range(6)])
 
 
+def part(a, b, *box): c = np.array(a); c[box] = np.asarray(b)[box]; return c
+def box(s): return ((slice(10, 30), slice(12, 44)), (slice(0, 48), slice(32, 64)), (slice(28, 44), slice(4, 26)))[s.k]
+def beside(s): return Scene(s.r.integers(1000) + 600).picture
 def square(s): return Scene(7, s.k, 48, 48).picture
 def steps(s): return (1, 2, 9)[s.k]
 def dither(a, pattern): return np.floor(a * 255 + np.tile(pattern, (H // len(pattern), W // len(pattern)))[:, :, None]).clip(0, 255).astype(u8)
@@ -90,7 +93,7 @@ def slope(z): return np.maximum(np.abs(np.gradient(z, axis=1)), np.abs(np.gradie
 def plane(s): return (0.3 + 0.002 * s.x + 0.003 * s.y + 0.00003 * s.x * s.y).astype(f32)
 
 
-# name of the fault, the pair; "!": exact bits are part of the fault, no noise lies on top
+# name of the fault, the pair; "!": exact bits are part of the fault, no noise lies on top; "%": of a part
 FAULTS = [
     ("flip_y", lambda s: (s.display, s.display[::-1])), ("flip_y", lambda s: (s.depth, s.depth[::-1])), ("flip_y", lambda s: (s.layers, s.layers[:, ::-1])),
     ("mirror_x", lambda s: (s.light, s.light[:, ::-1])), ("turn", lambda s: (s.light, s.light[::-1, ::-1])), ("axes", lambda s: (square(s), square(s).transpose(1, 0, 2))),
@@ -128,6 +131,13 @@ FAULTS = [
     ("clear!", lambda s: (edge(s.light, s.ground < 1, 0), s.light)), ("layer_alone!", lambda s: (s.layers, edge(s.layers, 5, 0.25 + s.layers[5] * s.layers[4]))),
     # beside them: the frame before, and the coarser mip
     ("frame", lambda s: (s.rgba, Scene(30, time=0.1).rgba, (0, Scene(30, time=0.1).rgba))), ("mip", lambda s: (s.rgba, np.repeat(np.repeat(Scene(31).rgba[::2, ::2], 2, 0), 2, 1), (3, Scene(31).rgba[::2, ::2]))),
+    # in a box alone, the rest is equal or another scene
+    ("shift%", lambda s: (s.light, part(s.light, np.roll(s.light, (1, 3), (0, 1)), *box(s)))), ("flip_y%", lambda s: (s.display, part(s.display, s.display[::-1], slice(0, 48), slice(24 + 8 * s.k, 64)))),
+    ("mirror_x%", lambda s: (s.light, part(s.light, s.light[:, ::-1], slice(0, 14 + 6 * s.k)))), ("factor%", lambda s: (s.light, part(s.light, s.light * np.array([1, s.p, 1], f32), *box(s)))),
+    ("factor%", lambda s: (s.display, part(s.display, code(s.display / 255 * np.array([(0.31, 0.6, 0.85)[s.k], 1, 1])), slice(10, 30), slice(12, 44)))), ("flip_y%", lambda s: (s.picture, part(beside(s), s.picture[::-1], *box(s)))),
+    ("srgb%", lambda s: (s.picture, part(beside(s), srgb(s.picture).astype(f32), *box(s)))), ("red_blue%", lambda s: (s.display, part(code(beside(s)), s.display[:, :, ::-1], *box(s)))),
+    ("half_rate%", lambda s: (s.light, part(s.light, blocks(s.light, 2, 2), *box(s)))), ("offset%", lambda s: (s.picture, part(beside(s), s.picture + f32(0.1), *box(s)))),
+    ("flip_y%", lambda s: (s.layers, part(s.layers, s.layers[:, ::-1], 3))), ("factor%", lambda s: (s.cells, part(s.cells, s.cells * f32(s.p), slice(60, 150)))), ("shift%", lambda s: (s.cells, part(s.cells, np.roll(s.cells, -2), slice(60, 150)))),
     # two in a row: the first is named
     ("flip_y", lambda s: (s.display, s.display[::-1, :, ::-1])), ("mirror_x", lambda s: (s.picture, srgb(s.picture)[:, ::-1].astype(f32))), ("flip_y", lambda s: (s.depth, (1 - s.depth)[::-1])),
     ("red_blue", lambda s: (s.display, code(srgb(s.display / 255))[:, :, ::-1])), ("channels", lambda s: (s.rgba, srgb(s.rgba[:, :, [3, 0, 1, 2]]).astype(f32))), ("shift", lambda s: (s.light, np.roll(s.light * f32(s.p), 3, 1))),
@@ -185,7 +195,7 @@ def planted():
                 b = noisy(np.ascontiguousarray(b), s.r)
             result = ask(a, b, "exact" if name == "dither!" else "ulp", relatives)  # a code apart is within the default contract
             told = result["why"][0]["name"] if result["why"] else result.get("why_not", "equal")
-            good = told.startswith(name.rstrip("!"))
+            good = told.startswith(name.rstrip("!%")) and ("share" in (result["why"] or [{}])[0]) == name.endswith("%")
             named, count = named + good, count + 1
             if not good:
                 print(f"fault {number}.{k} {name}: {result['why'][0]['text'] if result['why'] else told}")

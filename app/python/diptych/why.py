@@ -8,9 +8,10 @@ from __future__ import annotations
 import itertools
 import json
 import math
+from copy import copy as copy_of
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Iterator
+from typing import Any, Iterator, Sequence
 
 import numpy as np
 
@@ -29,6 +30,9 @@ KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bit
     "r10": ("<u4", 0, 10, 1023), "g10": ("<u4", 10, 10, 1023), "b10": ("<u4", 20, 10, 1023), "a2": ("<u4", 30, 2, 3),
     "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
     "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}
+
+
+Box = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]  # from and to of layers, rows, columns
 
 
 def is_integer(kind: str) -> bool:
@@ -125,10 +129,12 @@ class Pair:
         return found.reshape(self.h, self.w)
 
     def crops(self, most: int) -> tuple[Array, Array]:
-        """The middle of the first layer of both."""
-        h, w = min(self.h, most), min(self.w, most)
-        y, x = (a.ravel() for a in np.mgrid[(self.h - h) // 2:(self.h - h) // 2 + h, (self.w - w) // 2:(self.w - w) // 2 + w])
-        a, b = (np.clip(np.nan_to_num(side.get(0 * x, y, x)), -1e6, 1e6).reshape(h, w, self.c) for side in (self.source, self.target))
+        """The middle of the box, in its first layer, of both."""
+        (z, _), *sides = self.question.box
+        h, w = (min(high - low, most) for low, high in sides)
+        y, x = (a.ravel() for a in np.mgrid[tuple(slice((low + high - n) // 2, (low + high - n) // 2 + n)
+                                                  for (low, high), n in zip(sides, (h, w)))])
+        a, b = (np.clip(np.nan_to_num(side.get(0 * x + z, y, x)), -1e6, 1e6).reshape(h, w, self.c) for side in (self.source, self.target))
         return a, b
 
     def error_crop(self) -> Array:
@@ -161,33 +167,53 @@ class Question:
         self.contract, self.labels, self.kind = request["contract"], request["labels"], components[0]["kind"]
         self.one, self.integers = KINDS[self.kind][3], np.array([is_integer(component["kind"]) for component in components])
         self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
-        self.elements, self.share, self.range = self.copies[0].w * self.copies[0].h * self.copies[0].d, 0., 1.
-        random = np.random.default_rng(1)
-        others = self.points(random.integers(0, self.elements, MOST_SAMPLES) if self.elements > MOST_SAMPLES else np.arange(self.elements))
-        both = [copy.get(*others) for copy in self.copies]
+        w, h, d = self.extent = self.copies[0].w, self.copies[0].h, self.copies[0].d
+        self.box, self.box_bits, self.range = ((0, d), (0, h), (0, w)), 0., 1.
+        self.relatives = {key: Copy(raw, extent, stride, components, self.image) for key, (raw, extent) in relatives.items()}
+        both = [copy.get(*self.some(np.random.default_rng(1), d * h * w)) for copy in self.copies]
         if self.image and len(components) == 4 and all((values[:, 3] == 1).all() for values in both):
-            for copy in self.copies:  # an artificial fourth channel tells nothing
+            for copy in [*self.copies, *self.relatives.values()]:  # an artificial fourth channel tells nothing
                 copy.c = 3
         sizes = np.abs(np.concatenate(both)[:, :self.copies[0].c])
         sizes = sizes[np.isfinite(sizes) & (sizes < 1e30)]
         self.range = float(sizes.mean()) if len(sizes) and sizes.any() else 1.
-        self.before, differing, self.errors = self.sample(random)
-        self.pairs = [Pair(self.copies, side, {which: Copy(raw, extent, stride, components, self.image) for (of, which),
-                                               (raw, extent) in relatives.items() if of == side}, self) for side in (0, 1)]
-        for pair in self.pairs:
-            for other in pair.relatives.values():
-                other.c = self.copies[0].c
-            pair.set_points(self.points(differing), others)
+        self.look()
+
+    def look(self) -> None:
+        """Samples what is in the box."""
+        random = np.random.default_rng(1)
+        self.elements = math.prod(high - low for low, high in self.box)
+        others = self.some(random, self.elements)
+        self.before, self.counted, differing, self.errors = self.sample(random)
+        self.pairs = [Pair(self.copies, side, {which: copy for (of, which), copy in self.relatives.items() if of == side}, self)
+                      for side in (0, 1)]
         self.glance = np.sort(random.permutation(len(differing))[:256])
         for pair in self.pairs:
+            pair.set_points(self.points(differing), others)
             pair.hope = np.median(self.error(pair.differing_from, pair.differing_to)[self.glance].max(1)) / 5 if len(differing) else 0.
         self.first_half = random.permutation(len(differing)) % 2 == 0
-        narrow = [values[:, :self.copies[0].c] for values in both]
-        self.broken_before, self.loud_before = self.beyond(*narrow), self.loud(*narrow)
+        both = self.pairs[0].all_from, self.pairs[0].all_to
+        self.broken_before, self.loud_before = self.beyond(*both), self.loud(*both)
+        wrong = [(self.loud if self.are_loud else self.beyond)(self.pairs[0].differing_from[:, i:i + 1],
+                                                               self.pairs[0].differing_to[:, i:i + 1]).mean() > 0.02
+                 for i in range(self.copies[0].c if self.image and len(differing) else 0)]
+        self.touched = tuple(int(i) for i in np.flatnonzero(wrong)) if not all(wrong) else ()
+
+    def within(self, box: Box, looks: int) -> Question:
+        """The same of a part. A box costs bits, as many as it takes to tell it from others."""
+        part = copy_of(self)
+        part.box, part.box_bits = box, 2 * sum(math.log2(size) for size in self.extent) + math.log2(looks)
+        part.look()
+        return part
+
+    def some(self, random: Any, count: int) -> Point:
+        return self.points(random.integers(0, count, MOST_SAMPLES) if count > MOST_SAMPLES else np.arange(count))
 
     def points(self, elements: Array) -> Point:
-        w, h = self.copies[0].w, self.copies[0].h
-        return elements // (w * h), elements // w % h, elements % w
+        """Elements are counted in the box."""
+        (z, _), (y, rows), (x, columns) = self.box
+        w, h = columns - x, rows - y
+        return z + elements // (w * h), y + elements // w % h, x + elements % w
 
     def error(self, want: Array, got: Array) -> Array:
         """Of each number; what is NaN in one is far off."""
@@ -240,6 +266,11 @@ class Question:
         return values.astype(np.float16 if self.kind == "half" else np.float32).astype(np.float64) if self.kind in ("half",
                                                                                                                     "float") else values
 
+    def hits(self, source: Array, want: Array, got: Array) -> Array:
+        """Where a fault makes the error a tenth, or less than a code."""
+        before, after = self.error(source, got).max(1), self.error(want, got).max(1)
+        return after <= np.fmax(before / 10, 1.01 / self.one if self.one else 0)
+
     def bits(self, error: Array, got: Array) -> Array:
         """What it takes to write the errors of each row down, in the smallest steps of its numbers."""
         size = np.fmax(np.abs(np.nan_to_num(got)), 1e-3 * self.range)
@@ -257,22 +288,24 @@ class Question:
             yield at, self.beyond(a, b), self.loud(a, b)
 
     def stride(self) -> int:
-        return (self.elements // MOST_COUNTED + 1) | 1
+        return (self.elements // (MOST_COUNTED if self.box_bits == 0 else MOST_COUNTED >> 4) + 1) | 1
 
-    def sample(self, random: Any) -> tuple[int, Array, Array]:
-        """How many elements are beyond, a sample of them, and of the errors of all."""
+    def sample(self, random: Any) -> tuple[int, int, Array, Array]:
+        """How many elements are beyond, and beyond noise if these are not too few; a sample of them, and of the errors of all."""
         sets, count, most = [np.zeros(0, int)] * 2, 0, 0
         for at, beyond, loud in self.chunks(self.stride()):
             count, most = count + int(beyond.sum()), most + int((beyond & loud).sum())
             for i, chosen in enumerate((beyond & loud, beyond)):
                 more = np.concatenate([sets[i], at[chosen]])
                 sets[i] = np.sort(random.permutation(more)[:32 * MOST_SAMPLES]) if len(more) > 64 * MOST_SAMPLES else more
-        kept = sets[0] if most >= FEW else sets[1]
-        self.share = min((most if most >= FEW else count) * self.stride() / self.elements, 1.)
+        self.are_loud = most >= FEW
+        counted = min((most if self.are_loud else count) * self.stride(), self.elements)
+        self.share = counted / self.elements
         at = np.arange(0, self.elements, max(1, self.elements // 20000))
         points = self.points(at)
         errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1)
-        return min(count * self.stride(), self.elements), np.sort(random.permutation(kept)[:MOST_SAMPLES]), errors
+        kept = random.permutation(sets[0] if self.are_loud else sets[1])[:MOST_SAMPLES]
+        return min(count * self.stride(), self.elements), counted, np.sort(kept), errors
 
 
 # ---- Rules of evidence ---------------------------------------------------------------------------
@@ -283,7 +316,7 @@ class Trial:
     """Faults in a row that may explain the pair: of place, of channels, of numbers; and what they leave."""
     faults: list[tuple[Fault, tuple[float, ...]]]
     side: int
-    colour: bool  # alpha stays as it is
+    only: tuple[int, ...]  # channels that maps change; none: all
     choices: int = 1  # parameters that were tried
     left: float = 1.
     falls: bool = False
@@ -292,7 +325,7 @@ class Trial:
     after: int = 0
 
     def model_bits(self) -> float:
-        return sum(NAME_BITS + NUMBER_BITS * fault.found for fault, _ in self.faults) + math.log2(self.choices)
+        return sum(NAME_BITS + NUMBER_BITS * fault.found for fault, _ in self.faults) + math.log2(self.choices) + len(self.only)
 
     def predict(self, pair: Pair, points: Point) -> Array:
         faults = list(self.faults)
@@ -309,8 +342,9 @@ class Trial:
             if fault.map is None:
                 continue
             new = fault.map(p, values)
-            if self.colour and fault in MAPS:
-                new[:, 3] = values[:, 3]
+            if self.only and fault in MAPS:
+                kept = [i for i in range(pair.c) if i not in self.only]
+                new[:, kept] = values[:, kept]
             values = new
         values = pair.question.rounded(values)
         values[known[:, None] & np.isnan(values)] = np.inf  # a map without a value there is wrong, not unknown
@@ -318,14 +352,14 @@ class Trial:
 
 
 def explains(left: float, before: Array, after: Array, fall: float) -> bool:
-    """Nine tenths are within the contract, or the whole distribution of errors falls."""
+    """Nine tenths are within the contract, or the whole distribution of errors falls: below that of one value for all, too."""
     return left <= 0.1 or bool(fall and all(np.quantile(after, share) <= np.quantile(before, share) / fall for share in (0.5, 0.99)))
 
 
 def least_fall(question: Question, trial: Trial) -> float:
-    """By ten; where a number was fitted by more, and codes must be within the contract then."""
+    """By ten; where a number was fitted by more, and codes must be within the contract then. Integers are equal or not."""
     fitted = any(fault.found and fault.map for fault, _ in trial.faults)
-    return 0 if fitted and question.one else 30 if fitted else 10
+    return 0 if is_integer(question.kind) or fitted and question.one else 30 if fitted else 10
 
 
 def loses_nothing(pair: Pair, trial: Trial, value: Array, target: Array) -> bool:
@@ -335,19 +369,19 @@ def loses_nothing(pair: Pair, trial: Trial, value: Array, target: Array) -> bool
 
 def distinct(trial: Trial, pair: Pair, points: Point, target: Array, chosen: Array) -> Array:
     """Of the chosen rows, one of each kind: few distinct values prove little, whatever their number. A fault of place is proved by
-    neighbourhoods, one of numbers by pairs of numbers."""
+    neighbourhoods, one of numbers by what it makes, or by what it throws away."""
     z, y, x = (axis[chosen] for axis in points)
     if trial.faults[0][0].at and pair.image:
         parts = [target[chosen], pair.target.get(z, y, np.minimum(x + 1, pair.w - 1)), pair.target.get(z, np.minimum(y + 1, pair.h - 1), x)]
     else:
-        parts = [pair.get(z, y, x), target[chosen]]
+        parts = [target[chosen], *([pair.get(z, y, x)] if any(fault.loses for fault, _ in trial.faults) else [])]
     _, first = np.unique(rows_of(np.concatenate(parts, 1)), return_index=True)
     return np.flatnonzero(chosen)[first]
 
 
-def is_no_luck(trial: Trial, gain: float) -> bool:
+def is_no_luck(trial: Trial, gain: float, bits: float) -> bool:
     """What the fault saves, on elements on which it was not found, is more than what it takes to describe it."""
-    return gain >= trial.model_bits() + DOUBT_BITS
+    return gain >= trial.model_bits() + DOUBT_BITS + bits
 
 
 def is_promising(pair: Pair, want: Array) -> bool:
@@ -360,7 +394,8 @@ def is_promising(pair: Pair, want: Array) -> bool:
         return False
     want = np.where(unknown, got, want)
     after = question.error(want, got).max(1)[known]
-    return bool(2 * np.count_nonzero(after <= pair.hope) >= len(after) or question.beyond(want, got)[known].mean() <= 0.25)
+    fall = [2 * np.count_nonzero(after <= share * pair.hope) >= len(after) for share in (1, 4)]
+    return bool(fall[0] or (fall[1] and question.beyond(want, got)[known].mean() <= 0.25))
 
 
 def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
@@ -374,11 +409,12 @@ def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     before, after = question.error(pair.differing_from, got), question.error(want, got)
     wrong = question.beyond(want, got) & ~unknown
     worst = [error.max(1) for error in (before, after)]
+    constant = np.fmin(worst[0], question.error(np.median(got, 0), got).max(1))
     for half in (question.first_half, ~question.first_half):
         known = half & ~unknown
-        if not known.any() or not explains(wrong[known].mean(), worst[0][known], worst[1][known], least_fall(question, trial)):
+        if not known.any() or not explains(wrong[known].mean(), constant[known], worst[1][known], least_fall(question, trial)):
             return False
-    trial.left, trial.falls = float(wrong[~unknown].mean()), explains(1, worst[0][~unknown], worst[1][~unknown],
+    trial.left, trial.falls = float(wrong[~unknown].mean()), explains(1, constant[~unknown], worst[1][~unknown],
                                                                       least_fall(question, trial))
     lost = np.isnan(want_all).any(1)
     broken = question.beyond(want_all, pair.all_to) & ~question.broken_before & ~lost
@@ -393,7 +429,7 @@ def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     residual = float(question.bits(np.where(unknown[:, None], before, after), got).sum())
     trial.bits = residual * (1 + 0.02 * fitted) + trial.model_bits() + 100 * broken.sum()
     trial.errors = float(np.median(worst[0][~unknown])), float(np.median(worst[1][~unknown]))
-    return is_no_luck(trial, gain) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
+    return is_no_luck(trial, gain, question.box_bits) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
 
 
 def noise_of(question: Question) -> str | None:
@@ -420,13 +456,20 @@ def noise_of(question: Question) -> str | None:
 
 
 def ranks(values: Array) -> Array:
-    """Of each column, without its mean, of length 1."""
-    order = np.argsort(np.argsort(values, axis=0, kind="stable"), axis=0).astype(float)
-    for i in range(values.shape[1]):  # equal numbers have one rank
-        _, inverse, counts = np.unique(values[:, i], return_inverse=True, return_counts=True)
-        order[:, i] = (np.bincount(inverse, order[:, i]) / counts)[inverse]
+    """Of each column, without its mean, of length 1. Equal numbers have one rank."""
+    order = np.stack([np.searchsorted(column, own) + np.searchsorted(column, own, "right")
+                      for column, own in zip(np.sort(values, 0).T, values.T)], 1).astype(float)
     order -= order.mean(0)
     return order / np.maximum(np.sqrt((order ** 2).sum(0)), 1e-9)
+
+
+def follows(values: Array, target: Array) -> float:
+    """How far the channels of `to` that vary follow the same ones, all upwards or all downwards."""
+    known = np.isfinite(values).all(1) & np.isfinite(target).all(1)
+    varied = np.ptp(target[known], 0) > 0 if known.any() else np.zeros(1, bool)
+    if known.sum() < 32 or not varied.any():
+        return 0.
+    return abs(float((ranks(target[known][:, varied]) * ranks(values[known][:, varied])).sum(0).mean()))
 
 
 def related(values: Array, target: Array) -> tuple[float, tuple[float, ...]]:
@@ -491,36 +534,46 @@ class Search:
     def __init__(self, question: Question):
         self.question = question
         self.best: Trial | None = None
+        self.partial: list[tuple[int, int, Trial]] = []  # faults that explain a few
 
-    def attempt(self, placed: Placed, more: list[tuple[Fault, tuple[float, ...]]]) -> None:
-        pair = placed.pair
-        maps = any(fault in MAPS for fault, _ in more)
-        for colour in (False, True) if maps and pair.image and pair.c == 4 else (False,):
-            trial = Trial([*placed.faults, *more], placed.side, colour, placed.choices)
-            if not trial.faults:
-                continue
-            if not is_promising(pair, trial.rest(pair, placed.glance, more)):
-                continue
+    def attempt(self, placed: Placed, more: list[tuple[Fault, tuple[float, ...]]], only: tuple[int, ...] = ()) -> None:
+        pair, trial = placed.pair, Trial([*placed.faults, *more], placed.side, only, placed.choices)
+        if not trial.faults:
+            return
+        glance, rows = trial.rest(pair, placed.glance, more), self.question.glance
+        if is_promising(pair, glance):
             want, want_all = trial.rest(pair, placed.differing, more), trial.rest(pair, placed.others, more)
-            if judge(pair, trial, want, want_all) and (self.best is None or trial.bits < self.best.bits - 0.5):
-                self.best = trial
+            if judge(pair, trial, want, want_all):
+                if self.best is None or trial.bits < self.best.bits - 0.5:
+                    self.best = trial
+                return
+        hits = np.count_nonzero(self.question.hits(pair.differing_from[rows], glance, pair.differing_to[rows]))
+        if hits >= 5 and not any(fault.found and fault.map for fault, _ in trial.faults):
+            self.partial.append((hits, -len(self.partial), trial))
 
-    def maps_on(self, placed: Placed, before: list[tuple[Fault, tuple[float, ...]]]) -> None:
+    def fits(self) -> Trial | None:
+        """Faults alone whose numbers are measured."""
+        for side, pair in enumerate(self.question.pairs):
+            self.maps_on(Placed([], pair, side), [], True)
+            for fault in PLACES:
+                if fault.name in LOCAL and fault.applies(pair) and fault.fit:
+                    for p in fault.fit(pair, pair.differing, pair.differing_to):
+                        self.attempt(Placed([(fault, p)], pair, side), [])
+        return self.best
+
+    def maps_on(self, placed: Placed, before: list[tuple[Fault, tuple[float, ...]]], fitted: bool = False) -> None:
+        """On all channels, on colours alone, on those alone that differ."""
         pair, question = placed.pair, self.question
-        values = placed.differing
+        values, rows = placed.differing, question.first_half
         for fault, p in before:
             values = fault.map(p, values)  # type: ignore[misc]
-        for fault in MAPS:
-            if not fault.applies(pair):
-                continue
-            choices = [fault.p]
-            if fault.fit:
-                rows = question.first_half
-                count = min(3, pair.c) if pair.image else pair.c
-                v, target = values[rows, :count].ravel(), pair.differing_to[rows, :count].ravel()
-                choices = fault.fit(pair, v, target)
-            for p in choices:
-                self.attempt(placed, [*before, (fault, p)])
+        for only in dict.fromkeys([(), (0, 1, 2) if pair.image and pair.c == 4 else (), question.touched]):
+            count = list(only) or list(range(min(3, pair.c) if pair.image else pair.c))
+            v, target = values[rows][:, count].ravel(), pair.differing_to[rows][:, count].ravel()
+            for fault in MAPS:
+                if fault.applies(pair) and (fault.fit or not fitted):
+                    for p in fault.fit(pair, v, target) if fault.fit else [fault.p]:
+                        self.attempt(placed, [*before, (fault, p)], only)
 
     def run(self) -> Trial | None:
         """First one fault of each kind, then faults of numbers and channels where those of place come nearest."""
@@ -536,7 +589,7 @@ class Search:
         if self.best and self.best.left <= 0.1:
             return self.best
         kept.sort(key=lambda item: -item[0])
-        near = [item for item in kept if item[2].faults and item[0] > 0.5][:8]
+        near = [item for item in kept if item[2].faults and item[0] > 0.7][:8]
         for _, order, placed in [*plain, *near]:
             if placed.faults:
                 self.channels_on(placed, order)
@@ -547,11 +600,12 @@ class Search:
 
     def orders(self, placed: Placed, order: tuple[float, ...]) -> Iterator[list[tuple[Fault, tuple[float, ...]]]]:
         """Faults of channels after which a map may hold."""
-        pair = placed.pair
+        pair, target = placed.pair, placed.pair.differing_to[placed.pair.question.glance]
+        least = 0.1 + 0.9 * follows(placed.glance, target)
         for fault in CHANNELS:
             same = order and fault.map is CHANNELS[0].map and fault.p[:pair.c] == order
-            if fault.applies(pair) and (same or not placed.faults and fault.name in ("premultiplied", "matrix", "alpha_lost",
-                                                                                     "channel_inverted", "channel_negated")):
+            if fault.applies(pair) and (same or not placed.faults and fault.map is not CHANNELS[0].map
+                                        and follows(fault.map(fault.p, placed.glance), target) > least):  # type: ignore[misc]
                 yield [(fault, fault.p)]
 
     def channels_on(self, placed: Placed, order: tuple[float, ...]) -> None:
@@ -584,6 +638,8 @@ def count_left(question: Question, trial: Trial) -> int:
 def describe(question: Question, trial: Trial) -> dict[str, Any]:
     labels = {"from": question.labels[trial.side], "to": question.labels[1 - trial.side]}
     words = ", and ".join(phrase(fault, p, labels) for fault, p in trial.faults)
+    if trial.only and trial.only != (0, 1, 2):
+        words += f", in {' and '.join(CHANNEL_NAMES[i] for i in trial.only)} alone"
     exact = question.contract["kind"] == "exact"
     head = "far nearer"
     if trial.after == 0:
@@ -637,8 +693,15 @@ def is_place(question: Question, pair: Pair, fault: Fault) -> tuple[float | None
     return float(1 - inside.mean()), 0.3 * share
 
 
+CHANNEL_NAMES = ("red", "green", "blue", "alpha")
+LOOKS, LEAST_SHARE, LEAST_PIECE = 24, 0.01, 32  # of pieces: boxes that are tried, and what is told
+LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
 FIRST = ("nan", "uninitialised", "dither")
 VAGUE = {"clear": 0.2, "tiles": 0.16}  # places that fit much
+
+
+def percent(share: float) -> str:
+    return f"{100 * share:.0f} %" if share > 0.095 else f"{100 * share:.2g} %"
 
 
 def size_of(question: Question) -> str:
@@ -648,7 +711,139 @@ def size_of(question: Question) -> str:
     span = 1. if question.one else float(np.quantile(values, 0.99) - np.quantile(values, 0.01)) if len(values) else 0.
     span = span or float(np.abs(values).max(initial=0)) or 1.
     mean, large = (float(v) / span for v in (question.errors.mean(), np.quantile(question.errors, 0.99)))
-    return f"mean {100 * mean:.2g} % of the range, {'visible' if large >= 1.5 / 255 else 'hardly visible'}"
+    return f"mean {percent(mean)} of the range, {'visible' if large >= 1.5 / 255 else 'hardly visible'}"
+
+
+# ---- Pieces --------------------------------------------------------------------------------------
+
+
+def best_runs(weights: Array) -> tuple[Array, Array, Array]:
+    """Of each row the run with the largest sum: its sum, start and end; of equal ones the shortest."""
+    sums = np.concatenate([np.zeros((len(weights), 1)), np.cumsum(weights, 1)], 1)
+    gains = sums - np.minimum.accumulate(sums, 1)
+    ends, rows = gains.argmax(1), np.arange(len(weights))
+    before = np.where(np.arange(sums.shape[1]) <= ends[:, None], sums, np.inf)
+    return gains[rows, ends], sums.shape[1] - 1 - before[:, ::-1].argmin(1), ends
+
+
+def best_rectangle(weights: Array) -> tuple[float, tuple[int, int, int, int]]:
+    """Its sum; first and last row, first and last column, the last ones excluded."""
+    sums, best = np.concatenate([np.zeros((1, weights.shape[1])), np.cumsum(weights, 0)]), (0., (0, 0, 0, 0))
+    for top in range(len(weights)):
+        gains, starts, ends = best_runs(sums[top + 1:] - sums[top])
+        at = int(gains.argmax())
+        if gains[at] > best[0]:
+            best = float(gains[at]), (top, top + 1 + at, int(starts[at]), int(ends[at]))
+    return best
+
+
+class Chart:
+    """Where a trial explains what differs, and where it does not, at points of one layer that are `steps` of rows and columns apart."""
+
+    def __init__(self, question: Question, trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]):
+        self.rows, self.columns, pair = rows, columns, question.pairs[trial.side]
+        y, x = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
+        points, shape = (np.full_like(x, z), y, x), (len(rows), len(columns))
+        source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(pair, points)
+        differs, known = question.beyond(source, got) & (~question.are_loud | question.loud(source, got)), ~np.isnan(want).any(1)
+        good = question.hits(source, want, got) & known
+        self.hits, self.differs = (good & differs).reshape(shape), differs.reshape(shape)
+        misses = np.where(differs, ~good, question.loud(want, got)) & known
+        self.weights = np.where(self.hits, 1., 0) - 9 * misses.reshape(shape)
+
+    def box(self) -> tuple[float, tuple[int, int], tuple[int, int]]:
+        """The best rectangle in the picture's rows and columns."""
+        cell = -(-len(self.rows) // 32)
+        starts = range(0, len(self.rows), cell)
+        gain, (top, bottom, left, right) = best_rectangle(np.add.reduceat(self.weights, starts, 0))
+        _, first, last = best_runs(self.weights[:, left:right].sum(1)[None])
+        if not gain:
+            return 0., (0, 0), (0, 0)
+        return gain, (self.rows[first[0]], self.rows[last[0] - 1] + 1), (self.columns[left], self.columns[right - 1] + 1)
+
+
+def chart_of(question: Question, trial: Trial, z: int, rows: tuple[int, int], columns: tuple[int, int]) -> Chart:
+    steps = (-(-(high - low) // 256) for low, high in (rows, columns))
+    return Chart(question, trial, z, *(range(*side, step) for side, step in zip((rows, columns), steps)))
+
+
+def has_sharp_sides(question: Question, trial: Trial, box: Box) -> bool:
+    """Right outside, the fault explains no more: a part of a surface that only looks so has no straight sides."""
+    (z, _), (top, bottom), (left, right) = box
+    _, h, w = question.extent[::-1]
+    wide, high = max(2, (right - left) // 16), max(2, (bottom - top) // 16)
+    for rows, columns in (((max(0, top - high), top), (left, right)), ((bottom, min(h, bottom + high)), (left, right)),
+                          ((top, bottom), (max(0, left - wide), left)), ((top, bottom), (right, min(w, right + wide)))):
+        if rows[0] < rows[1] and columns[0] < columns[1]:
+            chart = chart_of(question, trial, z, rows, columns)
+            if chart.hits.sum() > 0.5 * max(4, (chart.weights != 0).sum()):
+                return False
+    return True
+
+
+def piece_of(question: Question, trial: Trial) -> Piece | None:
+    """What the trial explains, if that is a box: judged there by all rules."""
+    d, h, w = question.extent[::-1]
+    charts = [chart_of(question, trial, z, (0, h), (0, w)) for z in range(0, d, -(-d // 8))]
+    z, (gain, rows, columns) = max(enumerate(chart.box() for chart in charts), key=lambda item: item[1][0])
+    if gain < FEW:
+        return None
+    box = ((z * -(-d // 8), z * -(-d // 8) + 1), rows, columns)
+    part = question.within(box, LOOKS)
+    pair = part.pairs[trial.side]
+    if part.before < LEAST_PIECE or not judge(pair, trial, *(trial.predict(pair, points) for points in (pair.differing, pair.all))):
+        return None
+    trial.after = count_left(part, trial)
+    return Piece(part, trial) if holds(part, trial) and has_sharp_sides(question, trial, box) else None
+
+
+@dataclass
+class Piece:
+    part: Question
+    trial: Trial
+
+    def share(self, whole: Question) -> float:
+        return (1 if self.trial.falls else 1 - self.trial.left) * self.part.counted / whole.counted
+
+    def contains(self, box: Box) -> bool:
+        return all(low <= other_low and other_high <= high for (low, high), (other_low, other_high) in zip(self.part.box, box))
+
+    def overlaps(self, other: Piece) -> bool:
+        return all(low < other_high and other_low < high for (low, high), (other_low, other_high) in zip(self.part.box, other.part.box))
+
+    def told(self, whole: Question) -> dict[str, Any]:
+        names = [f"{name} {low} to {high - 1}" for name, (low, high), size in zip(("layer", "y", "x"), self.part.box, whole.extent[::-1])
+                 if size > 1]
+        reason = describe(self.part, self.trial)
+        share = self.share(whole)
+        return {**reason, "share": share, "text": f"{percent(share)}, in {', '.join(names)}: {reason['text']}"}
+
+
+def pieces(question: Question, search: Search) -> list[Piece]:
+    """Faults that explain a part, then fits in cells of the picture; of those that overlap, the largest."""
+    found: list[Piece] = []
+    trials = [trial for _, _, trial in sorted(search.partial, key=lambda item: item[:2])[:-11:-1]]
+    for box in [None, *cells(question)]:
+        if box:
+            part = question.within(box, LOOKS)
+            trial = Search(part).fits() if part.before >= 2 * FEW and not any(piece.contains(box) for piece in found) else None
+            trials = [trial] if trial else []
+        found += [piece for piece in (piece_of(question, trial) for trial in trials) if piece]
+    chosen: list[Piece] = []
+    for piece in sorted(found, key=lambda piece: -piece.share(question)):
+        if piece.share(question) >= LEAST_SHARE and not any(piece.overlaps(other) for other in chosen):
+            chosen.append(piece)
+    return chosen
+
+
+def cells(question: Question) -> Iterator[Box]:
+    """The box of all that differs, and a sixteenth of it each."""
+    sides = [(int(axis.min()), int(axis.max()) + 1) for axis in question.pairs[0].differing]
+    parts = [[(low + i * (high - low) // 4, low + (i + 1) * (high - low) // 4) for i in range(4)] for low, high in sides[1:]]
+    for layer in range(*sides[0], -(-(sides[0][1] - sides[0][0]) // 8)):
+        yield (layer, layer + 1), sides[1], sides[2]
+        yield from (((layer, layer + 1), rows, columns) for rows in parts[0] for columns in parts[1]
+                    if rows[0] < rows[1] and columns[0] < columns[1])
 
 
 def answer(question: Question) -> dict[str, Any]:
@@ -659,10 +854,18 @@ def answer(question: Question) -> dict[str, Any]:
     noise = None if first else noise_of(question)
     if noise and not question.one:
         return {**result, "why_not": noise, "noise": True}
-    trial = Search(question).run() if not first and question.before >= FEW else None
+    search = Search(question)
+    trial = search.run() if not first and question.before >= FEW else None
     if trial:
         trial.after = count_left(question, trial)
     reason = first or (describe(question, trial) if trial and holds(question, trial) else None) or shown(question)
+    if reason and reason["name"] not in VAGUE:
+        return {**result, "why": [reason]}
+    parts = pieces(question, search) if question.before >= 2 * FEW and not noise else []
+    if parts:
+        left = 1 - sum(piece.share(question) for piece in parts)
+        rest = {"why_not": "the rest has no simple cause"} if left > 0.01 else {}
+        return {**result, "why": [piece.told(question) for piece in parts], **rest}
     if reason:
         return {**result, "why": [reason]}
     return {**result, "why_not": noise or "no simple cause", "noise": bool(noise)}

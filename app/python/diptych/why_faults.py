@@ -174,9 +174,17 @@ def scaled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 
 
 def scales(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
-    anchors = ((0., 0.), (0., 1.), (0.5, 0.5))
-    return [(scale, *anchor, float(mode)) for scale in (2, 0.5, 1.5, 2 / 3, 3, 1 / 3, 4, 0.25, 1.25, 0.8, 4 / 3, 0.75)
-            for anchor in anchors for mode in range(3)]
+    """Those at which `to` follows best."""
+    few = pair.question.glance
+    places, sought = [axis[few] for axis in points], target[few].mean(1)
+    found = []
+    for scale in (2, 0.5, 1.5, 2 / 3, 3, 1 / 3, 4, 0.25, 1.25, 0.8, 4 / 3, 0.75):
+        for anchor in ((0., 0.), (0., 1.), (0.5, 0.5)):
+            value = scaled(pair, (scale, *anchor, 1.), *places).mean(1)
+            known = np.isfinite(value) & np.isfinite(sought)
+            if known.sum() > 16:
+                found.append((-abs(float(np.corrcoef(value[known], sought[known])[0, 1])), (scale, *anchor)))
+    return [(*p, float(mode)) for _, p in sorted(found)[:3] for mode in range(3)]
 
 
 def of_relative(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
