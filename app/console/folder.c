@@ -54,10 +54,12 @@ static bool may_replace(const struct folder *folder)
     struct stat info;
     if (lstat(folder->place, &info) != 0 && errno == ENOENT)
         return true;
-    return (S_ISDIR(info.st_mode) &&
-            (is_marked(folder->place, folder->mark) || folder_is_empty(folder->place))) ||
+    return (S_ISDIR(info.st_mode) && ((folder->mark && is_marked(folder->place, folder->mark)) ||
+                                      folder_is_empty(folder->place))) ||
            report_error(&folder->console->log,
-                        "%s %s: exists and was not written by an earlier %s; name another folder",
+                        folder->mark ? "%s %s: exists and was not written by an earlier %s; name "
+                                       "another folder"
+                                     : "%s %s: exists and is not empty; name another folder",
                         folder->option, folder->place, folder->option);
 }
 

@@ -13,7 +13,8 @@ struct folder {
 };
 
 /* Refuses a place that is neither free, nor an empty folder, nor one of the same kind, whose
- * manifest.json has the key `mark`. Strings but the place are borrowed. On false the error is logged; folder_end either way. */
+ * manifest.json has the key `mark` (NULL: none has). Strings but the place are borrowed. On false the error
+ * is logged; folder_end either way. */
 bool folder_begin(struct folder *folder, struct console *console, const char *option,
                   const char *place, const char *mark);
 

@@ -1,6 +1,8 @@
 /* See hlsl.h. */
 #include "import/hlsl.h"
 
+#include <ctype.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -9,6 +11,8 @@
 #include "gen/model/spirv_check.h"
 #include "gen/read/body_files.h"
 #include "gen/spirv/compile.h"
+
+enum { ENTRY_SIZE = 128 };
 
 /* Entry points as people name them, by stage; main() has the stage that the file's name says. */
 static const char *const entries[][6] = {
@@ -27,34 +31,53 @@ bool hlsl_is(const char *path, const char *text)
     return found;
 }
 
-static const char *find_entry(const char *text, int stage)
+/* The function behind an attribute, as [numthreads(8, 8, 1)]. */
+static bool find_behind(const char *text, const char *attribute, char entry[ENTRY_SIZE])
+{
+    const char *at = find_word(text, attribute), *open = at ? strchr(at, ']') : NULL;
+    while (open && open[1 + strspn(open + 1, " \t\r\n")] == '[')
+        open = strchr(open + 1, ']');
+    open = open ? strchr(open, '(') : NULL;
+    size_t length = 0;
+    while (open && (isalnum((unsigned char)open[-1]) || open[-1] == '_'))
+        open--, length++;
+    if (length)
+        snprintf(entry, ENTRY_SIZE, "%.*s", (int)length, open);
+    return length && length < ENTRY_SIZE;
+}
+
+static bool find_entry(const char *text, int stage, char entry[ENTRY_SIZE])
 {
     for (size_t i = 0; i < DT_ARRAY_COUNT(entries[stage]); i++) {
         const char *at = find_word(text, entries[stage][i]);
         const char *behind = at ? at + strlen(entries[stage][i]) : "";
+        snprintf(entry, ENTRY_SIZE, "%s", entries[stage][i]);
         if (behind[strspn(behind, " \t\r\n")] == '(')
-            return entries[stage][i];
+            return true;
     }
-    return NULL;
+    return stage == REFLECT_COMPUTE && find_behind(text, "numthreads", entry) &&
+           strcmp(entry, "main") != 0;
 }
 
 unsigned hlsl_stages(const char *text)
 {
     unsigned stages = 0;
+    char entry[ENTRY_SIZE];
     for (int stage = REFLECT_COMPUTE; stage <= REFLECT_FRAGMENT; stage++)
-        stages |= (find_entry(text, stage) ? 1u : 0) << stage;
+        stages |= (find_entry(text, stage, entry) ? 1u : 0) << stage;
     return stages;
 }
 
 uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage, size_t *count,
                        char **why)
 {
-    const char *entry = find_entry(texts->list[0].text, stage);
+    char entry[ENTRY_SIZE];
+    bool named = find_entry(texts->list[0].text, stage, entry);
     const struct glslang_job job = {.code = texts->list[0].text,
                                     .stage = stage,
                                     .minor = 3,
                                     .lines = true,
-                                    .hlsl = entry ? entry : "main",
+                                    .hlsl = named ? entry : "main",
                                     .name = name,
                                     .include = texts_include,
                                     .user = texts};

@@ -212,7 +212,7 @@ int verb_import(struct console *console, const struct options *options)
     import_identifier(base, name, sizeof name - 2);
     struct import import = {
         .console = console, .name = name, .picture = options->picture, .files = options->files};
-    FILE *done = folder_begin(&import.folder, console, "-o", options->output, "import")
+    FILE *done = folder_begin(&import.folder, console, "-o", options->output, NULL)
                      ? child_run(import_apart, &import, &console->log)
                      : NULL;
     bool good = folder_end(&import.folder, done) && done;
