@@ -49,6 +49,27 @@ static bool add_constant_text(const struct spirv *module, uint32_t id, bool oute
     return good;
 }
 
+/* Calls `take` for a constant, or for each member of a struct: NAME_MEMBER, as spirv_each_leaf() has it. */
+static void take_leaves(const struct spirv *module, uint32_t id, const char *name,
+                        initial_taker *take, void *user)
+{
+    const uint32_t *constant = spirv_definition(module, id),
+                   *type = spirv_definition(module, constant[1]);
+    bool members = spirv_is(type, SpvOpTypeStruct) && spirv_is(constant, SpvOpConstantComposite);
+    for (uint32_t i = 0; members && i + 2 < spirv_length(type); i++) {
+        struct text leaf = {0};
+        const char *member = spirv_member_name(module, type[1], i);
+        text_add(&leaf, "%s_%s", name, member ? member : "");
+        if (!leaf.failed)
+            take_leaves(module, constant[3 + i], leaf.data, take, user);
+        text_free(&leaf);
+    }
+    struct text value = {0};
+    if (!members && add_constant_text(module, id, true, &value) && !value.failed)
+        take(user, name, value.data);
+    text_free(&value);
+}
+
 void glsl_initials(const struct glslang_job *job, initial_taker *take, void *user)
 {
     struct glslang_job own = *job;
@@ -66,11 +87,9 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
     SPIRV_EACH(&module, at, module.declarations, module.code)
     {
         const uint32_t *i = module.words + at;
-        struct text value = {0};
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
-            spirv_length(i) > 4 && add_constant_text(&module, i[4], true, &value) && !value.failed)
-            take(user, spirv_name(&module, i[2]), value.data);
-        text_free(&value);
+            spirv_length(i) > 4)
+            take_leaves(&module, i[4], spirv_name(&module, i[2]), take, user);
     }
     spirv_free(&module);
 }

@@ -12,6 +12,7 @@
 struct combined {
     uint32_t texture, sampler; /* variables; sampler 0: fetched alone */
     uint32_t variable, type;   /* of the combined one */
+    uint32_t image;            /* type; with a sampler's it says whether depths are compared */
 };
 
 struct combining {
@@ -182,16 +183,15 @@ static struct combined *find_combined(struct combining *c, uint32_t texture, uin
     return NULL;
 }
 
-static void add_combined(struct combining *c, uint32_t texture, uint32_t sampler)
+/* `type`: of the texture with its sampler, or of the texture alone. */
+static void add_combined(struct combining *c, uint32_t texture, uint32_t sampler, uint32_t type)
 {
     struct spirv_edit *edit = &c->edit;
     if (find_combined(c, texture, sampler))
         return;
-    uint32_t type = spirv_pointee(c->from, spirv_definition(c->from, texture));
-    uint32_t image = plain_type(c, type);
-    type = spirv_is(spirv_definition(c->from, type), SpvOpTypeSampledImage)
-               ? image
-               : spirv_declare(edit, SpvOpTypeSampledImage, 0, &image, 1);
+    const uint32_t *declared = spirv_definition(c->from, type);
+    uint32_t image = plain_type(c, spirv_is(declared, SpvOpTypeSampledImage) ? declared[2] : type);
+    type = spirv_declare(edit, SpvOpTypeSampledImage, 0, &image, 1);
     uint32_t pointer = spirv_declare(edit, SpvOpTypePointer, 0,
                                      (uint32_t[]){SpvStorageClassUniformConstant, type}, 2);
     uint32_t variable = edit->bound++;
@@ -199,7 +199,7 @@ static void add_combined(struct combining *c, uint32_t texture, uint32_t sampler
               SpvStorageClassUniformConstant);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, variable, SpvDecorationDescriptorSet, 0);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, variable, SpvDecorationBinding, c->count);
-    c->pairs[c->count++] = (struct combined){texture, sampler, variable, type};
+    c->pairs[c->count++] = (struct combined){texture, sampler, variable, type, image};
 }
 
 static void name_pairs(struct combining *c)
@@ -226,7 +226,7 @@ static void find_pairs(struct combining *c)
         SPIRV_EACH(from, at, from->code, from->count)
         {
             const uint32_t *i = from->words + at;
-            uint32_t texture = 0, sampler = 0;
+            uint32_t texture = 0, sampler = 0, type = i[1];
             if (!alone && spirv_is(i, SpvOpSampledImage)) {
                 texture = loaded_from(from, i[3], SpvOpTypeImage);
                 sampler = loaded_from(from, i[4], SpvOpTypeSampler);
@@ -236,7 +236,7 @@ static void find_pairs(struct combining *c)
                     add_frag_coord(c);
             }
             if (texture && (sampler || alone))
-                add_combined(c, texture, sampler);
+                add_combined(c, texture, sampler, type);
         }
 }
 
@@ -259,7 +259,7 @@ static void put_code(struct combining *c)
             SPIRV_PUT(edit, &edit->code, SpvOpLoad, pair->type, i[2], pair->variable);
         } else if (pair) {
             uint32_t both = SPIRV_VALUE(edit, &edit->code, SpvOpLoad, pair->type, pair->variable);
-            SPIRV_PUT(edit, &edit->code, SpvOpImage, plain_type(c, i[1]), i[2], both);
+            SPIRV_PUT(edit, &edit->code, SpvOpImage, pair->image, i[2], both);
         } else if (!(load && loaded_from(from, i[2], SpvOpTypeSampler)) && !put_special(c, i)) {
             spirv_copy(edit, &edit->code, i);
             if (spirv_is(i, SpvOpImage) && !edit->failed)

@@ -135,7 +135,7 @@ case("a key of a pass that is not there", preset("wrap_mode7 = repeat\n"), 0)
 for local in ("local_size_x = 1", "local_size_x_id = 0", "local_size_x = 1, local_size_y = 4"):
     case(f"a workgroup of {local}", {"a.comp": f"#version 450\nlayout({local}) in;\nlayout(binding = 0) buffer B {{ uint w[]; }};\nvoid main() {{ w[gl_GlobalInvocationID.x] = 1; }}\n"}, 0,
          "dispatch: 65535 ")
-
+case("... an entry point of HLSL that its attribute tells", {"a.hlsl": "RWStructuredBuffer<uint> w;\n[numthreads(4, 1, 1)]\nvoid fill(uint i : SV_DispatchThreadID) { w[i] = i; }\n"}, 0, "local: [4, 1, 1]")
 
 case("initializers of uniforms", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);",
      "vec4(a * b, c.x + c.y)")}, 0, """  a: {value: 0.5, type: float, live: true}
@@ -144,10 +144,14 @@ case("initializers of uniforms", {"a.frag": fragment("uniform float a = 0.5;\nun
 """)
 case("... of those that no parameter can be", {"a.frag": fragment("uniform mat2 a = mat2(1, 0.5, 0.25, 2);\nuniform float b[2] = float[](1, 2);\nuniform bool c = true;",
      "vec4(a[1], b[1], c)")}, 0, "  c: {value: 1, type: uint, live: true}")
+case("... of the members of a struct", {"a.frag": fragment("struct T { int k; };\nstruct S { vec2 a; T b; };\nuniform S s = S(vec2(0.5, 2), T(7));", "vec4(s.a, s.b.k, 1)")}, 0,
+     "  s_a: {value: [0.5, 2], type: vec2, live: true}\n  s_b_k: {value: 7, type: int, live: true}")
 case("a uniform that is named like a size", {"a.frag": fragment("uniform vec3 iResolution;\nuniform vec2 u_screen_size;", "vec4(iResolution / u_screen_size.xyy, 1)")}, 0,
      'iResolution: "vec3(frame.width, frame.height, 1)"  # a guess\n  u_screen_size: "vec2(frame.width, frame.height)"')
 case("a texture that is compared", {"a.frag": fragment("uniform sampler2DShadow shadow;", "vec4(texture(shadow, vec3(0.5)))")}, 0, "shadow: {format: d32f")
 case("... its sampler", {"a.frag": fragment("uniform sampler2DShadow shadow;", "vec4(texture(shadow, vec3(0.5)))")}, 0, "shadow_: {kind: filter, filter: linear, compare: true,")
+case("a texture that one sampler compares, another reads", {"a.frag": fragment("uniform texture2D near;\nuniform samplerShadow by;\nuniform sampler plain;",
+     "vec4(texture(sampler2DShadow(near, by), vec3(0.5)) + texture(sampler2D(near, plain), vec2(0.5)))")}, 0, "{name: near_by, sampler: shadow}, {name: near_plain, sampler: soft}")
 
 # ---- Specs that read such shaders -------------------------------------------------------------------------------------
 
@@ -185,7 +189,7 @@ def run(number: int, what: str, files: Files, status: int, words: str) -> bool:
         with open(f"{folder}/{name}", "wb") as file:
             file.write(content if isinstance(content, bytes) else content.encode())
     before = sorted(os.listdir(folder))
-    given = [name for name in files if name.endswith((".vert", ".frag", ".comp"))] or ["a.slangp"]
+    given = [name for name in files if name.endswith((".vert", ".frag", ".comp", ".hlsl"))] or ["a.slangp"]
     command = [GEN, "a.yaml", "--check", "--limit", "10", "--templates", TEMPLATES] if "a.yaml" in files else [DIPTYCH, "import", *given, "-o", "../out"]
     done = subprocess.run(["timeout", "60", *command], cwd=folder, capture_output=True, text=True, errors="replace")
     said = done.stderr + done.stdout
