@@ -333,7 +333,9 @@ static bool find_blame(struct compare *compare)
 static bool find_elsewhere(struct compare *compare)
 {
     uint32_t runs = compare->options.repeat;
-    bool good = elsewhere_add_limits(&compare->elsewhere, compare->pipeline.vk->panel,
+    /* The checks of --sanitize need more than the spec does. */
+    bool good = compare->options.setup.sanitize ||
+                elsewhere_add_limits(&compare->elsewhere, compare->pipeline.vk->panel,
                                      &compare->console->log);
     for (uint32_t i = 0; i < compare->sides.count && good; i++) {
         const struct worker_info worker = describe_worker(compare, i);
