@@ -26,39 +26,67 @@ static bool read(struct spec *spec, const struct spec_request *request, struct d
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }
 
-static bool run_stages(struct spec *spec, const struct spec_request *request, bool tables,
-                       struct diag *diag)
+static bool plan(struct spec *spec, const struct spec_request *request, struct diag *diag)
 {
     struct model *model = &spec->model;
     if (!read(spec, request, diag) || !check_model(model, model->templates_dir, diag) ||
         diag_error_count(diag))
         return false;
     layout_model(model);
-    if (!plan_model(model, diag) || diag_error_count(diag))
-        return false;
-    struct shader_cache *cache =
-        model->sanitize ? NULL : shader_cache_open(request->cache, diag); /* it knows no sites */
-    bool good = sanitize_begin(model) && shaders_compile(model, spec->shaders, cache, diag) &&
-                sanitize_count(model, diag);
-    shader_cache_close(cache);
-    if (!good)
-        return false;
-    spec->tables = tables ? lower(model, spec->shaders) : NULL;
-    if (tables && !spec->tables)
+    return plan_model(model, diag) && !diag_error_count(diag) && sanitize_begin(model);
+}
+
+static bool make_tables(struct spec *spec, struct diag *diag)
+{
+    spec->tables = lower(&spec->model, spec->shaders);
+    if (!spec->tables)
         diag_error(diag, (struct loc){0}, "out of memory");
-    return !tables || spec->tables;
+    return spec->tables;
+}
+
+static bool run_stages(struct spec *specs[2], const struct spec_request *request, bool tables,
+                       struct diag *diags[2])
+{
+    struct shader_plan plans[2];
+    struct spec_request own = *request;
+    uint32_t count = 0;
+    for (bool more = true; more; more = specs[count] && specs[0]->model.pipeline.automatic) {
+        if (!plan(specs[count], &own, diags[count]))
+            return false;
+        plans[count] =
+            (struct shader_plan){&specs[count]->model, specs[count]->shaders, diags[count]};
+        own.gpu = true;
+        if (++count == 2)
+            break;
+    }
+    struct shader_cache *cache =
+        request->sanitize ? NULL
+                          : shader_cache_open(request->cache, diags[0]); /* it knows no sites */
+    bool good = shaders_compile(plans, count, cache) && sanitize_count(&specs[0]->model, diags[0]);
+    shader_cache_close(cache);
+    for (uint32_t i = 0; good && tables && i < count; i++)
+        good = make_tables(specs[i], diags[i]);
+    return good;
+}
+
+bool spec_load_both(struct spec *specs[2], const struct spec_request *request, bool tables,
+                    struct diag *diags[2])
+{
+    memory_forget();
+    bool good = run_stages(specs, request, tables, diags);
+    bool told = diag_error_count(diags[0]) || (specs[1] && diag_error_count(diags[1]));
+    if (memory_was_lost() || (!good && !told)) { /* all else is reported */
+        diag_error(diags[0], (struct loc){0}, "out of memory");
+        return false;
+    }
+    return good;
 }
 
 bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
                struct diag *diag)
 {
-    memory_forget();
-    bool good = run_stages(spec, request, tables, diag);
-    if (memory_was_lost() || (!good && !diag_error_count(diag))) { /* all else is reported */
-        diag_error(diag, (struct loc){0}, "out of memory");
-        return false;
-    }
-    return good;
+    return spec_load_both((struct spec *[]){spec, NULL}, request, tables,
+                          (struct diag *[]){diag, NULL});
 }
 
 void spec_free(struct spec *spec)

@@ -28,4 +28,8 @@ struct spec {
 /* False: the errors are in diag. `tables` false: makes no tables, for callers that only check. */
 bool spec_load(struct spec *spec, const struct spec_request *request, bool tables,
                struct diag *diag);
+/* The same for `target: auto`: specs[1] is planned for GPUs, and its errors, where the first has none, are in
+ * diags[1], with the same warnings as the first. It stays zero for other targets, or if it is NULL. */
+bool spec_load_both(struct spec *specs[2], const struct spec_request *request, bool tables,
+                    struct diag *diags[2]);
 void spec_free(struct spec *spec);

@@ -175,12 +175,6 @@ static void add_shader(struct generation *g, const char *folder, const struct pa
     output_add(g->output, g->options->out, binary, &words);
 }
 
-static bool same_words(const struct shader *a, const struct shader *b)
-{
-    return a->word_count == b->word_count &&
-           memcmp(a->words, b->words, a->word_count * sizeof *a->words) == 0;
-}
-
 /* For every backend, pass and stage; in gl/gpu and vk/gpu those that GPUs have of their own. */
 static void add_shaders(struct generation *g)
 {
@@ -194,7 +188,7 @@ static void add_shaders(struct generation *g)
                     g->spec.tables->gpu ? &g->gpu.shaders[backend][i].stage[stage] : NULL;
                 if (!shader->word_count)
                     continue;
-                if (gpu && !same_words(shader, gpu))
+                if (gpu && !shaders_are_same(shader, gpu))
                     add_shader(g, gpu_folders[backend], pipeline->order[i], stage, gpu);
                 add_shader(g, backend_names[backend], pipeline->order[i], stage, shader);
             }
@@ -327,24 +321,20 @@ static enum status print_text(struct text *text)
     return status;
 }
 
-/* Also for GPUs where the spec leaves it open. Errors are then those of the second plan, which has the
- * same warnings. */
-static bool load(struct generation *g, struct spec_request *request, bool tables)
+/* Also for GPUs where the spec leaves it open. */
+static bool load(struct generation *g, const struct spec_request *request, bool tables)
 {
-    if (!spec_load(&g->spec, request, tables, g->diag))
-        return false;
-    if (!g->spec.model.pipeline.automatic)
-        return true;
     struct diag *diag = diag_create();
-    request->gpu = true;
     if (!diag) {
         diag_error(g->diag, (struct loc){0}, "out of memory");
         return false;
     }
-    bool good = spec_load(&g->gpu, request, tables, diag);
-    diag_free(good ? diag : g->diag);
-    g->diag = good ? g->diag : diag;
-    if (good && tables && !emit_is_same(g->spec.tables, g->gpu.tables))
+    bool good = spec_load_both((struct spec *[]){&g->spec, &g->gpu}, request, tables,
+                               (struct diag *[]){g->diag, diag});
+    bool second = !good && !diag_error_count(g->diag);
+    diag_free(second ? g->diag : diag);
+    g->diag = second ? diag : g->diag;
+    if (good && g->gpu.tables && !emit_is_same(g->spec.tables, g->gpu.tables))
         g->spec.tables->gpu = g->gpu.tables;
     return good;
 }

@@ -77,8 +77,6 @@ static bool pass_module(const struct model *model, const struct pass *pass, stru
             good = spirv_texels(&module, pass->accesses[i].name);
     good = good && (pass->fast || (spirv_values(&module, pass, log) && spirv_exact(&module))) &&
            spirv_reach(&module);
-    if (good && !model->pipeline.gpu)
-        spirv_keep_loops(&module);
     if (good)
         shader->words = spirv_take(&module, &shader->word_count);
     else
@@ -167,10 +165,22 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
                    struct shader *shader, char **log, struct diag *diag)
 {
     char *unread = NULL;
+    bool second =
+        model->pipeline.gpu && model->pipeline.automatic; /* the first has the same body */
     bool good = compile(model, pass, model->sanitize, shader, log ? log : &unread) &&
-                validate(pass, shader, diag);
+                (second || validate(pass, shader, diag));
     free(unread);
     return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
+}
+
+bool spirv_for_cpu(struct shader *shader)
+{
+    struct spirv module;
+    bool good = spirv_read(&module, shader->words, shader->word_count);
+    if (good)
+        spirv_keep_loops(&module);
+    shader->words = spirv_take(&module, &shader->word_count);
+    return good;
 }
 
 bool spirv_make_opengl(const struct pass *pass, struct shader *shader)

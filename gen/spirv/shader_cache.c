@@ -1,6 +1,6 @@
 /* Compiled shaders in a folder; see shader_cache.h. A file NAME.spv holds the SPIR-V of one
- * shader. NAME is the hash of its inputs: GLSL, formats, backend, stage, exactness, target, versions of the
- * compiler and of our rewriting. The head of the file has a hash of the content, so a damaged,
+ * shader. NAME is the hash of its inputs: GLSL, formats, backend, stage, exactness, versions of the compiler and
+ * of our rewriting. The head of the file has a hash of the content, so a damaged,
  * truncated or foreign file is a miss, and is replaced. */
 #include "shader_cache.h"
 #include "base/temporary.h"
@@ -21,7 +21,7 @@
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that the passes of gen/spirv write. */
-enum { REWRITING = 6 };
+enum { REWRITING = 7 };
 enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 
@@ -79,10 +79,9 @@ static void hash_text(XXH3_state_t *state, const struct text *glsl)
     }
 }
 
-void shader_hash(const struct model *model, enum backend backend, struct shader *shader)
+void shader_hash(enum backend backend, struct shader *shader)
 {
-    const uint32_t kind[] = {REWRITING,           backend,      shader->stage,
-                             model->pipeline.gpu, shader->fast, shader->own};
+    const uint32_t kind[] = {REWRITING, backend, shader->stage, shader->fast, shader->own};
     const char *tools = spirv_tools();
     XXH3_state_t *state = XXH3_createState();
     shader->hash[0] = shader->hash[1] = 0;
@@ -109,12 +108,12 @@ void shader_hash(const struct model *model, enum backend backend, struct shader 
     shader->hash[1] = hash.low64;
 }
 
-struct shader *shader_twin(struct pass_shaders *shaders, uint32_t pass, enum stage stage)
+const struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t count,
+                                 const struct shader *shader)
 {
-    const uint64_t *hash = shaders[pass].stage[stage].hash;
-    for (uint32_t i = 0; i < pass && hash[1]; i++) {
-        struct shader *other = &shaders[i].stage[stage];
-        if (other->hash[0] == hash[0] && other->hash[1] == hash[1])
+    for (uint32_t i = 0; i < count && shader->hash[1]; i++) {
+        const struct shader *other = &shaders[i].stage[shader->stage];
+        if (!memcmp(other->hash, shader->hash, sizeof other->hash))
             return other;
     }
     return NULL;

@@ -14,9 +14,10 @@ void shader_cache_close(struct shader_cache *cache);
 
 /* Sets shader->hash, of all that it is compiled from. Texts may differ in #line and in the comment with the
  * pass name, if they use neither __LINE__ nor __FILE__. */
-void shader_hash(const struct model *model, enum backend backend, struct shader *shader);
-/* The same stage of an earlier pass with the same hash, or NULL. `pass`: index in order of execution. */
-struct shader *shader_twin(struct pass_shaders *shaders, uint32_t pass, enum stage stage);
+void shader_hash(enum backend backend, struct shader *shader);
+/* The first of `count` passes' shaders for the stage with the same hash, or NULL. */
+const struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t count,
+                                 const struct shader *shader);
 
 /* Fills shader->words from the entry for its hash. False: no entry, or a damaged one. One thread at
  * a time. */

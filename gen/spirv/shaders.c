@@ -1,7 +1,7 @@
-/* All shaders of a pipeline: GLSL and SPIR-V for every pass, backend and stage. One thread emits
+/* All shaders of a pipeline: GLSL and SPIR-V for every plan, pass, backend and stage. One thread emits
  * the text, since that changes the model. Meanwhile others compile the shaders that are not in the
- * cache. Most of OpenGL's are made of Vulkan's, which takes no time: their GLSL is for people, and
- * for drivers that take text. */
+ * cache. Most of OpenGL's are made of Vulkan's, which takes no time; then the threads make OpenGL's
+ * GLSL, which is for people, and for drivers that take text. */
 #include "shader_cache.h"
 #include "compile.h"
 #include "model/cross.h"
@@ -15,17 +15,19 @@
 
 enum { MOST_THREADS = 8 };
 
-struct job { /* one shader to compile */
+struct job { /* one shader to compile, or OpenGL's text to make of it */
+    const struct shader_plan *plan;
     const struct pass *pass;
     enum backend backend;
     struct shader *shader;
-    const struct shader *twin; /* earlier shader with the same text, to copy; or NULL */
+    const struct shader *twin; /* earlier shader with the same text or words, to copy; or NULL */
+    char *why;                 /* it has no text */
     bool done;
 };
 
 struct jobs {
-    const struct model *model;
     struct job *list;
+    bool texts; /* to make */
     pthread_t threads[MOST_THREADS];
     uint32_t thread_count;
     pthread_mutex_t lock; /* of what follows */
@@ -63,7 +65,11 @@ static void *compile_some(void *user)
         snprintf(label, sizeof label, "%s (%s:%d: %s)", job->pass->name,
                  job->pass->shader_loc.source->path, job->pass->shader_loc.line, job->pass->shader);
         watchdog_begin(label);
-        job->done = spirv_compile(jobs->model, job->pass, job->backend, job->shader, NULL, NULL);
+        struct shader *shader = job->shader;
+        job->done =
+            jobs->texts
+                ? spirv_cross(shader->words, shader->word_count, &shader->glsl, &job->why)
+                : spirv_compile(job->plan->model, job->pass, job->backend, shader, NULL, NULL);
         watchdog_end(label);
     }
     return memory_was_lost() ? jobs : NULL;
@@ -78,10 +84,11 @@ static void start_threads(struct jobs *jobs)
         jobs->thread_count++;
 }
 
-static bool add_job(struct jobs *jobs, struct job job, struct diag *diag)
+static bool add_job(struct jobs *jobs, struct job job)
 {
     if (!spirv_init()) {
-        diag_error(diag, (struct loc){0}, "the GLSL compiler could not be started: out of memory");
+        diag_error(job.plan->diag, (struct loc){0},
+                   "the GLSL compiler could not be started: out of memory");
         return false;
     }
     pthread_mutex_lock(&jobs->lock);
@@ -109,11 +116,25 @@ static void compile_rest(struct jobs *jobs)
 
 /* ---- All ------------------------------------------------------------------------------------- */
 
-/* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
-static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[2], uint32_t index,
-                              struct shader_cache *cache, struct job job, struct jobs *jobs,
-                              struct diag *diag)
+/* An earlier shader with the same text. first: the first plan; NULL: this is. */
+static const struct shader *twin_of(const struct shader_plan *first, const struct job *job,
+                                    uint32_t index)
 {
+    const struct shader *twin = NULL;
+    if (job->plan->model->sanitize)
+        return NULL;
+    if (first)
+        twin = shader_twin(first->shaders[job->backend], first->model->pipeline.pass_count,
+                           job->shader);
+    return twin ? twin : shader_twin(job->plan->shaders[job->backend], index, job->shader);
+}
+
+/* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
+static bool emit_pass_shaders(const struct shader_plan *first, uint32_t index,
+                              struct shader_cache *cache, struct job job, struct jobs *jobs)
+{
+    struct model *model = job.plan->model;
+    struct pass_shaders **shaders = job.plan->shaders;
     struct shader *list = shaders[job.backend][index].stage;
     bool good = true;
     for (enum stage stage = STAGE_IS_COMPUTE; stage <= STAGE_IS_FRAGMENT; stage++) {
@@ -123,7 +144,7 @@ static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[
         shader->formats = spirv_formats(job.pass);
         shader->own = shaders[BACKEND_VK][index].stage[stage].own;
         if (has_stage(job.pass, stage))
-            good &= emit_glsl(model, job.pass, job.backend, stage, shader, diag);
+            good &= emit_glsl(model, job.pass, job.backend, stage, shader, job.plan->diag);
     }
     if (list[STAGE_IS_VERTEX].whole.length)
         list[STAGE_IS_FRAGMENT].before = &list[STAGE_IS_VERTEX];
@@ -131,11 +152,11 @@ static bool emit_pass_shaders(struct model *model, struct pass_shaders *shaders[
         struct shader *shader = &list[stage];
         if (!has_stage(job.pass, stage) || (job.backend == BACKEND_GL && !shader->own) || !good)
             continue; /* derive() makes OpenGL's */
-        shader_hash(model, job.backend, shader);
+        shader_hash(job.backend, shader);
         if (!shader_cache_find(cache, shader)) {
             job.shader = shader;
-            job.twin = model->sanitize ? NULL : shader_twin(shaders[job.backend], index, stage);
-            good &= add_job(jobs, job, diag);
+            job.twin = twin_of(first, &job, index);
+            good &= add_job(jobs, job);
         }
     }
     return good;
@@ -154,9 +175,11 @@ static bool copy_twin(struct shader *shader, const struct shader *twin)
 }
 
 /* Compiles a failed shader again, with what its messages teach; reports the last ones. */
-static bool compile_again(struct model *model, const struct job *job, struct diag *diag)
+static bool compile_again(const struct job *job)
 {
     struct shader *shader = job->shader;
+    struct model *model = job->plan->model;
+    struct diag *diag = job->plan->diag;
     for (;;) {
         char *log = NULL;
         free(shader->words);
@@ -172,20 +195,21 @@ static bool compile_again(struct model *model, const struct job *job, struct dia
         text_free(&shader->whole);
         if (!emit_glsl(model, job->pass, job->backend, shader->stage, shader, diag))
             return false;
-        shader_hash(model, job->backend, shader);
+        shader_hash(job->backend, shader);
     }
 }
 
 /* Compiles failed shaders again on this thread, so that their messages come in order. */
-static bool compile(struct model *model, struct jobs *jobs, struct shader_cache *cache,
-                    struct diag *diag)
+static bool compile(struct jobs *jobs, struct shader_cache *cache)
 {
     bool good = true;
     compile_rest(jobs);
     for (uint32_t i = 0; i < jobs->count; i++) {
         struct job *job = &jobs->list[i];
-        bool done = job->done || (job->twin && copy_twin(job->shader, job->twin)) ||
-                    compile_again(model, job, diag);
+        if (!good && job->plan != jobs->list[0].plan)
+            break; /* it would fail alike */
+        bool done =
+            job->done || (job->twin && copy_twin(job->shader, job->twin)) || compile_again(job);
         if (done && !job->twin)
             shader_cache_add(cache, job->shader);
         good &= done;
@@ -193,54 +217,59 @@ static bool compile(struct model *model, struct jobs *jobs, struct shader_cache 
     return good;
 }
 
-/* OpenGL's shaders that are not their own. */
-static bool derive(const struct model *model, struct pass_shaders *shaders[2])
+/* Loops of CPU drivers; OpenGL's shaders that are not their own. */
+static bool derive(const struct shader_plan *plan)
 {
-    for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
-        for (int stage = 0; stage < 3; stage++) {
-            const struct shader *vulkan = &shaders[BACKEND_VK][i].stage[stage];
-            struct shader *opengl = &shaders[BACKEND_GL][i].stage[stage];
-            if (!vulkan->words || opengl->own)
+    const struct pipeline *pipeline = &plan->model->pipeline;
+    bool good = true;
+    for (uint32_t i = 0; good && i < pipeline->pass_count; i++)
+        for (int stage = 0; good && stage < 3; stage++) {
+            struct shader *vulkan = &plan->shaders[BACKEND_VK][i].stage[stage];
+            struct shader *opengl = &plan->shaders[BACKEND_GL][i].stage[stage];
+            bool own = opengl->own;
+            if (!vulkan->words)
                 continue;
-            if (!copy_twin(opengl, vulkan) || !spirv_make_opengl(model->pipeline.order[i], opengl))
-                return false;
+            good = (pipeline->gpu || (spirv_for_cpu(vulkan) && (!own || spirv_for_cpu(opengl)))) &&
+                   (own ||
+                    (copy_twin(opengl, vulkan) && spirv_make_opengl(pipeline->order[i], opengl)));
         }
-    return true;
+    if (!good)
+        diag_error(plan->diag, (struct loc){0}, "out of memory");
+    return good;
 }
 
-/* The text of an earlier shader with the same words; NULL: none. */
-static const struct text *same_text(const struct pass_shaders *shaders, uint32_t pass, int stage)
+bool shaders_are_same(const struct shader *a, const struct shader *b)
 {
-    const struct shader *shader = &shaders[pass].stage[stage];
-    for (uint32_t i = 0; i < pass; i++) {
-        const struct shader *other = &shaders[i].stage[stage];
-        if (other->word_count == shader->word_count &&
-            !memcmp(other->words, shader->words, shader->word_count * sizeof *shader->words))
-            return &other->glsl;
-    }
-    return NULL;
+    return a->word_count == b->word_count &&
+           !memcmp(a->words, b->words, a->word_count * sizeof *a->words);
 }
 
-/* OpenGL's GLSL text of every shader. */
-static bool write_glsl(const struct model *model, struct pass_shaders *shaders, struct diag *diag)
+/* OpenGL's GLSL text of every shader of all plans. */
+static bool write_glsl(const struct shader_plan *plans, uint32_t count, struct jobs *jobs)
 {
     bool good = true;
-    for (uint32_t i = 0; i < model->pipeline.pass_count; i++)
-        for (int stage = 0; stage < 3; stage++) {
-            struct shader *shader = &shaders[i].stage[stage];
-            const struct text *same = shader->word_count ? same_text(shaders, i, stage) : NULL;
-            char *why = NULL;
-            if (same)
-                text_add_bytes(&shader->glsl, same->data, same->length);
-            if (!shader->word_count || same ||
-                spirv_cross(shader->words, shader->word_count, &shader->glsl, &why))
-                continue;
-            const struct pass *pass = model->pipeline.order[i];
-            diag_error(diag, pass->shader_loc, "pass %s has no GLSL text for OpenGL: %s",
-                       pass->name, why ? why : "out of memory");
-            free(why);
-            good = false;
-        }
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < plans[i].model->pipeline.pass_count; k++)
+            for (int stage = 0; stage < 3; stage++) {
+                struct job job = {.plan = &plans[i], .pass = plans[i].model->pipeline.order[k]};
+                job.shader = &plans[i].shaders[BACKEND_GL][k].stage[stage];
+                for (uint32_t j = 0; j < jobs->count && !job.twin; j++)
+                    if (shaders_are_same(jobs->list[j].shader, job.shader))
+                        job.twin = jobs->list[j].shader;
+                good &= !job.shader->word_count || add_job(jobs, job);
+            }
+    compile_rest(jobs);
+    for (uint32_t i = 0; i < jobs->count; i++) {
+        struct job *job = &jobs->list[i];
+        if (job->twin)
+            text_add_bytes(&job->shader->glsl, job->twin->glsl.data, job->twin->glsl.length);
+        else if (!job->done)
+            diag_error(job->plan->diag, job->pass->shader_loc,
+                       "pass %s has no GLSL text for OpenGL: %s", job->pass->name,
+                       job->why ? job->why : "out of memory");
+        good &= job->done || job->twin;
+        free(job->why);
+    }
     return good;
 }
 
@@ -274,47 +303,79 @@ static void prove(const struct model *model, const struct pass_shaders *shaders,
                 spirv_prove(model, model->pipeline.order[i], &shaders[i].stage[stage], diag);
 }
 
-bool shaders_compile(struct model *model, struct pass_shaders *shaders[2],
-                     struct shader_cache *cache, struct diag *diag)
+/* The GLSL of a plan, and jobs. */
+static bool emit(const struct shader_plan *plan, const struct shader_plan *first,
+                 struct shader_cache *cache, struct jobs *jobs)
 {
-    uint32_t count = model->pipeline.pass_count;
-    struct jobs jobs = {.model = model,
-                        .list = calloc(4 * count + 1, sizeof *jobs.list),
-                        .lock = PTHREAD_MUTEX_INITIALIZER,
-                        .more = PTHREAD_COND_INITIALIZER};
+    uint32_t count = plan->model->pipeline.pass_count;
     bool good = true;
-    for (int backend = BACKEND_VK; backend >= BACKEND_GL; backend--) {
-        shaders[backend] = calloc(count + 1, sizeof *shaders[backend]);
-        if (!shaders[backend] || !jobs.list) {
-            diag_error(diag, (struct loc){0}, "out of memory");
-            good = false;
-        }
-        for (uint32_t i = 0; shaders[BACKEND_VK] && shaders[backend] && jobs.list && i < count; i++)
-            good &= emit_pass_shaders(
-                model, shaders, i, cache,
-                (struct job){.pass = model->pipeline.order[i], .backend = (enum backend)backend},
-                &jobs, diag);
+    for (int backend = BACKEND_VK; good && backend >= BACKEND_GL; backend--) {
+        plan->shaders[backend] = calloc(count + 1, sizeof *plan->shaders[backend]);
+        good = plan->shaders[backend];
     }
-    if (jobs.count)
-        good &= compile(model, &jobs, cache, diag);
-    if (good && !derive(model, shaders)) {
-        diag_error(diag, (struct loc){0}, "out of memory");
-        good = false;
-    }
-    if (good)
-        check_listed(model, shaders[BACKEND_VK], diag);
-    if (good && model->text)
-        good = write_glsl(model, shaders[BACKEND_GL], diag);
-    free(jobs.list);
+    if (!good)
+        diag_error(plan->diag, (struct loc){0}, "out of memory");
+    for (int backend = BACKEND_VK; plan->shaders[BACKEND_GL] && backend >= BACKEND_GL; backend--)
+        for (uint32_t i = 0; i < count; i++)
+            good &= emit_pass_shaders(first, i, cache,
+                                      (struct job){.plan = plan,
+                                                   .pass = plan->model->pipeline.order[i],
+                                                   .backend = (enum backend)backend},
+                                      jobs);
+    return good;
+}
+
+static bool check(const struct shader_plan *plan)
+{
+    const struct model *model = plan->model;
     if (model->pipeline.exactness == EXACTNESS_FAST && model->prove)
-        diag_error(diag, model->pipeline.loc,
+        diag_error(plan->diag, model->pipeline.loc,
                    "`exactness: fast` leaves operations to the driver: nothing can be proved");
     for (enum backend backend = BACKEND_GL; backend <= BACKEND_VK; backend++)
+        prove(model, plan->shaders[backend], backend, plan->diag);
+    if (model->prove)
+        prove_draws(model, plan->shaders[BACKEND_VK], plan->diag);
+    return !diag_error_count(plan->diag);
+}
+
+static bool begin_jobs(struct jobs *jobs, const struct shader_plan *plans, uint32_t count)
+{
+    size_t most = 1;
+    for (uint32_t i = 0; i < count; i++)
+        most += 4 * (size_t)plans[i].model->pipeline.pass_count;
+    *jobs = (struct jobs){.list = calloc(most, sizeof *jobs->list),
+                          .lock = PTHREAD_MUTEX_INITIALIZER,
+                          .more = PTHREAD_COND_INITIALIZER};
+    if (!jobs->list)
+        diag_error(plans->diag, (struct loc){0}, "out of memory");
+    return jobs->list;
+}
+
+bool shaders_compile(const struct shader_plan *plans, uint32_t count, struct shader_cache *cache)
+{
+    struct jobs jobs, texts;
+    if (!begin_jobs(&jobs, plans, count))
+        return false;
+    bool good = true;
+    for (uint32_t i = 0; good && i < count; i++)
+        good = emit(&plans[i], i ? plans : NULL, cache, &jobs);
+    if (jobs.count)
+        good &= compile(&jobs, cache);
+    free(jobs.list);
+    for (uint32_t i = 0; good && i < count; i++) {
+        good = derive(&plans[i]);
         if (good)
-            prove(model, shaders[backend], backend, diag);
-    if (good && model->prove)
-        prove_draws(model, shaders[BACKEND_VK], diag);
-    return good && !diag_error_count(diag);
+            check_listed(plans[i].model, plans[i].shaders[BACKEND_VK], plans[i].diag);
+    }
+    if (good && plans->model->text) {
+        good = begin_jobs(&texts, plans, count);
+        texts.texts = true;
+        good = good && write_glsl(plans, count, &texts);
+        free(texts.list);
+    }
+    for (uint32_t i = 0; good && i < count; i++)
+        good = check(&plans[i]);
+    return good;
 }
 
 void shaders_free(const struct model *model, struct pass_shaders *shaders[2])

@@ -69,12 +69,11 @@ void fuzz_body(const char *bytes, size_t size)
 void fuzz_cache(const char *bytes, size_t size)
 {
     static uint32_t words[] = {0x07230203, 0x00010000, 0, 1, 0};
-    const struct model model = {0};
     struct shader shader = {.stage = STAGE_IS_COMPUTE, .words = words, .word_count = 5},
                   found = {0};
     struct diag *diag = diag_create();
     text_add(&shader.glsl, "void main() {}\n");
-    shader_hash(&model, BACKEND_VK, &shader);
+    shader_hash(BACKEND_VK, &shader);
     found = shader;
     found.words = NULL;
     struct shader_cache *cache = shader_cache_open(fuzz_folder, diag);
