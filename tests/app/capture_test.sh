@@ -31,7 +31,7 @@ says() { # status, or statuses, pattern, arguments...
 
 # ---- Planted faults ---------------------------------------------------------------------------------------------------
 
-for fault in none cull offset uniform clock shader rows; do
+for fault in none cull offset uniform clock shader rows depth; do
     captured $fault.rdc 3 /usr/bin/python3 -B "$root/tests/app/capture_scene.py" $fault >"$work/output" 2>&1
     tap_result $? "a program in OpenGL is captured: $fault"
 done
@@ -53,6 +53,10 @@ check "state stands beside the first difference" says 1 '^beside it, in the stat
     none.rdc cull.rdc --save saved --html page
 check "... and on the page" grep -q 'cull: nocull against back' page/index.html
 check "the shaders of the pass are saved" grep -q 'uniform mat4 place' saved/first/vertex.glsl
+check "the pass alone shows that its shader is not the cause" grep -q '^alone, .* picture of first and second: .* outside the shader; what differs: cull$' said
+check "... in a spec that runs" "$diptych" compare --spec saved/second/alone/alone.yaml
+check "... or that its code is" says 1 '^alone, .* agree, .*: the cause is the code of the shader' none.rdc shader.rdc
+check "... or the depth test" says 1 '^alone, .* first and second: .* outside the shader; what differs: depth test$' none.rdc depth.rdc
 
 check "a matching is written" says 1 'flip in y' none.rdc rows.rdc --match match.json
 sed -i '/"second": 2/,/rows/ s/"same"/"opposite"/' match.json

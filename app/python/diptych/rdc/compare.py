@@ -13,7 +13,7 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor, TimeoutError as TooLong
 from typing import Any, Iterator
 
-from . import differ
+from . import differ, guilty
 from .capture import renderdoc
 from ..console import Console, printable, write
 from .match import Matcher, Pair, Side
@@ -35,9 +35,9 @@ def software() -> dict[str, str]:
     return {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver, "VK_ICD_FILENAMES": driver}
 
 
-def sandbox(capture: str, folder: str, package: list[str]) -> list[str]:
+def sandbox(read: str, folder: str, package: list[str]) -> list[str]:
     words = ["bwrap", "--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp", "--clearenv"]
-    for path in [*READ, *package, capture]:
+    for path in [*READ, *package, read]:
         words += ["--ro-bind-try", path, path]
     words += ["--bind", folder, folder, "--chdir", folder]
     for name, value in {"HOME": "/tmp", "PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(package), **software()}.items():
@@ -73,11 +73,11 @@ class Replays:
         for process in self.running:
             process.kill()
 
-    def run(self, capture: str, folder: str, draws: str) -> str:
+    def run(self, capture: str, folder: str, draws: str, module: str = "replay") -> str:
         """Why it failed, or nothing."""
         path = os.path.realpath(capture)
         package = [os.path.dirname(HERE), *filter(None, os.environ.get("PYTHONPATH", "").split(":"))]
-        words = ["/usr/bin/python3", "-m", "diptych.rdc.replay", path, folder, draws]
+        words = ["/usr/bin/python3", "-m", f"diptych.rdc.{module}", path, folder, draws]
         words = sandbox(path, folder, package) + words if self.confined else words
         process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                    errors="replace", preexec_fn=limit)
@@ -337,17 +337,17 @@ class Comparison:
             console.fail(f"{self.save}: is there; --save writes a new folder")
         self.told = request.get("json", os.path.join(folder, "told.json"))
         self.matched: list[Matched] = []
+        self.confined = not request.get("trust") and confines()
+        if not self.confined and not request.get("trust"):
+            console.warning("the captures are replayed without a sandbox: bubblewrap is not installed, or the kernel allows it none; "
+                            "--trust says that they may")
 
     def replay(self, draws: list[str], name: str) -> list[Side]:
         captures = [capture for group in self.groups for capture in group]
         folders = [os.path.join(self.folder, f"{name}{index}") for index in range(len(captures))]
         for folder in folders:
             os.mkdir(folder)
-        confined = not self.request.get("trust") and confines()
-        if not confined and not self.request.get("trust"):
-            self.console.warning("the captures are replayed without a sandbox: bubblewrap is not installed, or the kernel allows it none; "
-                                 "--trust says that they may")
-        with Replays(self.console, confined) as replays:
+        with Replays(self.console, self.confined) as replays:
             return replays.all(captures, folders, draws or [""] * len(captures))
 
     def each_draw(self, sides: list[Side]) -> list[Side]:
@@ -393,17 +393,55 @@ class Comparison:
                 words += ["--" + key.replace("_", "-"), str(self.request[key])]
         return subprocess.run(words, stdin=subprocess.DEVNULL, check=False).returncode
 
+    # ---- The guilty pass alone -------------------------------------------------------------------
+
+    def run_alone(self, folder: str, words: list[str]) -> guilty.Done:
+        """A command of diptych, on what came out of a capture and lies in the folder."""
+        program = os.path.realpath(self.request["program"])
+        confine = sandbox(os.path.dirname(os.path.dirname(program)), folder, []) if self.confined else []
+        return subprocess.run([*confine, program, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
+                              timeout=SECONDS, check=False, preexec_fn=limit)
+
+    def alone(self, matched: Matched, name: str) -> str:
+        """What a replay of the pass alone proves."""
+        pair, *items = next(both for both in matched.both() if matched.names[both[0].first] == name)
+
+        def made(side: int) -> guilty.Alone:
+            item = items[side]
+            if item["kind"] not in ("draw", "dispatch") or item["draws"] != 1:
+                why = f"it is {item['draws']} draws: --draws {name.split('_')[0]} tells which of them differs"
+                why = why if item["kind"] == "draw" else "it is a " + item["kind"]
+                return guilty.Alone(matched.labels[side], {"why": why}, "", "", self.run_alone)
+            folder = os.path.join(self.folder, f"alone{side}")
+            os.mkdir(folder)
+            taken = os.path.join(folder, "taken")
+            os.mkdir(taken)
+            why = replays.run(self.groups[side][0], taken, str(items[side]["last"]), "alone")
+            found = {"why": why} if why else replays.frame(self.groups[side][0], taken)["passes"][0]
+            return guilty.Alone(matched.labels[side], found, taken, os.path.join(folder, "alone"), self.run_alone)
+
+        with Replays(self.console, self.confined) as replays, ThreadPoolExecutor(2) as pool:
+            sides = list(pool.map(made, (0, 1)))
+        for side, label in zip(sides, ("first", "second")):
+            if self.save and not side.why:
+                shutil.copytree(side.folder, os.path.join(self.save, label, "alone"))
+        across = matched.sides[0].label != matched.sides[1].label
+        return guilty.verdict(sides, across, pair.turned, matched.state.get(name, []))
+
     def conclude(self) -> None:
         """State beside the first difference, and in --json."""
         with open(self.told, encoding="utf-8") as file:
             told = json.load(file)
         for matched, outcome in zip(self.matched, told.get("pairs", [told])):
-            guilty = (outcome.get("guilty") or {}).get("pass", "").removesuffix("_inputs")
-            for text in matched.state.get(guilty, []):
-                print(f"beside it, in the state of {guilty}: {printable(text)}")
-            if self.save and guilty in matched.names:
-                matched.save(guilty, self.save)
+            pass_name = (outcome.get("guilty") or {}).get("pass", "").removesuffix("_inputs")
+            for text in matched.state.get(pass_name, []):
+                print(f"beside it, in the state of {pass_name}: {printable(text)}")
+            if self.save and pass_name in matched.names:
+                matched.save(pass_name, self.save)
             outcome["captures"] = matched.json()
+            if len(self.matched) == 1 and self.groups[0][1:] == [] and pass_name in matched.names:
+                outcome["captures"]["alone"] = self.alone(matched, pass_name)
+                print(printable(outcome["captures"]["alone"]))
         write(self.told, json.dumps(told, indent=1))
 
 

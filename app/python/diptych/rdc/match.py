@@ -146,6 +146,16 @@ class Matcher:
                 pairs.append(Pair(-i, -k))
                 free[0].discard(-i)
                 free[1].discard(-k)
+        for i in sorted(free[0]):  # nothing in common, but shape, kind and place: a pass that draws nothing on one side
+            for k in sorted(free[1]):
+                first, second = self.passes[0][i], self.passes[1][k]
+                count = len(pair_up(first["entries"], second["entries"]))
+                beside = all((pair.first < i) == (pair.second < k) for pair in pairs)
+                if beside and first["kind"] == second["kind"] and count == len(first["entries"]) == len(second["entries"]):
+                    pairs.append(Pair(i, k))
+                    free[0].discard(i)
+                    free[1].discard(k)
+                    break
         pairs.sort(key=lambda pair: pair.first)
         pairs += [Pair(i, -1) for i in sorted(free[0])] + [Pair(-1, k) for k in sorted(free[1])]
         return self.fill(pairs)

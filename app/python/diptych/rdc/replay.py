@@ -12,7 +12,7 @@ import re
 import subprocess
 import sys
 import time
-from typing import Any, Iterator, NoReturn
+from typing import Any, Callable, Iterator, NoReturn
 
 import numpy as np
 import renderdoc as rd
@@ -338,13 +338,18 @@ def main(path: str, folder: str, each_draw: str) -> None:
     with open(os.path.join(folder, "frame.json"), "w", encoding="utf-8") as file:
         json.dump({"api": driver, "renderdoc": rd.GetVersionString(), "passes": read, "notes": frame.notes, "bytes": frame.bytes,
                    "device": rdc_state.device_of(control.GetStructuredFile())}, file)
-    leave(0)
 
 
-if __name__ == "__main__":
+def run(work: Callable[..., None]) -> NoReturn:
+    """The process, also of alone.py."""
     try:
-        main(*sys.argv[1:])
+        work(*sys.argv[1:])
+        leave(0)
     except MemoryError:
         fail("needs more memory than the replay is given")
     except Exception as error:
         fail(f"cannot be read: {type(error).__name__}: {error}")
+
+
+if __name__ == "__main__":
+    run(main)

@@ -104,26 +104,26 @@ def sampler(item: Any, addresses: tuple[Any, ...], texture: Any) -> str:
     return text + (f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else "")
 
 
+def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[tuple[Any, Any, int, Any, Any, tuple[Any, ...]]]:
+    """What the shader calls it, its place, the texture and how it is seen, the sampler and its addresses."""
+    own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
+    sets: Any = None if gl else (own.compute if stage == rd.ShaderStage.Compute else own.graphics).descriptorSets
+    for place, resource in zip(state.GetBindpointMapping(stage).readOnlyResources, state.GetShaderReflection(stage).readOnlyResources):
+        if not place.used or not resource.isTexture:
+            continue
+        if gl and place.bind < len(own.samplers):
+            item, seen = own.samplers[place.bind], own.textures[place.bind]
+            yield resource, place, int(seen.resourceId), seen, item, (item.addressS, item.addressT)
+        elif not gl and place.bindset < len(sets) and place.bind < len(sets[place.bindset].bindings):
+            item = next(iter(sets[place.bindset].bindings[place.bind].binds), None)
+            if item and int(item.samplerResourceId):
+                yield resource, place, int(item.resourceResourceId), item, item, (item.addressU, item.addressV)
+
+
 def samplers(control: Any, state: Any, kind: str, gl: bool, textures: dict[int, Any]) -> dict[str, str]:
     """By the name of the texture in the shader."""
-    found = {}
-    own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
-    sets: Any = None if gl else (own.compute if kind == "dispatch" else own.graphics).descriptorSets
-    for stage, reflection in stages(state, kind):
-        places = state.GetBindpointMapping(stage).readOnlyResources
-        for place, resource in zip(places, reflection.readOnlyResources):
-            if not place.used or not resource.isTexture:
-                continue
-            if gl and place.bind < len(own.samplers):
-                item = own.samplers[place.bind]
-                texture = textures.get(int(own.textures[place.bind].resourceId))
-                found[resource.name] = sampler(item, (item.addressS, item.addressT), texture)
-            elif not gl and place.bindset < len(sets) and place.bind < len(sets[place.bindset].bindings):
-                binds = sets[place.bindset].bindings[place.bind].binds
-                if len(binds) and int(binds[0].samplerResourceId):
-                    texture = textures.get(int(binds[0].resourceResourceId))
-                    found[resource.name] = sampler(binds[0], (binds[0].addressU, binds[0].addressV), texture)
-    return found
+    return {resource.name: sampler(item, addresses, textures.get(number)) for stage, _ in stages(state, kind)
+            for resource, _, number, _, item, addresses in bound_textures(control, state, stage, gl)}
 
 
 def rectangle(item: Any) -> list[float]:

@@ -88,18 +88,34 @@ def texels_of(form: Any, raw: bytes, width: int, height: int, gl: bool) -> Texel
 # ---- Small pictures ------------------------------------------------------------------------------
 
 # Of packed formats: first bit and bits of each channel.
-PACKED = {"rgb10a2": ((0, 10), (10, 10), (20, 10)), "r11g11b10f": ((0, 11), (11, 11), (22, 10)), "d24": ((0, 24),), "d24s8": ((0, 24),),
-          "d32fs8": ((0, 32),)}
+PACKED = {"rgb10a2": ((0, 10), (10, 10), (20, 10), (30, 2)), "r11g11b10f": ((0, 11), (11, 11), (22, 10)), "d24": ((0, 24),),
+          "d24s8": ((0, 24),)}
 
 
 def values_of(name: str, rows: np.ndarray) -> np.ndarray:
-    """Numbers of about 0 to 1; codes of small floats keep their order. Red comes first."""
+    """Numbers as shaders see them, but for sRGB, which stays codes. Red comes first."""
+    if name == "d32fs8":
+        rows = rows.astype("<u8").view("<f4")[..., ::2]
+    if name == "r11g11b10f":  # floats of 16 bits without a sign and the last bits
+        return np.stack([(rows[..., 0] >> low << 15 - bits & 0x7fff).astype("<u2").view("<f2") for low, bits in PACKED[name]], -1)
     if name in PACKED:
-        return np.stack([(rows[..., 0] >> low & (1 << bits) - 1) / ((1 << bits) - 1) for low, bits in PACKED[name]], -1)
+        return np.stack([(rows[..., 0] >> low & (1 << bits) - 1) / np.float32((1 << bits) - 1) for low, bits in PACKED[name]], -1)
     if rows.dtype.kind == "f" or re.search(r"(ui|i)$", name):
-        return np.nan_to_num(rows.astype("f4"), posinf=0, neginf=0)
-    numbers = rows / np.float32(np.iinfo(rows.dtype).max)
+        return rows
+    numbers = np.maximum(rows / np.float32(np.iinfo(rows.dtype).max), np.float32(-1))
     return numbers[..., [2, 1, 0, *range(3, rows.shape[-1])]] if name.startswith("bgra") else numbers
+
+
+def four(name: str, rows: np.ndarray) -> np.ndarray:
+    """Numbers as shaders see them, four of each texel."""
+    numbers = values_of(name, rows)
+    if name.endswith("_srgb"):
+        light = np.where(numbers <= 0.04045, numbers / 12.92, ((numbers + 0.055) / 1.055) ** 2.4)
+        numbers = np.concatenate([light[..., :3], numbers[..., 3:]], -1)
+    whole = np.zeros((*numbers.shape[:2], 4), {"f": "<f4", "u": "<u4", "i": "<i4"}[numbers.dtype.kind])
+    whole[..., 3] = 1
+    whole[..., :numbers.shape[-1]] = numbers
+    return whole
 
 
 def bounds(size: int) -> np.ndarray:
@@ -113,7 +129,7 @@ def bounds(size: int) -> np.ndarray:
 
 def small_picture(name: str, rows: np.ndarray) -> np.ndarray:
     """Means of parts of the picture, at most MOST_SIDE on a side."""
-    numbers = values_of(name, rows)
+    numbers = np.nan_to_num(values_of(name, rows).astype("f4"), posinf=0, neginf=0)
     for axis in (0, 1):
         size, starts = numbers.shape[axis], bounds(numbers.shape[axis])
         if len(starts) < size:
