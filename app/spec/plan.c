@@ -12,6 +12,7 @@
 #include "gen/print/print.h"
 #include "gen/plan/sanitize.h"
 #include "gen/model/cross.h"
+#include "gen/spirv/passes.h"
 #include "gen/spirv/watchdog.h"
 
 struct plan {
@@ -152,6 +153,20 @@ bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage,
     }
     *glsl = shader->glsl.data;
     return good;
+}
+
+uint64_t plan_operations(const struct plan *plan)
+{
+    uint64_t sum = 0, loops;
+    for (uint32_t i = 0; i < 3 * plan_pipeline(plan)->pass_count; i++) {
+        const struct shader *shader = &plan->spec.shaders[BACKEND_VK][i / 3].stage[i % 3];
+        struct spirv module;
+        if (!shader->word_count || !spirv_open(&module, shader->words, shader->word_count))
+            continue;
+        sum += spirv_operations(&module, &loops);
+        spirv_free(&module);
+    }
+    return sum;
 }
 
 struct plan_work plan_work(const struct plan *plan, uint32_t pass, const uint32_t size[2],

@@ -35,6 +35,9 @@ const char *const *plan_sources(const struct plan *plan, uint32_t *count);
  * NULL where the pass has none, and belongs to the plan. False when out of memory. */
 bool plan_glsl(struct plan *plan, const char *backend, uint32_t pass, int stage, const char **glsl);
 
+/* Operations of all shaders, each call as many as the function has: what a CPU driver compiles. */
+uint64_t plan_operations(const struct plan *plan);
+
 /* What a pass does in a frame of this size: the call that draws or dispatches, with its arguments; viewport or scissor. */
 struct plan_work {
     const struct dt_verb_info *verb;

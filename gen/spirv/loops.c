@@ -1,4 +1,4 @@
-/* Marks the loops that drivers must not unroll. CPU drivers unroll every short loop of constant
+/* Marks the loops that drivers must not unroll, and keeps many of them apart. CPU drivers unroll every short loop of constant
  * length. With many operations per iteration, that multiplies the compile time but does not
  * shorten the frame. */
 #include "passes.h"
@@ -33,18 +33,29 @@ static uint32_t operations_of(const struct spirv *m, const uint32_t *instruction
     return computes ? spirv_scalars(m, instruction[1]) : 0;
 }
 
-/* Operations between two instructions, with called functions; a loop counts as one iteration. */
-static uint64_t operations_in(const struct spirv *m, size_t from, size_t to, uint32_t calls)
+/* Operations between two instructions, with called functions, where a loop counts as one iteration. Adds
+ * loops that are marked. */
+static uint64_t operations_in(const struct spirv *m, size_t from, size_t to, uint32_t calls,
+                              uint64_t *loops)
 {
     uint64_t sum = 0;
     for (size_t at = from; at < to; at += m->words[at] >> 16) {
         sum += operations_of(m, m->words + at);
+        *loops += spirv_is(m->words + at, SpvOpLoopMerge) &&
+                  m->words[at + 3] == SpvLoopControlDontUnrollMask;
         if (spirv_is(m->words + at, SpvOpFunctionCall) && calls < MAX_CALLS) {
             const struct spirv_function *callee = spirv_function_of(m, m->words[at + 3]);
-            sum += operations_in(m, callee->begin, callee->end, calls + 1);
+            sum += operations_in(m, callee->begin, callee->end, calls + 1, loops);
         }
     }
     return sum;
+}
+
+uint64_t spirv_operations(const struct spirv *module, uint64_t *loops)
+{
+    const struct spirv_function *entry = spirv_function_of(module, spirv_entry(module));
+    *loops = 0;
+    return operations_in(module, entry->begin, entry->end, 0, loops);
 }
 
 /* Whether the loop indexes a private array with a variable. Drivers hold such arrays in registers
@@ -65,7 +76,99 @@ static bool picks_from_array(const struct spirv *m, size_t from, size_t to)
     return false;
 }
 
-void spirv_keep_loops(struct spirv *module)
+/* ---- Loops behind each other ----------------------------------------------------------------- */
+
+/* Mesa counts the turns of all loops of a shader in one variable. LLVM 15 follows it from each loop to the one before on
+ * several ways, so each further loop doubles its time. A loop around each, of one turn that no compiler knows to be the
+ * last, ends that. */
+enum { MANY_LOOPS = 8 };
+
+struct wrap {
+    struct spirv *from;
+    struct spirv_edit edit;
+    const struct spirv_function *zero;        /* diptych_zero() */
+    uint32_t outer, inner, merge, end, again; /* labels of the loop that is copied; 0: none */
+};
+
+/* Whether a label's block begins with a value that depends on where it was entered from. */
+static bool has_phi(const struct spirv *m, uint32_t label)
+{
+    return spirv_is(spirv_definition(m, label) + 2, SpvOpPhi);
+}
+
+static bool is_wrapped(const struct wrap *wrap, const uint32_t *merge)
+{
+    return !wrap->outer && spirv_is(merge, SpvOpLoopMerge) &&
+           merge[3] == SpvLoopControlDontUnrollMask && spirv_is(merge - 2, SpvOpLabel) &&
+           !has_phi(wrap->from, merge[1]);
+}
+
+/* The old header becomes that of the outer loop, so what is before the loop need not change; nor what is behind. */
+static void begin_loop(struct wrap *wrap, const uint32_t *merge)
+{
+    struct spirv_edit *edit = &wrap->edit;
+    wrap->outer = merge[-1], wrap->merge = merge[1];
+    wrap->inner = edit->bound++, wrap->end = edit->bound++, wrap->again = edit->bound++;
+    SPIRV_PUT(edit, &edit->code, SpvOpLoopMerge, wrap->merge, wrap->again, SpvLoopControlMaskNone);
+    SPIRV_PUT(edit, &edit->code, SpvOpBranch, wrap->inner);
+    SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->inner);
+    SPIRV_PUT(edit, &edit->code, SpvOpLoopMerge, wrap->end, merge[2], merge[3]);
+}
+
+static void end_loop(struct wrap *wrap)
+{
+    struct spirv_edit *edit = &wrap->edit;
+    uint32_t type = spirv_definition(wrap->from, wrap->zero->id)[1];
+    uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
+    uint32_t none = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
+    SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->end);
+    SPIRV_PUT(edit, &edit->code, SpvOpBranch, wrap->again);
+    SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->again);
+    uint32_t zero = SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall, type, wrap->zero->id);
+    uint32_t turns = SPIRV_VALUE(edit, &edit->code, SpvOpINotEqual, truth, zero, none);
+    SPIRV_PUT(edit, &edit->code, SpvOpBranchConditional, turns, wrap->outer, wrap->merge);
+    wrap->outer = 0;
+}
+
+static void copy_in_loop(struct wrap *wrap, const uint32_t *instruction)
+{
+    struct spirv_words *code = &wrap->edit.code;
+    uint32_t opcode = spirv_opcode(instruction);
+    spirv_copy(&wrap->edit, code, instruction);
+    if (!wrap->outer || (opcode != SpvOpPhi && (opcode < SpvOpBranch || opcode > SpvOpSwitch)))
+        return;
+    uint32_t *copy = code->data + code->count - spirv_length(instruction);
+    for (uint32_t word = 1; !wrap->edit.failed && word < spirv_length(instruction); word++)
+        if (!spirv_is_literal(instruction, word))
+            copy[word] = copy[word] == wrap->outer   ? wrap->inner
+                         : copy[word] == wrap->merge ? wrap->end
+                                                     : copy[word];
+}
+
+static bool wrap_loops(struct spirv *module)
+{
+    struct wrap wrap = {.from = module, .zero = spirv_find_function(module, "diptych_zero(")};
+    uint64_t loops;
+    spirv_operations(module, &loops);
+    if (loops < MANY_LOOPS || !wrap.zero)
+        return true;
+    spirv_edit_begin(&wrap.edit, module);
+    SPIRV_EACH(module, at, module->annotations, module->declarations)
+    spirv_copy(&wrap.edit, &wrap.edit.annotations, module->words + at);
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
+        const uint32_t *instruction = module->words + at;
+        if (wrap.outer && spirv_is(instruction, SpvOpLabel) && instruction[1] == wrap.merge)
+            end_loop(&wrap);
+        if (is_wrapped(&wrap, instruction))
+            begin_loop(&wrap, instruction);
+        else
+            copy_in_loop(&wrap, instruction);
+    }
+    return spirv_edit_end(&wrap.edit, module);
+}
+
+bool spirv_keep_loops(struct spirv *module)
 {
     uint32_t *words = module->words;
     size_t behind = 0; /* the last outermost loop */
@@ -74,9 +177,10 @@ void spirv_keep_loops(struct spirv *module)
         if (!spirv_is(words + at, SpvOpLoopMerge) || at < behind)
             continue;
         behind = module->definitions[words[at + 1]];
-        uint64_t operations = operations_in(module, at, behind, 0);
+        uint64_t loops = 0, operations = operations_in(module, at, behind, 0, &loops);
         if (operations >= LONG_TURN && words[at + 3] == SpvLoopControlMaskNone &&
             !picks_from_array(module, at, behind))
             words[at + 3] = SpvLoopControlDontUnrollMask;
     }
+    return wrap_loops(module);
 }

@@ -20,6 +20,10 @@ bool spirv_texels(struct spirv *module, const char *name);
 /* reach.c: leaves out what the entry point does not reach. */
 bool spirv_reach(struct spirv *module);
 
-/* loops.c: marks long loops DontUnroll, in place: those in no other loop of their function, with
- * many operations per iteration. */
-void spirv_keep_loops(struct spirv *module);
+/* loops.c: marks long loops DontUnroll: those in no other loop of their function, with many operations
+ * per iteration. Many of them get a loop of one turn each around them. */
+bool spirv_keep_loops(struct spirv *module);
+
+/* The same file: what a driver compiles of a shader once it has put functions in place of their calls: operations, and
+ * loops that stay loops. */
+uint64_t spirv_operations(const struct spirv *module, uint64_t *loops);

@@ -133,6 +133,25 @@ def modules(tap):
     tap.result("a finding has the line of spirv-dis", told(f"{places[0]}", "--sanitize"))
 
 
+LOOPS = """layout(local_size_x = 8) in;
+layout(location = 0) uniform int turns;
+layout(std430) buffer Sums { float sums[]; };
+float walk(float x) { for (int i = 0; i < turns; i++) x = sin(x) + cos(x) + pow(x * x + 1.0, 0.25); return x; }
+float idle(float x) { %s return x; }
+void main() { float x = 0.5; %s sums[gl_GlobalInvocationID.x] = x; }
+"""
+
+
+def large(tap):
+    """What CPU drivers compile for hours, or never: 28 loops behind each other; many operations."""
+    head = "params: {turns: {value: 0, type: int, live: true}}"
+    compute(LOOPS % ("", 28 * "x = walk(x); "), head=head, kind="float")
+    tap.result("28 loops behind each other compile", agrees([0.5] * 4))
+    compute(LOOPS % (100 * "x = abs(x); ", 1000 * "idle(x); " + "x += float(turns);"), head=head, kind="float")
+    done = diptych("render", "--spec", "a.yaml", "--backend", "vk", "--dump", "dump")
+    tap.result("100,000 operations are not optimized", [] if "GALLIVM_PERF=nopt" in done.stdout and not done.returncode else [done.stdout])
+
+
 LIGHTS = """layout(local_size_x = 8) in;
 struct Light { vec3 color; float range; vec2 box[2]; };
 struct Room { Light lights[3]; mat2x3 turn; bool lit; };
@@ -383,6 +402,7 @@ def main():
             tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
         sanitized(tap)
+        large(tap)
         os.chdir("/")
     tap.finish()
 
