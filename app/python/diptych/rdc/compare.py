@@ -13,10 +13,13 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor, TimeoutError as TooLong
 from typing import Any, Iterator
 
+import numpy as np
+
 from . import differ, guilty
 from .capture import renderdoc
 from ..console import Console, printable, write
-from .match import Matcher, Pair, Side
+from .match import Matcher, Pair, Side, numbers_of
+from .texels import doubled_depth
 from ..verbs import HERE
 
 Json = dict[str, Any]
@@ -187,8 +190,8 @@ def read_match(console: Console, path: str, matcher: Matcher) -> list[Pair]:
 class Dump:
     """A folder that `compare A B` reads."""
 
-    def __init__(self, side: Side, folder: str):
-        self.side, self.folder = side, folder
+    def __init__(self, side: Side, folder: str, doubled: bool = False):
+        self.side, self.folder, self.doubled = side, folder, doubled
         self.entries: list[Json] = []
         os.makedirs(folder)
 
@@ -200,7 +203,9 @@ class Dump:
         if about:
             item["about"] = about
         path = os.path.join(self.folder, entry["file"])
-        if not os.path.exists(path):
+        if not os.path.exists(path) and self.doubled and entry["kind"] == "image" and entry["format"].startswith("d"):
+            doubled_depth(entry["format"], np.fromfile(os.path.join(self.side.folder, entry["file"]), "u1")).tofile(path)
+        elif not os.path.exists(path):
             os.link(os.path.join(self.side.folder, entry["file"]), path)
         self.entries.append(item)
 
@@ -224,9 +229,9 @@ def origin_of(side: Side) -> str:
     return "bottom" if side.label == "gl" else "top"
 
 
-def dump_first(side: Side, folder: str, names: list[str], about: dict[str, list[str]]) -> None:
+def dump_first(side: Side, folder: str, names: list[str], about: dict[str, list[str]], doubled: bool) -> None:
     """All passes under the names that both sides have."""
-    dump = Dump(side, folder)
+    dump = Dump(side, folder, doubled and side.label == "gl")
     for name, item in zip(names, side.passes):
         for place, entries in ((f"{name}_inputs", item["inputs"]), (name, item["entries"])):
             for entry, slot in zip(entries, slots(entries)):
@@ -235,7 +240,7 @@ def dump_first(side: Side, folder: str, names: list[str], about: dict[str, list[
 
 
 def dump_other(matched: "Matched", folder: str) -> None:
-    dump, first = Dump(matched.sides[1], folder), matched.sides[0]
+    dump, first = Dump(matched.sides[1], folder, matched.doubled and matched.sides[1].label == "gl"), matched.sides[0]
     origins = [origin_of(first), "bottom" if origin_of(first) == "top" else "top"]
     for pair in matched.pairs:
         if not pair.both and pair.second >= 0:
@@ -259,7 +264,7 @@ class Matched:
     """Two sides, their passes in pairs, and how the state of each pass differs, by its name; `clocks`: what tells of another moment."""
 
     def __init__(self, sides: tuple[Side, Side], pairs: list[Pair], names: list[str]):
-        self.sides, self.pairs, self.names = sides, pairs, names
+        self.sides, self.pairs, self.names, self.doubled = sides, pairs, names, Matcher(*sides).doubled_depth(pairs)
         self.labels = [side.label for side in sides] if sides[0].label != sides[1].label else ["first", "second"]
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
@@ -290,13 +295,17 @@ class Matched:
             for side, at in enumerate((pair.first, pair.second)):
                 if not pair.both and at >= 0:
                     print(f"only in {self.labels[side]}: {printable(described(self.sides[side].passes[at]))}")
-        places: dict[str, list[str]] = {}
+        if self.doubled:
+            print("depth of gl is compared as 2 z - 1: it uses half of OpenGL's clip space, where vk uses all of Vulkan's")
+        equal = {self.names[pair.first] for pair, _, _ in self.both() if pair.contents and all(
+            other["file"] in (entry["file"], entry["turned"]) for entry, other in pair.contents if numbers_of(entry) != "depth")}
+        places: dict[tuple[bool, str], list[str]] = {}
         for name, texts in self.state.items():
             for text in texts:
-                places.setdefault(text, []).append(name)
-        for text, names in places.items():
+                places.setdefault((name in equal, text), []).append(name)
+        for (without, text), names in sorted(places.items()):
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-            print(f"state: {', '.join(names[:3])}{more}: {printable(text)}")
+            print(f"state{', without effect' if without else ''}: {', '.join(names[:3])}{more}: {printable(text)}")
         print(flush=True)
 
     def json(self) -> Json:
@@ -382,7 +391,8 @@ class Comparison:
                 matched.tell()
             if not any(pair.both for pair in matched.pairs):
                 self.console.fail(f"{side.source}: no pass fits one of {sides[0].source}; have both windows one size?")
-        dump_first(sides[0], folders[0], names, self.matched[0].state if len(self.matched) == 1 else {})
+        alone = self.matched[0] if len(self.matched) == 1 else None
+        dump_first(sides[0], folders[0], names, alone.state if alone else {}, alone is not None and alone.doubled)
         return [os.path.dirname(folder) if runs > 1 else folder for folder in folders[::runs]]
 
     def compare(self, folders: list[str]) -> int:

@@ -168,6 +168,19 @@ class Matcher:
         first, second = last[0][-1], last[1][-1]
         return [(1, 0.0, -first, -second)] if pair_up(self.passes[0][first]["entries"], self.passes[1][second]["entries"]) else []
 
+    # ---- Conventions -----------------------------------------------------------------------------
+
+    def doubled_depth(self, pairs: list[Pair]) -> bool:
+        """Whether most depth of OpenGL is z / 2 + 1 / 2 of Vulkan's: a program that uses half of OpenGL's clip space."""
+        votes = []
+        for entry, other in (contents for pair in pairs for contents in pair.contents if numbers_of(contents[0]) == "depth"):
+            values = [side.small[item["file"]][..., 0] for side, item in zip(self.sides, (entry, other))]
+            own, theirs = values if self.sides[0].label == "gl" else reversed(values)
+            theirs = min((theirs, theirs[::-1]), key=lambda rows: float(np.abs(own - rows).sum()))
+            gaps = [float(np.abs(rows - theirs).sum()) for rows in (own, 2 * own - 1)]
+            votes += [gaps[1] < gaps[0] / 10] if max(gaps) > TURNED else []
+        return self.sides[0].label != self.sides[1].label and 2 * sum(votes) > len(votes)
+
     # ---- Rows and inputs -------------------------------------------------------------------------
 
     def majority(self, pairs: list[Pair]) -> dict[str, bool]:

@@ -106,6 +106,17 @@ def values_of(name: str, rows: np.ndarray) -> np.ndarray:
     return numbers[..., [2, 1, 0, *range(3, rows.shape[-1])]] if name.startswith("bgra") else numbers
 
 
+def doubled_depth(name: str, raw: np.ndarray) -> np.ndarray:
+    """2 z - 1 of every texel; bytes."""
+    if name in ("d32f", "d32fs8"):
+        words = raw.view("<f4").copy()
+        words[::2 if name == "d32fs8" else 1] = 2 * words[::2 if name == "d32fs8" else 1] - 1
+        return words.view("u1")
+    codes, top = raw.view("<u2" if name == "d16" else "<u4"), (1 << (16 if name == "d16" else 24)) - 1
+    depth = np.maximum(2 * (codes & top).astype("i8") - top, 0)
+    return (codes & ~np.array(top, codes.dtype) | depth.astype(codes.dtype)).view("u1")
+
+
 def four(name: str, rows: np.ndarray) -> np.ndarray:
     """Numbers as shaders see them, four of each texel."""
     numbers = values_of(name, rows)
