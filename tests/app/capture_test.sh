@@ -67,6 +67,52 @@ check "the draws of a pass are compared" says 1 '^first pass that differs: 00_dr
 check "... of one that is there" says 2 -- '--draws 17: no pass' none.rdc cull.rdc --draws 17
 check "noise of runs is measured" says 1 'depth: breaks its contract in some runs' none.rdc,none.rdc none.rdc,offset.rdc --measure 2
 
+# ---- The same across APIs: Zink draws OpenGL with Vulkan --------------------------------------------------------------
+
+cat >planted.yaml <<'END'
+pipeline: planted
+params: {moved: 0, turned: 0, twice: {value: 1, live: true}}
+images:
+  solid: {format: rgba8, size: [96, 96]}
+  depth: {format: d32f, size: [96, 96]}
+  soft:  {format: rgba8, size: [96, 96]}
+  toned: {format: rgba8, size: [96, 96]}
+samplers: {around: {kind: filter, filter: linear}}
+passes:
+  - {name: base, draw: {vertices: 6}, writes: [solid, depth], shader: base.glsl, blend: over, depth_bias: {slope: 0.5}}
+  - {name: blur, draw: fullscreen, reads: [{name: solid, sampler: around}], writes: [soft], shader: blur.glsl}
+  - {name: tone, draw: fullscreen, reads: [{name: soft, sampler: around}], writes: [toned], shader: tone.glsl, when: twice}
+END
+cat >base.glsl <<'END'
+#ifdef VERTEX
+layout(location = 0) out vec3 colour;
+const vec2 at[6] = vec2[](vec2(-.8, -.7), vec2(.7, -.8), vec2(.1, .8), vec2(-.5, .6), vec2(.4, .5), vec2(.6, -.4));
+void main() { colour = vec3(at[gl_VertexIndex] * .5 + .5, .3); gl_Position = vec4(at[gl_VertexIndex], .4 + .2 * colour.x, 1.0); }
+#else
+layout(location = 0) in vec3 colour;
+void main() { solid = vec4(colour, 0.75); }
+#endif
+END
+place='vec2(gl_FragCoord.x, turned == 1 ? 96.0 - gl_FragCoord.y : gl_FragCoord.y) / 96.0'
+echo "void main() { soft = solid_sample($place + vec2(.3 + float(moved) * 2.0, 20.3) / 96.0); }" >blur.glsl
+echo "void main() { toned = sqrt(soft_sample($place)); }" >tone.glsl
+taken() { # backend file sets...
+    ENABLE_VULKAN_RENDERDOC_CAPTURE=1 "$diptych" render --spec planted.yaml --backend "$1" --capture "$2.rdc" "${@:3}" >>"$work/output" 2>&1
+}
+faults=('p["agree"] and t == "{}"|moved=0' '"depth test: less against greater" in t|passes.base.depth=greater' '"blend: " in t|passes.base.blend=add'
+    '"cull: nocull against back" in t|passes.base.cull=back' '"units 0 against factor 2.5, units 0" in t|passes.base.depth_bias.slope=2.5'
+    '"scissor: whole against (0, 0, 50, 96)" in t|passes.base.scissor=[0,0,50,96]' '"viewport: (0, 0, 96, 96) against (8" in t|passes.base.viewport=[8,0,88,96]'
+    '"linear, clampedge/clampedge against point/point" in t|samplers.around.filter=nearest' '"clampedge against linear/linear, wrap" in t|samplers.around.wrap=repeat'
+    '"8 bits unorm against 16 bits float" in t|images.soft.format=rgba16f' '"shift of 2 texels" in str(p["results"][2]["why"])|moved=1'
+    '"flip in y" in str(p["results"][2]["why"])|turned=1' 'len(p["captures"]["matched"]) == 2|twice=0')
+if taken gl across && taken zink 0; then
+    for i in "${!faults[@]}"; do taken zink "$i" --set "${faults[i]#*|}"; done
+    says 1 . across.rdc {0..12}.rdc --json all.json >"$work/output"
+    for i in "${!faults[@]}"; do check "OpenGL against Vulkan: ${faults[i]#*|}" pair "$i" "${faults[i]%|*}"; done
+else
+    skip "faults across APIs" "no Zink that RenderDoc captures"
+fi
+
 # ---- What is wrong ----------------------------------------------------------------------------------------------------
 
 head -c 30000 none.rdc >cut.rdc
@@ -83,6 +129,22 @@ check_status 1 "a program that ends is told" "$diptych" capture -o x.rdc --frame
 check_status 1 "... and one that is not there" "$diptych" capture -o x.rdc -- no-such-program
 check_status 2 "... and none" "$diptych" capture -o x.rdc
 check "nothing is left of them" test ! -e x.rdc
+check "a replay that was taken over names its own files alone" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
+import json, os
+from diptych.console import Console, Failure
+from diptych.rdc.compare import Replays
+os.makedirs("left/below"), os.symlink("/etc/passwd", "left/link"), open("left/own", "w").close(), open("left/small.npz", "w").close()
+def frame(name):
+    with open("left/frame.json", "w") as file:
+        json.dump({"passes": [{"entries": [{"file": name}], "inputs": [], "shaders": []}]}, file)
+    return Replays(Console("compare", []), True).frame("x.rdc", "left")
+frame("own")
+for name in ("/etc/passwd", "../none.rdc", "below", "below/../own", "./own", "link", "absent", ""):
+    try:
+        frame(name)
+    except Failure:
+        continue
+    raise SystemExit(f"{name} was taken")'
 
 # ---- Programs of packages ---------------------------------------------------------------------------------------------
 
@@ -119,7 +181,10 @@ if [ -n "$qml" ] && QT_QPA_PLATFORM=offscreen timeout 3 "$qml" scene.qml >"$work
     check "Qt Quick is captured with OpenGL" captured qt_gl.rdc 10 "$qml" scene.qml
     export QSG_RHI_BACKEND=vulkan
     check "... and with Vulkan" captured qt_vk.rdc 10 "$qml" scene.qml
-    check "... and its passes match" says 01 '^0[01]_draw_160x96 .* opposite' qt_gl.rdc qt_vk.rdc
+    check "... and its passes match, and agree" says 0 '^0[01]_draw_160x96 .* opposite' qt_gl.rdc qt_vk.rdc
+    sed -i 's/rotation: 10/& ; opacity: 0.5/' scene.qml
+    check "... and once more" captured qt_other.rdc 10 "$qml" scene.qml
+    check "... which tells a uniform of another value" says 1 'opacity: 1 against 0.5' qt_gl.rdc qt_other.rdc
 else
     skip "Qt Quick with both APIs" "qml-qt6, qml6-module-qtquick-window or qml6-module-qtqml-workerscript is not installed"
 fi
