@@ -83,7 +83,6 @@ def switch(state: int, on: bool) -> None:
 def main() -> None:
     gl.glClearColor.argtypes = [ctypes.c_float] * 4
     gl.glPolygonOffset.argtypes = [ctypes.c_float] * 2
-    gl.glClearDepth.argtypes = [ctypes.c_double]
     glfw.glfwCreateWindow.restype = ctypes.c_void_p
     glfw.glfwInit()
     for hint, value in ((0x22002, 3), (0x22003, 3), (0x22008, 0x32001)):
@@ -103,8 +102,6 @@ def main() -> None:
         use(solid, scene[0])
         switch(DEPTH_TEST, True)
         switch(BLEND, False)
-        gl.glDepthFunc(0x204 if FAULT == "depth" else 0x201)
-        gl.glClearDepth(0.5 if FAULT == "depth" else 1.0)
         switch(CULL_FACE, FAULT == "cull")
         switch(POLYGON_OFFSET_FILL, True)
         gl.glPolygonOffset(*((1.0, 0.1) if FAULT == "offset" else (0.1, 1.0)))

@@ -18,7 +18,7 @@ from .state import word
 from .texels import four, texels_of
 
 Json = dict[str, Any]
-MOST_VERTICES = 1 << 16
+MOST_VERTICES, MOST_TEXELS = 1 << 16, 1 << 24
 LISTS: dict[str, Callable[[int], list[int]]] = {
     "trianglelist": lambda at: [3 * at, 3 * at + 1, 3 * at + 2], "trianglefan": lambda at: [0, at + 1, at + 2],
     "trianglestrip": lambda at: [at, at + 1 + at % 2, at + 2 - at % 2]}
@@ -57,6 +57,8 @@ class Taken:
         if info is None or info.dimension != 2 or info.arraysize > 1 or info.msSamp > 1 or info.cubemap:
             raise Untold(f"{name} is a buffer, or has one or three dimensions, layers or samples")
         width, height = max(1, info.width >> mip), max(1, info.height >> mip)
+        if width * height > MOST_TEXELS:
+            raise Untold(f"{name} has more than {MOST_TEXELS} texels")
         found = texels_of(info.format, next(self.frame.layers(info, mip)), width, height, self.frame.gl)
         if found is None:
             raise Untold(f"{name} has texels of the format {info.format.Name()}")

@@ -49,10 +49,8 @@ class Spec:
     """What `import` wrote, while it gets what the capture has in place of its guesses; `made`: the pass of alone.py."""
 
     def __init__(self, made: Json, source: str, folder: str):
-        try:
-            import yaml  # type: ignore[import]
-        except ImportError:
-            raise Refused("it needs the package python3-yaml") from None
+        import yaml  # type: ignore[import]
+
         self.made, self.source, self.folder = made, source, folder
         self.path = os.path.join(folder, os.path.basename(folder) + ".yaml")
         with open(self.path, encoding="utf-8") as file:
@@ -165,6 +163,8 @@ class Alone:
                 self.replay(run)
         except Refused as reason:
             self.why = str(reason)
+        except Exception as reason:  # a replay that the capture has taken over may leave anything
+            self.why = f"{type(reason).__name__}: {reason}"
 
     def call(self, run: Run, words: list[str]) -> None:
         done = run(os.path.dirname(self.folder), words)
@@ -258,6 +258,6 @@ def verdict(sides: list[Alone], across: bool, turned: bool, state: list[str]) ->
         found = ["vertices"]  # those of two APIs follow other conventions
     if not found and (across or code):
         rest = "the order of rows, the vertices or the code of the shaders" if across else "the code of the shader"
-        return head + f"the cause is {rest}: nothing else differs"
+        return head + f"the cause is {rest}: nothing else is seen to differ"
     found += ["its code"] if code else []
     return head + "the cause is outside the shader" + (f"; what differs: {', '.join(found)}" if found else "")
