@@ -38,9 +38,9 @@ def software() -> dict[str, str]:
     return {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver, "VK_ICD_FILENAMES": driver}
 
 
-def sandbox(read: str, folder: str, package: list[str]) -> list[str]:
+def sandbox(read: list[str], folder: str, package: list[str]) -> list[str]:
     words = ["bwrap", "--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp", "--clearenv"]
-    for path in [*READ, *package, read]:
+    for path in [*READ, *package, *read]:
         words += ["--ro-bind-try", path, path]
     words += ["--bind", folder, folder, "--chdir", folder]
     for name, value in {"HOME": "/tmp", "PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(package), **software()}.items():
@@ -81,7 +81,7 @@ class Replays:
         path = os.path.realpath(capture)
         package = [os.path.dirname(HERE), *filter(None, os.environ.get("PYTHONPATH", "").split(":"))]
         words = ["/usr/bin/python3", "-m", f"diptych.rdc.{module}", path, folder, draws]
-        words = sandbox(path, folder, package) + words if self.confined else words
+        words = sandbox([path], folder, package) + words if self.confined else words
         process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                    errors="replace", preexec_fn=limit)
         self.running.append(process)
@@ -408,7 +408,8 @@ class Comparison:
     def run_alone(self, folder: str, words: list[str]) -> guilty.Done:
         """A command of diptych, on what came out of a capture and lies in the folder."""
         program = os.path.realpath(self.request["program"])
-        confine = sandbox(os.path.dirname(os.path.dirname(program)), folder, []) if self.confined else []
+        own = [os.path.join(os.path.dirname(program), name) for name in ("", "../templates", "../share/diptych")]
+        confine = sandbox(list(map(os.path.normpath, own)), folder, []) if self.confined else []
         return subprocess.run([*confine, program, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
                               timeout=SECONDS, check=False, preexec_fn=limit)
 
