@@ -210,35 +210,32 @@ static bool is_depths(const struct match *match, const struct dt_resource *what)
     return what->kind == DT_IMAGE && what->format == DT_FORMAT_D32F && match;
 }
 
-/* `raster`: where a texel of the pass's triangle numbers, else of its depth, differs from one around it. */
-static bool measure_draw(const struct dumps *dumps, const struct theirs *const sides[2],
-                         struct match *match, const struct dt_bytes copies[2],
-                         struct difference *difference)
+/* `raster`: where a texel of the pass's triangle numbers, else of its depth, differs from one around it. NULL: nowhere. */
+static bool find_edges(const struct dumps *dumps, const struct theirs *const sides[2],
+                       const struct match *match, const uint32_t extent[3], bool **edges)
 {
     struct dt_resource what;
     struct dt_bytes found[2], depths[2];
-    bool *edges = NULL, good = true;
-    if (load_beside(dumps, sides, match, is_numbers, &what, found) ||
-        load_beside(dumps, sides, match, is_depths, &what, found)) {
-        good = edges_find(&edges, &what, found);
-        if (edges && what.format != DT_FORMAT_D32F &&
-            load_beside(dumps, sides, match, is_depths, &what, depths)) {
-            if (!memcmp(depths[0].extent, found[0].extent, sizeof depths[0].extent) &&
-                !memcmp(depths[1].extent, found[0].extent, sizeof depths[1].extent))
-                edges_add_coincident(edges, depths);
-            free(depths[0].data);
-            free(depths[1].data);
-        }
-        if (memcmp(found[0].extent, copies[0].extent, sizeof found[0].extent) != 0) {
-            free(edges); /* of another size: no texel is at an edge */
-            edges = NULL;
-        }
-        free(found[0].data);
-        free(found[1].data);
+    *edges = NULL;
+    if (match->what.contract.kind != DT_CONTRACT_RASTER ||
+        (!load_beside(dumps, sides, match, is_numbers, &what, found) &&
+         !load_beside(dumps, sides, match, is_depths, &what, found)))
+        return true;
+    bool good = edges_find(edges, &what, found);
+    if (*edges && what.format != DT_FORMAT_D32F &&
+        load_beside(dumps, sides, match, is_depths, &what, depths)) {
+        if (!memcmp(depths[0].extent, found[0].extent, sizeof depths[0].extent) &&
+            !memcmp(depths[1].extent, found[0].extent, sizeof depths[1].extent))
+            edges_add_coincident(*edges, depths);
+        free(depths[0].data);
+        free(depths[1].data);
     }
-    good = good &&
-           difference_measure_draw(difference, &match->what, match->sides[0]->frame, copies, edges);
-    free(edges);
+    if (memcmp(found[0].extent, extent, sizeof found[0].extent) != 0) {
+        free(*edges); /* of another size: no texel is at an edge */
+        *edges = NULL;
+    }
+    free(found[0].data);
+    free(found[1].data);
     return good;
 }
 
@@ -268,7 +265,7 @@ bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
 {
     struct dt_resource *what = &match->what;
     bool integers = what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind);
-    bool good;
+    bool *edges = NULL, good;
     match->kept =
         contracts_find(dumps->contracts, match->sides[0]->pass, match->sides[0]->resource);
     what->contract = match->kept ? match->kept->contract
@@ -276,10 +273,10 @@ bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
                                  : (struct dt_contract){.kind = DT_CONTRACT_ULP, .tolerance = 1};
     if (what->kind == DT_BUFFER && !match->kept)
         good = measure_fields(match, copies, difference);
-    else if (what->contract.kind == DT_CONTRACT_RASTER)
-        good = measure_draw(dumps, sides, match, copies, difference);
     else
-        good = difference_measure(difference, what, match->sides[0]->frame, copies);
+        good = find_edges(dumps, sides, match, copies[0].extent, &edges) &&
+               difference_measure_draw(difference, what, match->sides[0]->frame, copies, edges);
+    free(edges);
     if (good)
         add_margins(dumps, sides, match, difference);
     else
@@ -328,6 +325,10 @@ static bool load_relative(void *user, enum why_relative relative, int side, stru
         wanted.mip += relative == WHY_MIP_FINER ? UINT32_MAX : 1;
     }
     found = dumps_partner(asked->sides[side], &wanted, step);
+    if (!found && step) { /* frames without numbers: the same pass again */
+        wanted.again += (uint32_t)step;
+        found = dumps_partner(asked->sides[side], &wanted, 0);
+    }
     if (!found || !theirs_load(asked->sides[side], found, bytes))
         return false;
     bool same =
@@ -339,47 +340,87 @@ static bool load_relative(void *user, enum why_relative relative, int side, stru
     return same;
 }
 
-bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
-                   struct match *match)
+/* False: logged. Copies that cannot be compared are left out. */
+static bool add_question(const struct dumps *dumps, const struct theirs *const sides[2],
+                         struct match *match, struct why_batch *batch)
 {
     struct dt_bytes copies[2];
     struct asked_match asked = {sides, match};
     const struct dt_contract contract = match->what.contract; /* loading makes `what` anew */
-    bool same, good = dumps_load(sides, match, copies, &same);
-    const struct why_question question = {
-        .resource = &match->what,
-        .copies = copies,
-        .labels = {dumps->sides[0]->label, dumps->sides[1]->label},
-        .relative = load_relative,
-        .user = &asked};
+    bool *edges = NULL, same, good = dumps_load(sides, match, copies, &same);
     match->what.contract = contract;
-    if (good && same)
-        match->row->why = why_ask(&question, dumps->console);
+    if (good && same && find_edges(dumps, sides, match, copies[0].extent, &edges))
+        why_add(batch,
+                &(struct why_question){.resource = &match->what,
+                                       .copies = copies,
+                                       .labels = {dumps->sides[0]->label, dumps->sides[1]->label},
+                                       .edges = edges,
+                                       .relative = load_relative,
+                                       .user = &asked});
+    free(edges);
     free(copies[0].data);
     free(copies[1].data);
+    return good;
+}
+
+bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
+                   struct match *match)
+{
+    struct why_batch batch = {0};
+    if (!add_question(dumps, sides, match, &batch))
+        return false;
+    cJSON *answers = batch.questions ? why_ask_all(&batch, false, dumps->console) : NULL;
+    match->row->why = cJSON_DetachItemFromArray(answers, 0);
+    cJSON_Delete(answers);
+    return true;
+}
+
+static bool is_guilty_pass(const struct dumps *dumps, const struct match *match)
+{
+    return !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
+           match->sides[0]->frame == dumps->guilty->sides[0]->frame;
+}
+
+/* Asks about matches from `next` on, as many as go in a batch: those of the guilty pass, or others, until one has more than noise. */
+static bool explain_some(struct dumps *dumps, bool guilty_pass, uint32_t *next)
+{
+    enum { MOST_CONTENT = 256 << 20 };
+    const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
+    struct match **asked = calloc(dumps->count, sizeof *asked);
+    struct why_batch batch = {0};
+    int count = 0;
+    bool good = asked || report_error(&dumps->console->log, "out of memory");
+    for (; *next < dumps->count && good && batch.size < MOST_CONTENT; ++*next) {
+        struct match *match = &dumps->matches[*next];
+        if (!match->row->compared || is_guilty_pass(dumps, match) != guilty_pass ||
+            difference_verdict(&match->row->difference) != VERDICT_DIFFERS)
+            continue;
+        good = add_question(dumps, sides, match, &batch);
+        if (cJSON_GetArraySize(batch.questions) > count)
+            asked[count++] = match;
+    }
+    cJSON *answers =
+        batch.questions ? why_ask_all(&batch, !guilty_pass, dumps->console) : cJSON_CreateArray();
+    bool known = answers;
+    for (int i = 0; i < count && cJSON_GetArraySize(answers); i++) {
+        asked[i]->row->why = cJSON_DetachItemFromArray(answers, 0);
+        if (!dumps->loud && !cJSON_IsTrue(cJSON_GetObjectItem(asked[i]->row->why, "noise")))
+            dumps->loud = asked[i];
+    }
+    *next = known ? *next : dumps->count; /* without Python there are no reasons */
+    cJSON_Delete(answers);
+    free(asked);
     return good;
 }
 
 /* The resources of the first pass that differs; where all of them have noise alone, those behind it, until one has more. */
 static bool explain(struct dumps *dumps)
 {
-    const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
-    bool known = true;
-    for (uint32_t i = 0; i < dumps->count && dumps->guilty && known; i++) {
-        struct match *match = &dumps->matches[i];
-        bool first = !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
-                     match->sides[0]->frame == dumps->guilty->sides[0]->frame;
-        if (!match->row->compared ||
-            difference_verdict(&match->row->difference) != VERDICT_DIFFERS ||
-            (!first && dumps->loud))
-            continue;
-        if (!dumps_ask_why(dumps, sides, match))
-            return false;
-        known = match->row->why;
-        if (known && !dumps->loud && !cJSON_IsTrue(cJSON_GetObjectItem(match->row->why, "noise")))
-            dumps->loud = match;
-    }
-    return true;
+    bool good = true;
+    for (int guilty_pass = 1; guilty_pass >= 0 && dumps->guilty; guilty_pass--)
+        for (uint32_t i = 0; i < dumps->count && good && (guilty_pass || !dumps->loud);)
+            good = explain_some(dumps, guilty_pass, &i);
+    return good;
 }
 
 /* ---- Several runs of each side, for --measure --------------------------------------------------- */

@@ -1,4 +1,4 @@
-/* Hands two copies to Python and takes its reasons; see why.h. Copies go in files that only exist in memory. */
+/* Hands copies to Python and takes its reasons; see why.h. Content goes in a file that only exists in memory. */
 #include "theirs/why.h"
 
 #include <cjson/cJSON.h>
@@ -10,24 +10,13 @@
 #include "base/temporary.h"
 #include "console/python.h"
 
-enum { MOST_FILES = 2 + 2 * WHY_RELATIVES };
-
-struct handed {
-    int files[MOST_FILES];
-    uint32_t count;
-    bool good;
-};
-
-/* The path by which the child opens the content. */
-static cJSON *hand_file(struct handed *handed, const struct dt_bytes *bytes)
+/* Where the content stands in the file: offset, size. */
+static cJSON *hand_over(struct why_batch *batch, const void *data, size_t size)
 {
-    int file = memfd_create("copy", 0);
-    char path[40];
-    snprintf(path, sizeof path, "/proc/self/fd/%d", file);
-    handed->good &= file >= 0 && write_all(file, bytes->data, bytes->size);
-    if (file >= 0)
-        handed->files[handed->count++] = file;
-    return cJSON_CreateString(path);
+    const double place[2] = {(double)batch->size, (double)size};
+    batch->good = batch->good && write_all(batch->file, data, size);
+    batch->size += size;
+    return cJSON_CreateDoubleArray(place, 2);
 }
 
 static cJSON *extent_json(const uint32_t extent[3])
@@ -36,24 +25,15 @@ static cJSON *extent_json(const uint32_t extent[3])
     return cJSON_CreateIntArray(numbers, 3);
 }
 
+/* why.py has the kinds of numbers and of contracts in the order of both enums. */
 static cJSON *components_json(const struct dt_resource *resource)
 {
-    static const char *const kinds[] = {
-        [NUMBER_UNORM8] = "unorm8",   [NUMBER_UNORM16] = "unorm16", [NUMBER_UNORM24] = "unorm24",
-        [NUMBER_SNORM16] = "snorm16", [NUMBER_HALF] = "half",       [NUMBER_FLOAT] = "float",
-        [NUMBER_R11F] = "r11f",       [NUMBER_G11F] = "g11f",       [NUMBER_B10F] = "b10f",
-        [NUMBER_R10] = "r10",         [NUMBER_G10] = "g10",         [NUMBER_B10] = "b10",
-        [NUMBER_A2] = "a2",           [NUMBER_UINT] = "uint",       [NUMBER_INT] = "int",
-        [NUMBER_UINT8] = "uint8",     [NUMBER_INT8] = "int8",       [NUMBER_UINT16] = "uint16",
-        [NUMBER_INT16] = "int16"};
     struct component *list = NULL;
     uint32_t count = resource_components(resource, &list);
     cJSON *root = cJSON_CreateArray();
     for (uint32_t i = 0; i < count; i++) {
-        cJSON *item = cJSON_CreateObject();
-        cJSON_AddStringToObject(item, "kind", kinds[list[i].kind]);
-        cJSON_AddNumberToObject(item, "offset", list[i].offset);
-        cJSON_AddItemToArray(root, item);
+        const int numbers[2] = {(int)list[i].kind, (int)list[i].offset};
+        cJSON_AddItemToArray(root, cJSON_CreateIntArray(numbers, 2));
     }
     free(list);
     return root;
@@ -61,18 +41,12 @@ static cJSON *components_json(const struct dt_resource *resource)
 
 static cJSON *contract_json(const struct dt_contract *contract)
 {
-    static const char *const kinds[] = {
-        [DT_CONTRACT_EXACT] = "exact",  [DT_CONTRACT_ULP] = "ulp",
-        [DT_CONTRACT_ABS] = "abs",      [DT_CONTRACT_REL] = "rel",
-        [DT_CONTRACT_IMAGE] = "image",  [DT_CONTRACT_FLIPS] = "exact",
-        [DT_CONTRACT_RASTER] = "exact", [DT_CONTRACT_OF_EXACT] = "of_exact"};
-    cJSON *root = cJSON_CreateObject();
-    cJSON_AddStringToObject(root, "kind", kinds[contract->kind]);
-    cJSON_AddNumberToObject(root, "tolerance", contract->tolerance);
-    return root;
+    const double numbers[3] = {contract->kind, contract->tolerance, contract->outliers};
+    return cJSON_CreateDoubleArray(numbers, 3);
 }
 
-static void hand_relatives(struct handed *handed, const struct why_question *question, cJSON *list)
+static void hand_relatives(struct why_batch *batch, const struct why_question *question,
+                           cJSON *list)
 {
     for (int i = 0; i < 2 * WHY_RELATIVES && question->relative; i++) {
         enum why_relative which = (enum why_relative)(i % WHY_RELATIVES);
@@ -84,50 +58,73 @@ static void hand_relatives(struct handed *handed, const struct why_question *que
         cJSON_AddNumberToObject(item, "side", side);
         cJSON_AddNumberToObject(item, "which", which);
         cJSON_AddItemToObject(item, "extent", extent_json(bytes.extent));
-        cJSON_AddItemToObject(item, "file", hand_file(handed, &bytes));
+        cJSON_AddItemToObject(item, "file", hand_over(batch, bytes.data, bytes.size));
         cJSON_AddItemToArray(list, item);
         free(bytes.data);
     }
 }
 
-static cJSON *request_of(struct handed *handed, const struct why_question *question)
+void why_add(struct why_batch *batch, const struct why_question *question)
 {
     const struct dt_resource *resource = question->resource;
+    const struct dt_bytes *copies = question->copies;
     cJSON *root = cJSON_CreateObject();
+    if (!batch->questions) {
+        *batch = (struct why_batch){.file = memfd_create("copies", 0)};
+        batch->questions = cJSON_CreateArray();
+        batch->good = batch->file >= 0;
+    }
+    cJSON_AddItemToArray(batch->questions, root);
     cJSON_AddBoolToObject(root, "image", resource->kind == DT_IMAGE);
     cJSON_AddNumberToObject(root, "stride", resource_stride(resource));
-    cJSON_AddItemToObject(root, "extent", extent_json(question->copies[0].extent));
+    cJSON_AddItemToObject(root, "extent", extent_json(copies[0].extent));
     cJSON_AddItemToObject(root, "components", components_json(resource));
     cJSON_AddItemToObject(root, "contract", contract_json(&resource->contract));
     cJSON_AddItemToObject(root, "labels", cJSON_CreateStringArray(question->labels, 2));
     cJSON *files = cJSON_AddArrayToObject(root, "files");
     for (int i = 0; i < 2; i++)
-        cJSON_AddItemToArray(files, hand_file(handed, &question->copies[i]));
-    hand_relatives(handed, question, cJSON_AddArrayToObject(root, "relatives"));
-    return root;
+        cJSON_AddItemToArray(files, hand_over(batch, copies[i].data, copies[i].size));
+    if (question->edges)
+        cJSON_AddItemToObject(
+            root, "edges",
+            hand_over(batch, question->edges, resource_elements(resource, copies[0].extent)));
+    hand_relatives(batch, question, cJSON_AddArrayToObject(root, "relatives"));
+}
+
+cJSON *why_ask_all(struct why_batch *batch, bool until_loud, struct console *console)
+{
+    char path[40];
+    int output = memfd_create("answers", 0);
+    cJSON *request = cJSON_CreateObject(), *answers = NULL;
+    snprintf(path, sizeof path, "/proc/self/fd/%d", batch->file);
+    cJSON_AddStringToObject(request, "content", path);
+    cJSON_AddBoolToObject(request, "until_loud", until_loud);
+    cJSON_AddItemToObject(request, "questions", batch->questions);
+    if (!batch->good || output < 0) {
+        report_error(&console->log, "why: out of memory");
+        cJSON_Delete(request);
+    } else if (python_child(console, "why", "finding a reason", request, output)) {
+        off_t size = lseek(output, 0, SEEK_END);
+        char *text = size > 0 ? calloc((size_t)size + 1, 1) : NULL;
+        if (text && pread(output, text, (size_t)size, 0) == size)
+            answers = cJSON_Parse(text);
+        free(text);
+    }
+    if (batch->file >= 0)
+        close(batch->file);
+    if (output >= 0)
+        close(output);
+    *batch = (struct why_batch){0};
+    return answers;
 }
 
 cJSON *why_ask(const struct why_question *question, struct console *console)
 {
-    struct handed handed = {.good = true};
-    int output = memfd_create("answer", 0);
-    cJSON *request = request_of(&handed, question), *answer = NULL;
-    bool good = handed.good && output >= 0;
-    if (!good)
-        report_error(&console->log, "why: out of memory");
-    if (!good)
-        cJSON_Delete(request);
-    else if (python_child(console, "why", "finding a reason", request, output)) {
-        off_t size = lseek(output, 0, SEEK_END);
-        char *text = size > 0 ? calloc((size_t)size + 1, 1) : NULL;
-        if (text && pread(output, text, (size_t)size, 0) == size)
-            answer = cJSON_Parse(text);
-        free(text);
-    }
-    for (uint32_t i = 0; i < handed.count; i++)
-        close(handed.files[i]);
-    if (output >= 0)
-        close(output);
+    struct why_batch batch = {0};
+    why_add(&batch, question);
+    cJSON *answers = why_ask_all(&batch, false, console);
+    cJSON *answer = cJSON_DetachItemFromArray(answers, 0);
+    cJSON_Delete(answers);
     return answer;
 }
 

@@ -2,7 +2,7 @@
 """Plants faults in pictures made with NumPy, and decoys without a simple cause; holds that `why` names the faults and stays silent about the decoys.
 
     why.py [SEED]      prints what is wrong, and "# counted: ..."; other seeds are other pictures. DIPTYCH_LONG: each fault at all
-                       three strengths and all decoys; else at one, and a third
+                       three strengths and all decoys; else at one, and a fifth
 """
 import os, sys, time
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -25,6 +25,7 @@ def joined(rgb, alpha): return np.concatenate([rgb, alpha], -1)
 def half_texel(a, axis): return ((a.astype(f32) + np.roll(a, -1, axis).astype(f32)) / 2).astype(a.dtype)
 def bfloat(a): return (a.view(u32) + 0x7fff + (a.view(u32) >> 16 & 1) & 0xffff0000).view(f32)
 def blocks(a, by, bx): h, w = a.shape[:2]; m = a.reshape(h // by, by, w // bx, bx, -1).mean((1, 3)); return np.repeat(np.repeat(m, by, 0), bx, 1).astype(a.dtype)
+def blurred(a, n=1): return blurred(sum(np.roll(a, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9, n - 1) if n else a
 def projection(m): b = m.copy(); b[:, :, 2] = (m[:, :, 2] + m[:, :, 3]) / 2; return b
 
 
@@ -82,6 +83,26 @@ class Scene:
         self.layers = np.stack([np.roll(self.rgba, 7 * i, 1) * f32(1 - 0.1 * i) for i in range(6)])
 
 
+def scrolled(s, wraps, speed=0): n = np.arange(W); at = np.floor(n * speed).astype(int) if speed else n + (5, 12, 21)[s.k]; return s.light[:, at % W if wraps else np.minimum(at, W - 1)]
+def linear(m, n): return np.stack([np.interp((np.arange(n * m.shape[1]) + 0.5) / n - 0.5, np.arange(m.shape[1]), row) for row in m])
+def mipped(s, a): n = (2, 4, 2)[s.k]; m = blocks(a.astype(f32), n, n)[::n, ::n]; m = np.stack([linear(linear(c, n).T, n).T for c in m.transpose(2, 0, 1)], -1); return (np.rint(m) if a.dtype == u8 else m).astype(a.dtype)
+
+
+def drawn(s, samples):
+    """Slanted cells over a ground, the mean of that many samples in x and y."""
+    y, x = (np.mgrid[0:H * samples, 0:W * samples] + 0.5) / samples
+    covered = (np.floor((x * 0.9 + y * 0.35) / 11) + np.floor((y * 0.8 - x * 0.3) / 9)) % 2
+    return (0.2 * s.picture + 0.8 * covered.reshape(H, samples, W, samples).mean((1, 3))[:, :, None] * np.array([0.9, 0.6, 0.3])).astype(f32)
+
+
+def leaf(s, levels):
+    """Its colour, and alpha in so many levels: with 1 it is an alpha test."""
+    a = np.clip(0.5 + 12 * (np.sin(s.x * 0.2 + 0.1 * s.y) * np.cos(s.y * 0.17) - 0.2), 0, 1)[:, :, None]
+    return joined(s.picture * 0.5 + 0.3, np.rint(a * levels) / levels).astype(f32)
+
+
+def over(c): return (c[:, :, :3] * c[:, :, 3:] + (1 - c[:, :, 3:]) * np.array([0.1, 0.2, 0.6])).astype(f32)
+def coverage(s): return leaf(s, (4, 8, 16)[s.k])
 def part(a, b, *box): c = np.array(a); c[box] = np.asarray(b)[box]; return c
 def box(s): return ((slice(10, 30), slice(12, 44)), (slice(0, 48), slice(32, 64)), (slice(28, 44), slice(4, 26)))[s.k]
 def beside(s): return Scene(s.r.integers(1000) + 600).picture
@@ -122,13 +143,17 @@ FAULTS = [
     ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0))), ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0.5))), ("smear", lambda s: (s.light, np.where(s.x[:, :, None] > (40, 51, 60)[s.k], s.light[:, (40, 51, 60)[s.k], None], s.light))),
     ("smear", lambda s: (s.light, np.where(s.y[:, :, None] > (30, 37, 44)[s.k], s.light[None, (30, 37, 44)[s.k]], s.light))),
     ("matrix", lambda s: (s.picture, (s.picture @ MATRICES[s.k].T).astype(f32))), ("limited_range", lambda s: (s.picture, s.picture * f32(219 / 255) + f32(16 / 255))), ("depth_bias", lambda s: (plane(s), (plane(s) + (0.5, 1, 2)[s.k] * slope(plane(s)) + 1e-4).astype(f32))),
-    ("dither!", lambda s: (dither(s.picture, bayer()), dither(s.picture, bayer()[::-1]))), ("blurred", lambda s: (s.light, sum(np.roll(s.light, (i, j), (0, 1)) for i in (-1, 0, 1) for j in (-1, 0, 1)) / 9)),
+    ("dither!", lambda s: (dither(s.picture, bayer()), dither(s.picture, bayer()[::-1]))), ("blurred", lambda s: (s.light, blurred(s.light))),
     ("order!", lambda s: (s.points, s.points[s.r.permutation(120)])), ("nan!", lambda s: (s.light, edge(s.light, s.noise < (0.01, 0.05, 0.3)[s.k], np.nan))),
     ("uninitialised!", lambda s: (s.cells, edge(s.cells, slice(50, 90), u32(0xcdcdcdcd).view(f32)))), ("uninitialised!", lambda s: (s.ids, edge(s.ids, s.noise < 0.1, 0xdeadbeef))),
     ("coverage!", lambda s: (s.ground, np.where(s.ground == 1, f32(0.5) + s.depth / 3, 1).astype(f32))), ("border!", lambda s: (s.light, edge(s.light, s.y == H - 1, 0.1))), ("border!", lambda s: (s.ids, edge(s.ids, (s.x == W - 1) | (s.y == H - 1), 0))),
     ("border!", lambda s: (s.display, edge(s.display, (s.x == 0) | (s.y == 0) | (s.x == W - 1) | (s.y == H - 1), 7))), ("rest!", lambda s: (s.ids[:46, :60], edge(s.ids, (s.x >= 56) | (s.y >= 40), 0)[:46, :60])),
     ("tile_edges!", lambda s: (s.light, edge(s.light, (s.x % 16 == 0) & (s.noise < 0.7), 0.3))), ("tiles!", lambda s: (s.light, np.where(((s.x // 16 + s.y // 16) % 4 == 0)[:, :, None], s.light * f32(0.3) + s.noise[:, :, None], s.light))),
     ("clear!", lambda s: (edge(s.light, s.ground < 1, 0), s.light)), ("layer_alone!", lambda s: (s.layers, edge(s.layers, 5, 0.25 + s.layers[5] * s.layers[4]))),
+    ("wrap", lambda s: (scrolled(s, False), scrolled(s, True))), ("wrap", lambda s: (code(scrolled(s, True) / 4), code(scrolled(s, False) / 4))), ("wrap", lambda s: tuple(scrolled(s, wraps, (1.25, 1.5, 1.75)[s.k]) for wraps in (False, True))),
+    ("edges", lambda s: (drawn(s, 1), drawn(s, 2 + s.k))), ("edges", lambda s: (code(drawn(s, 2 + s.k)), code(drawn(s, 1)))), ("edges", lambda s: (over(leaf(s, 1)), over(coverage(s)))),
+    ("alpha_edges", lambda s: (leaf(s, 1), coverage(s))), ("alpha_edges", lambda s: (code(coverage(s)), code(leaf(s, 1)))), ("half_rate", lambda s: (s.light, mipped(s, s.light))), ("half_rate", lambda s: (s.display, mipped(s, s.display))),
+    ("half_rate%", lambda s: (s.display, part(s.display, mipped(s, s.display), *box(s)))),
     # beside them: the frame before, and the coarser mip
     ("frame", lambda s: (s.rgba, Scene(30, time=0.1).rgba, (0, Scene(30, time=0.1).rgba))), ("mip", lambda s: (s.rgba, np.repeat(np.repeat(Scene(31).rgba[::2, ::2], 2, 0), 2, 1), (3, Scene(31).rgba[::2, ::2]))),
     # in a box alone, the rest is equal or another scene
@@ -159,7 +184,24 @@ def codes(n): s = Scene(n); return s.display, (s.display.astype(int) + s.r.integ
 def rounding(n): s = Scene(n); return s.depth, (s.depth.view(u32) + s.r.integers(-5, 6, s.depth.shape).astype(u32)).view(f32)
 
 
-DECOYS = [other_noise, other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, camera, shadow, codes, rounding]
+# Kinds that were held out while the rules were made.
+def lod_bias(n): s = Scene(n); b = [s.picture, blurred(s.picture), blurred(s.picture, 3)]; return tuple(code(sum(np.maximum(1 - abs(np.clip(s.y / H * 2.5 + bias, 0, 2) - i), 0)[:, :, None] * b[i] for i in range(3))) for bias in (0, 0.5))
+def jittered(n): a, b, c = (Scene(n, jitter=j / W).picture for j in (0, 0.3, 0.45)); return code(0.4 * a + 0.6 * b), code(0.1 * a + 0.9 * c)
+def local_contrast(n): a = Scene(n).picture; b = a + 0.4 * (a - blurred(a, 4)); return a, np.clip(b / (0.6 + 0.5 * b), 0, 1).astype(f32)
+def hinting(n): s = Scene(n); ink = lambda o: 1 - 0.8 * ((np.sin((s.x + o * np.sin(s.x // 7)) * 1.3) > 0.2) & (s.y % 11 < 7 + (o > 0) * (s.x // 9 % 2)))[:, :, None] * np.ones(3); return code(ink(0)), code(ink(0.9))
+def acne(n): s = Scene(n); return s.display, code(s.picture * np.where((s.ao[:, :, 0] > 0.4) & (np.sin(s.x * 1.7 + s.y * 2.9 + 70 * s.depth) > 0.3), 0.45, 1)[:, :, None])
+def compressed(n): k, i = np.mgrid[0:8, 0:8]; m = np.cos(np.pi * (2 * i + 1) * k / 16) / 2; m[0] /= 2 ** 0.5; q = 8 + 4 * (k + i) * (1 + n % 3); a = Scene(n).display; t = a.reshape(6, 8, 8, 8, 3).transpose(0, 2, 4, 1, 3) - 128.; b = m.T @ (np.rint(m @ t @ m.T / q) * q) @ m + 128; return a, code(b.transpose(0, 3, 1, 4, 2).reshape(H, W, 3) / 255)
+def grain(n): s = Scene(n); return tuple(code(s.picture + 0.08 * np.sqrt(s.picture) * s.r.normal(size=(H, W, 1))) for _ in range(2))
+def other_dither(n): s = Scene(n); return dither(s.picture, bayer()), np.floor(s.picture * 255 + s.noise[:, :, None]).astype(u8)
+def objects_missing(n): return Scene(n, balls=6).display, Scene(n, balls=3).display
+def fog(n): s = Scene(n); t = np.exp(-0.08 / (s.depth + 0.005))[:, :, None]; return s.picture, (s.picture * t + np.array([0.6, 0.65, 0.7]) * (1 - t)).astype(f32)
+def other_ids(n): ids = Scene(n).ids // 17; return ids, np.random.default_rng(n).permutation(4000)[ids].astype(u32)
+def fighting(n): s = Scene(n); where = (abs(s.x - 30) < 15) & (abs(s.y - 24) < 10); return tuple(np.where((where & (s.r.random((H, W)) < 0.5))[:, :, None], Scene(n + 300).display, s.display) for _ in range(2))
+def chaos(n): r = np.random.default_rng(n); a = r.random((200, 3)); b = a + 1e-7 * r.normal(size=a.shape); return tuple(sum(np.sin(v * 3.9 ** i) for i in range(14)).astype(f32) for v in (a, b))
+
+
+DECOYS = [other_noise, other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, camera, shadow, codes, rounding,
+          lod_bias, jittered, local_contrast, hinting, acne, compressed, grain, other_dither, objects_missing, fog, other_ids, fighting, chaos]
 
 
 def shape_of(a):
@@ -205,7 +247,7 @@ def planted():
 def decoys():
     false = count = 0
     for kind, make in enumerate(DECOYS):
-        for number in range(0 if LONG else (kind + seed) % 3, 11, 1 if LONG else 3):
+        for number in range(11) if LONG else ((kind + seed) % 11, (kind + seed + 5) % 11):
             result = ask(*make(100 + number))
             count += 1
             if result["why"]:

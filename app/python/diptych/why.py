@@ -29,7 +29,8 @@ KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bit
                                                                                                                            0),
     "r10": ("<u4", 0, 10, 1023), "g10": ("<u4", 10, 10, 1023), "b10": ("<u4", 20, 10, 1023), "a2": ("<u4", 30, 2, 3),
     "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
-    "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}
+    "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}  # as enum number_kind
+CONTRACTS = ("exact", "ulp", "abs", "rel", "image", "flips", "raster", "of_exact")  # as enum dt_contract_kind
 
 
 Box = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]  # from and to of layers, rows, columns
@@ -125,7 +126,8 @@ class Pair:
 
     def mask(self) -> Array:
         """Which texels differ beyond the contract, of one layer."""
-        found = np.concatenate([beyond for _, beyond, _ in self.question.chunks(1)])
+        found, chosen = np.zeros(self.h * self.w, bool), self.question.chosen
+        found[slice(None) if chosen is None else chosen] = np.concatenate([beyond for _, beyond, _ in self.question.chunks(1)])
         return found.reshape(self.h, self.w)
 
     def crops(self, most: int) -> tuple[Array, Array]:
@@ -144,12 +146,12 @@ class Pair:
 
     def peaks(self) -> list[tuple[float, float]]:
         """Steps by which `to` seems moved, by phase and by plain correlation."""
-        a, b = (crop[:, :, :3].mean(2) for crop in self.crops(512))
+        a, b = (crop[:, :, :3].mean(2) for crop in self.crops(192 if self.question.box_bits else 512))
         cross = np.fft.rfft2(a - a.mean()) * np.conj(np.fft.rfft2(b - b.mean()))
         found: dict[tuple[float, float], None] = {}
         for spectrum in (cross / np.maximum(np.abs(cross), 1e-12), cross):
             surface = np.fft.irfft2(spectrum, a.shape)
-            for at in np.argsort(surface, axis=None)[:-4:-1]:
+            for at in np.argpartition(surface, -3, axis=None)[-3:]:
                 y, x = np.unravel_index(at, a.shape)
                 found[float(x - a.shape[1] * (2 * x > a.shape[1])), float(y - a.shape[0] * (2 * y > a.shape[0]))] = None
         found.pop((0., 0.), None)
@@ -162,13 +164,16 @@ class Pair:
 class Question:
     """Two copies, their contract, and samples of the elements that differ beyond it."""
 
-    def __init__(self, request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]]):
+    def __init__(self, request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]],
+                 edges: Array | None):
         components, stride, self.image = request["components"], request["stride"], request["image"]
         self.contract, self.labels, self.kind = request["contract"], request["labels"], components[0]["kind"]
         self.one, self.integers = KINDS[self.kind][3], np.array([is_integer(component["kind"]) for component in components])
         self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
         w, h, d = self.extent = self.copies[0].w, self.copies[0].h, self.copies[0].d
-        self.box, self.box_bits, self.range = ((0, d), (0, h), (0, w)), 0., 1.
+        self.box, self.box_bits, self.range, self.most = ((0, d), (0, h), (0, w)), 0., 1., MOST_COUNTED
+        self.excused = edges
+        self.chosen: Any = None
         self.relatives = {key: Copy(raw, extent, stride, components, self.image) for key, (raw, extent) in relatives.items()}
         both = [copy.get(*self.some(np.random.default_rng(1), d * h * w)) for copy in self.copies]
         if self.image and len(components) == 4 and all((values[:, 3] == 1).all() for values in both):
@@ -183,6 +188,10 @@ class Question:
         """Samples what is in the box."""
         random = np.random.default_rng(1)
         self.elements = math.prod(high - low for low, high in self.box)
+        if self.excused is not None:
+            self.chosen = None
+            self.chosen = np.flatnonzero(self.counts(self.points(np.arange(self.elements))))
+            self.elements = len(self.chosen)
         others = self.some(random, self.elements)
         self.before, self.counted, differing, self.errors = self.sample(random)
         self.pairs = [Pair(self.copies, side, {which: copy for (of, which), copy in self.relatives.items() if of == side}, self)
@@ -199,10 +208,10 @@ class Question:
                  for i in range(self.copies[0].c if self.image and len(differing) else 0)]
         self.touched = tuple(int(i) for i in np.flatnonzero(wrong)) if not all(wrong) else ()
 
-    def within(self, box: Box, looks: int) -> Question:
-        """The same of a part. A box costs bits, as many as it takes to tell it from others."""
+    def within(self, box: Box, most: int) -> Question:
+        """The same of a part, of which so many elements are counted. A box costs bits, as many as it takes to tell it from others."""
         part = copy_of(self)
-        part.box, part.box_bits = box, 2 * sum(math.log2(size) for size in self.extent) + math.log2(looks)
+        part.box, part.most, part.box_bits = box, most, 2 * sum(math.log2(size) for size in self.extent) + math.log2(LOOKS)
         part.look()
         return part
 
@@ -211,9 +220,19 @@ class Question:
 
     def points(self, elements: Array) -> Point:
         """Elements are counted in the box."""
+        elements = elements if self.chosen is None else self.chosen[elements]
         (z, _), (y, rows), (x, columns) = self.box
         w, h = columns - x, rows - y
         return z + elements // (w * h), y + elements // w % h, x + elements % w
+
+    def counts(self, points: Point) -> Array:
+        """Not what `raster` allows: at edges, and of depth, what is covered in both copies."""
+        z, y, x = points
+        if self.excused is None:
+            return np.ones(len(x), bool)
+        both = [copy.get(*points) for copy in self.copies]
+        depth = self.image and self.kind == "float" and self.copies[0].c == 1
+        return ~self.excused[(z * self.extent[1] + y) * self.extent[0] + x] & ~(depth & (both[0] != 1) & (both[1] != 1)).all(1)
 
     def error(self, want: Array, got: Array) -> Array:
         """Of each number; what is NaN in one is far off."""
@@ -232,9 +251,17 @@ class Question:
             wrong &= ~(~far & ~exact)
         elif kind in ("abs", "image"):
             wrong &= ~(apart <= bound * (1 + 1e-9))
-        elif kind in ("rel", "of_exact"):
-            wrong &= ~(apart <= (bound * size if kind == "rel" else 2 * bound * np.fmax(size, 1e-3)))
+        elif kind == "rel":
+            wrong &= ~(apart <= bound * size)
+        elif kind == "of_exact":  # a code or step of a small float is nothing
+            step = apart * self.one <= 1 + 1e-3 if self.one else (self.ulps(want, got) <= 1) & (self.kind != "float")
+            wrong &= ~((apart <= 2 * bound * np.fmax(size, 1e-3)) | (step & ~self.integers[:want.shape[1]]))
         return wrong.any(1)
+
+    def allowed(self) -> float:
+        """How many elements may break the contract."""
+        kind, outliers = self.contract["kind"], self.contract.get("outliers", 0) * self.elements
+        return float({"flips": self.contract["tolerance"], "image": outliers, "of_exact": 2 * outliers}.get(kind, 0))
 
     def loud(self, want: Array, got: Array) -> Array:
         """Where noise lies on all, a fault of a part is still more than that."""
@@ -288,24 +315,23 @@ class Question:
             yield at, self.beyond(a, b), self.loud(a, b)
 
     def stride(self) -> int:
-        return (self.elements // (MOST_COUNTED if self.box_bits == 0 else MOST_COUNTED >> 4) + 1) | 1
+        return (self.elements // self.most + 1) | 1
 
     def sample(self, random: Any) -> tuple[int, int, Array, Array]:
         """How many elements are beyond, and beyond noise if these are not too few; a sample of them, and of the errors of all."""
-        sets, count, most = [np.zeros(0, int)] * 2, 0, 0
+        sets, count, most = [np.zeros((2, 0))] * 2, 0, 0  # each with a random number, of which the least are kept
         for at, beyond, loud in self.chunks(self.stride()):
             count, most = count + int(beyond.sum()), most + int((beyond & loud).sum())
             for i, chosen in enumerate((beyond & loud, beyond)):
-                more = np.concatenate([sets[i], at[chosen]])
-                sets[i] = np.sort(random.permutation(more)[:32 * MOST_SAMPLES]) if len(more) > 64 * MOST_SAMPLES else more
+                more = np.concatenate([sets[i], [random.random(np.count_nonzero(chosen)), at[chosen]]], 1)
+                sets[i] = more[:, np.argsort(more[0])[:MOST_SAMPLES]]
         self.are_loud = most >= FEW
         counted = min((most if self.are_loud else count) * self.stride(), self.elements)
         self.share = counted / self.elements
         at = np.arange(0, self.elements, max(1, self.elements // 20000))
         points = self.points(at)
         errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1)
-        kept = random.permutation(sets[0] if self.are_loud else sets[1])[:MOST_SAMPLES]
-        return min(count * self.stride(), self.elements), counted, np.sort(kept), errors
+        return min(count * self.stride(), self.elements), counted, np.sort(sets[not self.are_loud][1].astype(int)), errors
 
 
 # ---- Rules of evidence ---------------------------------------------------------------------------
@@ -380,8 +406,8 @@ def distinct(trial: Trial, pair: Pair, points: Point, target: Array, chosen: Arr
 
 
 def is_no_luck(trial: Trial, gain: float, bits: float) -> bool:
-    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it."""
-    return gain >= trial.model_bits() + DOUBT_BITS + bits
+    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it; in a part, four times."""
+    return gain >= (trial.model_bits() + DOUBT_BITS + bits) * (4 if bits else 1)
 
 
 def is_promising(pair: Pair, want: Array) -> bool:
@@ -427,7 +453,7 @@ def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     gain = float((question.bits(before, got) - question.bits(after, got))[chosen].sum())
     fitted = sum(fault.found for fault, _ in trial.faults)
     residual = float(question.bits(np.where(unknown[:, None], before, after), got).sum())
-    trial.bits = residual * (1 + 0.02 * fitted) + trial.model_bits() + 100 * broken.sum()
+    trial.bits = residual * (1 + 0.1 * fitted) + trial.model_bits() + 100 * broken.sum()
     trial.errors = float(np.median(worst[0][~unknown])), float(np.median(worst[1][~unknown]))
     return is_no_luck(trial, gain, question.box_bits) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
 
@@ -640,10 +666,12 @@ def describe(question: Question, trial: Trial) -> dict[str, Any]:
     words = ", and ".join(phrase(fault, p, labels) for fault, p in trial.faults)
     if trial.only and trial.only != (0, 1, 2):
         words += f", in {' and '.join(CHANNEL_NAMES[i] for i in trial.only)} alone"
-    exact = question.contract["kind"] == "exact"
+    exact = question.contract["kind"] in ("exact", "flips", "raster")
     head = "far nearer"
     if trial.after == 0:
         head = "equal (to a code)" if question.one and not exact else "equal"
+    elif trial.after <= question.allowed():
+        head = "within the contract"
     elif trial.after <= 0.1 * question.before:
         head = "nearly equal"
     counts = f"{question.before} {'differs' if question.before == 1 else 'differ'} before, {trial.after} after"
@@ -694,10 +722,10 @@ def is_place(question: Question, pair: Pair, fault: Fault) -> tuple[float | None
 
 
 CHANNEL_NAMES = ("red", "green", "blue", "alpha")
-LOOKS, LEAST_SHARE, LEAST_PIECE = 24, 0.01, 32  # of pieces: boxes that are tried, and what is told
+LOOKS, LEAST_SHARE, LEAST_PIECE = 50, 0.01, 32  # of pieces: boxes that are tried, and what is told
 LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
 FIRST = ("nan", "uninitialised", "dither")
-VAGUE = {"clear": 0.2, "tiles": 0.16}  # places that fit much
+VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.05}  # places that fit much
 
 
 def percent(share: float) -> str:
@@ -738,14 +766,15 @@ def best_rectangle(weights: Array) -> tuple[float, tuple[int, int, int, int]]:
 
 
 class Chart:
-    """Where a trial explains what differs, and where it does not, at points of one layer that are `steps` of rows and columns apart."""
+    """Where a trial explains what differs, and where it does not, in these rows and columns of one layer."""
 
     def __init__(self, question: Question, trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]):
         self.rows, self.columns, pair = rows, columns, question.pairs[trial.side]
         y, x = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
         points, shape = (np.full_like(x, z), y, x), (len(rows), len(columns))
         source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(pair, points)
-        differs, known = question.beyond(source, got) & (~question.are_loud | question.loud(source, got)), ~np.isnan(want).any(1)
+        differs = question.counts(points) & question.beyond(source, got) & (~question.are_loud | question.loud(source, got))
+        known = ~np.isnan(want).any(1)
         good = question.hits(source, want, got) & known
         self.hits, self.differs = (good & differs).reshape(shape), differs.reshape(shape)
         misses = np.where(differs, ~good, question.loud(want, got)) & known
@@ -788,8 +817,13 @@ def piece_of(question: Question, trial: Trial) -> Piece | None:
     z, (gain, rows, columns) = max(enumerate(chart.box() for chart in charts), key=lambda item: item[1][0])
     if gain < FEW:
         return None
+    if max(h, w) > 256:  # to the texel
+        few = [range(low, high, -(-(high - low) // 64)) for low, high in (rows, columns)]
+        wide = [range(max(0, low - size // 128), min(size, high + size // 128)) for (low, high), size in ((rows, h), (columns, w))]
+        rows = Chart(question, trial, z * -(-d // 8), wide[0], few[1]).box()[1]
+        columns = Chart(question, trial, z * -(-d // 8), few[0], wide[1]).box()[2]
     box = ((z * -(-d // 8), z * -(-d // 8) + 1), rows, columns)
-    part = question.within(box, LOOKS)
+    part = question.within(box, MOST_COUNTED >> 4)
     pair = part.pairs[trial.side]
     if part.before < LEAST_PIECE or not judge(pair, trial, *(trial.predict(pair, points) for points in (pair.differing, pair.all))):
         return None
@@ -825,21 +859,21 @@ def pieces(question: Question, search: Search) -> list[Piece]:
     trials = [trial for _, _, trial in sorted(search.partial, key=lambda item: item[:2])[:-11:-1]]
     for box in [None, *cells(question)]:
         if box:
-            part = question.within(box, LOOKS)
+            part = question.within(box, MOST_COUNTED >> 8)
             trial = Search(part).fits() if part.before >= 2 * FEW and not any(piece.contains(box) for piece in found) else None
             trials = [trial] if trial else []
         found += [piece for piece in (piece_of(question, trial) for trial in trials) if piece]
     chosen: list[Piece] = []
-    for piece in sorted(found, key=lambda piece: -piece.share(question)):
+    for piece in sorted(found, key=lambda piece: (-round(piece.share(question), 2), piece.trial.bits)):
         if piece.share(question) >= LEAST_SHARE and not any(piece.overlaps(other) for other in chosen):
             chosen.append(piece)
     return chosen
 
 
 def cells(question: Question) -> Iterator[Box]:
-    """The box of all that differs, and a sixteenth of it each."""
+    """The box of all that differs, and its parts."""
     sides = [(int(axis.min()), int(axis.max()) + 1) for axis in question.pairs[0].differing]
-    parts = [[(low + i * (high - low) // 4, low + (i + 1) * (high - low) // 4) for i in range(4)] for low, high in sides[1:]]
+    parts = [[(low + i * (high - low) // 6, low + (i + 1) * (high - low) // 6) for i in range(6)] for low, high in sides[1:]]
     for layer in range(*sides[0], -(-(sides[0][1] - sides[0][0]) // 8)):
         yield (layer, layer + 1), sides[1], sides[2]
         yield from (((layer, layer + 1), rows, columns) for rows in parts[0] for columns in parts[1]
@@ -871,14 +905,27 @@ def answer(question: Question) -> dict[str, Any]:
     return {**result, "why_not": noise or "no simple cause", "noise": bool(noise)}
 
 
-def ask(request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]]) -> dict[str, Any]:
+def ask(request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]],
+        edges: Array | None = None) -> dict[str, Any]:
     with np.errstate(all="ignore"):
-        return answer(Question(request, raws, relatives))
+        return answer(Question(request, raws, relatives, edges))
 
 
 def main(console: Console, request: dict[str, Any]) -> tuple[int, dict[str, Any]]:
-    """Files are those of /proc/self/fd."""
-    raws = [np.memmap(path, np.uint8, "r") for path in request["files"]]
-    relatives = {(item["side"], item["which"]): (np.memmap(item["file"], np.uint8, "r"), item["extent"]) for item in request["relatives"]}
-    print(json.dumps(ask(request, raws, relatives)))
+    """All content is in one file."""
+    content, answers, kinds = np.memmap(request["content"], np.uint8, "r"), [], list(KINDS)
+
+    def taken(place: list[int]) -> Array:
+        return content[place[0]:place[0] + place[1]]
+
+    for question in request["questions"]:
+        question["components"] = [{"kind": kinds[kind], "offset": offset} for kind, offset in question["components"]]
+        kind, tolerance, outliers = question["contract"]
+        question["contract"] = {"kind": CONTRACTS[int(kind)], "tolerance": tolerance, "outliers": outliers}
+        relatives = {(item["side"], item["which"]): (taken(item["file"]), item["extent"]) for item in question["relatives"]}
+        edges = taken(question["edges"]) > 0 if "edges" in question else None
+        answers.append(ask(question, [taken(place) for place in question["files"]], relatives, edges))
+        if request["until_loud"] and not answers[-1]["noise"]:
+            break
+    print(json.dumps(answers))
     return 0, {}

@@ -157,6 +157,12 @@ def smooth(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return total
 
 
+def varied_in_blocks(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    """Else `from` has lower resolution already, and the mean is that of noise."""
+    first, last = (coarse(pair, (*p[:2], end), *pair.all) for end in (1, 2))
+    return bool(pair.question.loud(first, last).mean() > 0.1)
+
+
 def scaled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     """p: the factor; where the picture stands still, 0 to 1 of width and height; 0: the nearest texel by its corner, 1: by its
     middle, 2: linear."""
@@ -452,8 +458,9 @@ def fit_factor(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
 
 def fit_offset(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
     v, target = usable(pair, v, target)
-    offset = middle(target - v)
-    return [(1., offset)] if len(v) >= 4 and offset != 0 else []
+    apart = target - v - middle(target - v)
+    offset = middle(target - v) + float(apart[np.abs(apart) <= 3 * np.median(np.abs(apart))].mean()) if len(v) >= 4 else 0.
+    return [(1., offset)] if offset != 0 else []
 
 
 def fit_bytes(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
@@ -518,7 +525,7 @@ def in_layer(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 
 def half_covered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     value = pair.get(z, y, x)[:, 3]
-    return (value > 0) & (value < 1)
+    return (value > 1e-3) & (value < 0.999)
 
 
 # ---- What both copies show together ---------------------------------------------------------------
@@ -592,20 +599,29 @@ def not_tiles(pair: Any, p: Any) -> float | None:
 
 
 def not_smeared(pair: Any, p: Any) -> float | None:
-    """From a column or row on, `to` repeats its texel before it. p: along x; from the other end."""
-    if pair.w * pair.h > 1 << 24 or not pair.image:
+    """From a column or row on, `to` repeats its texel. p: along x; from the other end; `from` goes on with its other end there."""
+    axis, size = (2, pair.w) if p[0] else (1, pair.h)
+    along = pair.differing[axis]
+    step = -1 if p[1] else 1
+    order = np.sort(step * along)
+    together = order[8:] - order[:-8] <= 0.1 * size  # noise may differ alone
+    first = step * int(order[together.argmax()] if together.any() else order[0])
+    share = (first + 1 if p[1] else size - first) / size
+    if pair.w * pair.h > 1 << 24 or not 0 <= first - step < size or share > 0.9 or share * size < 3:
         return None
-    points = pair.differing
-    along, size = (points[2], pair.w) if p[0] else (points[1], pair.h)
-    edge = int(along.max()) + 1 if p[1] else int(along.min()) - 1
-    share = (edge if p[1] else size - 1 - edge) / size
-    if not 0 <= edge < size or share > 0.9 or share * size < 3:
-        return None
-    place = [points[0], points[1], np.full_like(along, edge)] if p[0] else [points[0], np.full_like(along, edge), points[2]]
-    kept = pair.other().get(*place)
-    still = pair.question.loud(kept, pair.differing_to)
-    pair.told = (edge,)
-    return float(still.mean()) if most_of(pair.differing_to)[1] < 0.5 else None
+
+    def at(side: Any, place: int) -> Array:
+        return side.get(*(np.full_like(along, place) if i == axis else other for i, other in enumerate(pair.differing)))
+
+    def apart(one: int, other: int) -> float:
+        return float(np.nanmean(np.abs(at(pair, one) - at(pair, other))))
+
+    start = size - 1 if p[1] else 0
+    near = min(apart(start, start + step), apart(first, first + step))
+    joined = min(apart(start, size - 1 - start), apart(start, first)) <= 1.5 * near < 0.6 * apart(first - step, first)
+    pair.told = (first - step,)
+    return float(pair.question.loud(at(pair.other(), first), pair.differing_to).mean()) if (
+        most_of(pair.differing_to)[1] < 0.5 and joined >= p[2]) else None
 
 
 def not_dithered(pair: Any, p: Any) -> float | None:
@@ -660,6 +676,8 @@ ENDS = {(0, 0, 0, 1): "in the last row alone", (0, 1, 0, 0): "in the first row a
         (1, 1, 1, 1): "at the border alone: clamp, wrap or border colour",
         (2, 2, 2, 2): "in the two texels at the border: clamp, wrap or border colour"}
 SMEARS = {(1, 0): "right of column {0}", (1, 1): "left of column {0}", (0, 0): "behind row {0}", (0, 1): "before row {0}"}
+WRAPS = (("wrap", ", where {to} repeats its texel (clamped) and {from} goes on with its other end (wrapped)"),
+         ("smear", " alone, where {to} repeats its texel there: clamped to an edge inside"))
 
 PLACES = [
     *(Fault(name, "after " + words, at=turned, p=p, applies=image, sided=False) for p, (name, words) in FLIP_NAMES.items()),
@@ -684,12 +702,12 @@ PLACES = [
     Fault("scale", "at {0} times the scale of {from} about {1}", at=scaled, fit=scales, applies=image, found=1),
     *(Fault("nearest", f"where {{to}} filters and {{from}} repeats {words}: nearest against linear", at=smooth, p=(*size, 1),
             applies=image) for size, words in BLOCKS.items()),
-    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies=image) for size,
-      words in BLOCKS.items()),
+    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies=image,
+            loses=varied_in_blocks) for size, words in BLOCKS.items()),
     *(Fault("half_rate", f"if {{to}} repeats one texel of {words}: nearest, lower resolution", at=coarse, p=(*size, last), applies=image)
       for size, words in BLOCKS.items() for last in (1, 2)),
-    *(Fault("half_rate", f"if {{to}} has means of {words}, filtered: lower resolution", at=smooth, p=(*size, 0), applies=image) for size,
-      words in BLOCKS.items()),
+    *(Fault("half_rate", f"if {{to}} has means of {words}, filtered: lower resolution, or a coarser mip", at=smooth, p=(*size, 0),
+            applies=image, loses=varied_in_blocks) for size, words in BLOCKS.items()),
     Fault("blurred", "if {from} is filtered by 3x3 texels, as {to} is", at=filtered, p=(0,), applies=image),
     Fault("blurred", "if {from} is filtered by a 3x3 tent, as {to} is", at=filtered, p=(1,), applies=image),
     Fault("transposed", "after each matrix is transposed (rows against columns)", at=transposed, applies=matrices, sided=False),
@@ -795,8 +813,8 @@ SHOWN = [
     Fault("nan", "where {to} is NaN or infinite", mark=not_nan),
     Fault("uninitialised", "where {to} has the pattern of memory that nothing has written", mark=no_pattern),
     Fault("coverage", "by coverage: what is background in one is drawn in the other (winding, culling or depth test)", mark=not_inverted),
-    *(Fault("smear", words + " alone, where {to} repeats its texel there: clamped to an edge inside", mark=not_smeared, p=p,
-            applies=image) for p, words in SMEARS.items()),
+    *(Fault(name, where + words, mark=not_smeared, p=(*p, name == "wrap"), applies=image) for name, words in WRAPS
+      for p, where in SMEARS.items()),
     *(Fault("border", words, where=border, p=p, sided=False) for p, words in ENDS.items()),
     *(Fault("rest", f"behind the last whole {'group' if tile == 64 else 'tile'} of {tile}: the dispatch is too small", where=behind_tiles,
             p=(tile,), sided=False) for tile in (8, 16, 32, 64)),
@@ -807,8 +825,7 @@ SHOWN = [
     Fault("layer_alone", "in the last layer alone", where=in_layer, p=(1,), applies=layers, sided=False),
     Fault("edges", "at edges alone, where {to} lies between its neighbours: {to} is multisampled or filtered, {from} is not",
           mark=not_antialiased),
-    Fault("alpha_edges", "only where alpha lies between 0 and 1: alpha to coverage, or blending", where=half_covered, applies=alpha,
-          sided=False),
+    Fault("alpha_edges", "only where alpha lies between 0 and 1: alpha to coverage, or blending", where=half_covered, applies=alpha),
 ]
 
 
