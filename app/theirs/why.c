@@ -11,7 +11,7 @@
 #include "console/python.h"
 
 /* Where the content stands in the file: offset, size. */
-static cJSON *hand_over(struct why_batch *batch, const void *data, size_t size)
+static cJSON *add_content(struct why_batch *batch, const void *data, size_t size)
 {
     const double place[2] = {(double)batch->size, (double)size};
     batch->good = batch->good && write_all(batch->file, data, size);
@@ -58,7 +58,7 @@ static void hand_relatives(struct why_batch *batch, const struct why_question *q
         cJSON_AddNumberToObject(item, "side", side);
         cJSON_AddNumberToObject(item, "which", which);
         cJSON_AddItemToObject(item, "extent", extent_json(bytes.extent));
-        cJSON_AddItemToObject(item, "file", hand_over(batch, bytes.data, bytes.size));
+        cJSON_AddItemToObject(item, "file", add_content(batch, bytes.data, bytes.size));
         cJSON_AddItemToArray(list, item);
         free(bytes.data);
     }
@@ -83,11 +83,11 @@ void why_add(struct why_batch *batch, const struct why_question *question)
     cJSON_AddItemToObject(root, "labels", cJSON_CreateStringArray(question->labels, 2));
     cJSON *files = cJSON_AddArrayToObject(root, "files");
     for (int i = 0; i < 2; i++)
-        cJSON_AddItemToArray(files, hand_over(batch, copies[i].data, copies[i].size));
+        cJSON_AddItemToArray(files, add_content(batch, copies[i].data, copies[i].size));
     if (question->edges)
         cJSON_AddItemToObject(
             root, "edges",
-            hand_over(batch, question->edges, resource_elements(resource, copies[0].extent)));
+            add_content(batch, question->edges, resource_elements(resource, copies[0].extent)));
     hand_relatives(batch, question, cJSON_AddArrayToObject(root, "relatives"));
 }
 
