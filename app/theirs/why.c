@@ -84,6 +84,8 @@ void why_add(struct why_batch *batch, const struct why_question *question)
     cJSON *files = cJSON_AddArrayToObject(root, "files");
     for (int i = 0; i < 2; i++)
         cJSON_AddItemToArray(files, add_content(batch, copies[i].data, copies[i].size));
+    cJSON_AddBoolToObject(root, "coverage",
+                          resource->kind == DT_IMAGE && resource->format == DT_FORMAT_D32F);
     if (question->edges)
         cJSON_AddItemToObject(
             root, "edges",

@@ -52,6 +52,9 @@ arrays("alone", other__thing=depth)
 rgba = np.concatenate([radiance - 1, np.ones((6, 8, 1), np.float32)], 2)
 manifest("wide", rgba, entry(rgba, resource="display"))
 os.makedirs("narrow"); png("narrow/light.display.png", np.rint((radiance - 1) * 255).astype(np.uint8))
+for name, first in ("on_time", 1), ("late_by_one", 0):  # the same pass again, without numbers of frames
+    manifest(name, rgba ** (first + 1), entry(0), entry(0, file="y.raw"))
+    (rgba ** (first + 2))[::(-1) ** first].tofile(f"{name}/y.raw")
 manifest("top", rgba, entry(rgba, origin="top"))
 manifest("bottom", rgba[::-1], entry(rgba), origin="bottom")
 
@@ -84,7 +87,7 @@ manifest("other_integers", mixed, {**buffer, "stride": 8, "fields": fields})
 ids = np.where(np.arange(8) < 4, 1, 2).astype(np.uint32) * np.ones((6, 1), np.uint32)
 edge = depth.copy(); edge[2, 4] += 1
 elsewhere = edge.copy(); elsewhere[2, 7] += 1
-for name, picture in ("drawn", depth), ("at_edge", edge), ("elsewhere", elsewhere):
+for name, picture in ("drawn", depth), ("at_edge", edge), ("elsewhere", elsewhere), ("turned", depth[::-1]):
     arrays(name, draw__ids=ids, draw__picture=picture)
 flags, distance = np.zeros(9, np.uint32), np.linspace(0, 1, 9).astype(np.float32)
 arrays("flags", cull__visible=flags, cull__distance=distance)

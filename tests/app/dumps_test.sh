@@ -52,6 +52,8 @@ check "two bounds are refused" says 2 'exactly one of' plain plain --contracts t
 check "a share is at most 1" says 2 'share.yaml:1:.*raster. is a number from 0 to 1' plain plain --contracts share.yaml
 check "differences at edges may be allowed" says 0 'within +7[0-9] %' drawn at_edge --contracts raster.yaml
 check "... and no others" says 1 'first pass that differs: draw, resource picture' drawn elsewhere --contracts raster.yaml
+check "... as a reason counts" says 1 'picture: equal after a flip in y.*.36 differ before, 0 after' drawn turned --contracts raster.yaml
+check "a frame late without numbers" says 1 'radiance: equal one frame late: late_by_one has the frame before' on_time late_by_one
 check "flips are listed with their margins" says 0 'flip at \[1\].*margin flags 0.125 ' flags flipped --contracts flips.yaml
 check "... and use half of the bound" grep -Eq '^cull +visible .* within +50 %' said
 check "outliers are a share" says 0 'within +100 %' plain speck --contracts image.yaml

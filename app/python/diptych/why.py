@@ -172,7 +172,7 @@ class Question:
         self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
         w, h, d = self.extent = self.copies[0].w, self.copies[0].h, self.copies[0].d
         self.box, self.box_bits, self.range, self.most = ((0, d), (0, h), (0, w)), 0., 1., MOST_COUNTED
-        self.excused = edges
+        self.excused, self.coverage = edges, request.get("coverage", False)
         self.chosen: Any = None
         self.relatives = {key: Copy(raw, extent, stride, components, self.image) for key, (raw, extent) in relatives.items()}
         both = [copy.get(*self.some(np.random.default_rng(1), d * h * w)) for copy in self.copies]
@@ -230,9 +230,8 @@ class Question:
         z, y, x = points
         if self.excused is None:
             return np.ones(len(x), bool)
-        both = [copy.get(*points) for copy in self.copies]
-        depth = self.image and self.kind == "float" and self.copies[0].c == 1
-        return ~self.excused[(z * self.extent[1] + y) * self.extent[0] + x] & ~(depth & (both[0] != 1) & (both[1] != 1)).all(1)
+        covered = self.coverage & np.concatenate([copy.get(*points) != 1 for copy in self.copies], 1).all(1)
+        return ~self.excused[(z * self.extent[1] + y) * self.extent[0] + x] & ~covered
 
     def error(self, want: Array, got: Array) -> Array:
         """Of each number; what is NaN in one is far off."""
@@ -327,10 +326,10 @@ class Question:
                 sets[i] = more[:, np.argsort(more[0])[:MOST_SAMPLES]]
         self.are_loud = most >= FEW
         counted = min((most if self.are_loud else count) * self.stride(), self.elements)
-        self.share = counted / self.elements
+        self.share = counted / max(self.elements, 1)
         at = np.arange(0, self.elements, max(1, self.elements // 20000))
         points = self.points(at)
-        errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1)
+        errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1) if len(at) else np.zeros(1)
         return min(count * self.stride(), self.elements), counted, np.sort(sets[not self.are_loud][1].astype(int)), errors
 
 
