@@ -95,10 +95,12 @@ static void add_params(struct glsl *glsl, struct text *out)
     bool block = false;
     for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
         const struct param *param = &glsl->pipeline->params[i];
-        if (!glsl_uses(glsl, "%s", param->name))
+        bool live = param->live || param->uniform;
+        const char *word = !glsl->whole ? "%s" : live ? GLSL_LIVE : GLSL_BAKED "%s";
+        if (!glsl_uses(glsl, word, param->name))
             continue;
-        block |= param->live || param->uniform;
-        if (param->live || param->uniform)
+        block |= live;
+        if (live)
             continue;
         text_add(out, "const %s %s%s = ", glsl_type(param->type), glsl->whole ? GLSL_BAKED : "",
                  param->name);

@@ -77,37 +77,44 @@ static void add_initials(struct glsl *glsl)
     text_free(&text);
 }
 
-/* Parameters by their names, while the values are read. */
-static void add_names(struct glsl *glsl, struct text *functions, struct text *ends)
+/* Puts text before each use of a name. */
+static void put_before(struct text *text, const char *name, const char *before)
 {
-    struct text *out = &glsl->parts[PART_VALUES];
+    struct text done = {0};
+    const char *from = text->data, *at;
+    while (from && (at = find_word(from, name))) {
+        text_add(&done, "%.*s%s%s", (int)(at - from), from, before, name);
+        from = at + strlen(name);
+    }
+    if (!done.length)
+        return;
+    text_add(&done, "%s", from);
+    text_free(text);
+    *text = done;
+}
+
+/* Parameters by their names; then what reads those for the author. */
+static void add_names(struct glsl *glsl, struct text *functions)
+{
+    struct text given = {0};
     for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
         const struct param *param = &glsl->pipeline->params[i];
-        bool given = !has_value(glsl, param->name) && body_mentions_value(glsl->files, param->name);
-        if (given)
-            text_add(functions, "%s diptych_value_%s() { return %s; }\n", glsl_type(param->type),
-                     param->name, param->name);
-        if (!given && !(functions->data && find_word(functions->data, param->name)))
-            continue;
-        text_add(out, "#define %s %s%s\n", param->name,
-                 param->live || param->uniform ? GLSL_LIVE "." : GLSL_BAKED, param->name);
-        text_add(ends, "#undef %s\n", param->name);
+        const char *before = param->live || param->uniform ? GLSL_LIVE "." : GLSL_BAKED;
+        put_before(functions, param->name, before);
+        if (!has_value(glsl, param->name) && body_mentions_value(glsl->files, param->name))
+            text_add(&given, "%s diptych_value_%s() { return %s%s; }\n", glsl_type(param->type),
+                     param->name, before, param->name);
     }
+    text_add(functions, "%s", given.data ? given.data : "");
+    text_free(&given);
 }
 
 void glsl_values(struct glsl *glsl)
 {
-    struct text functions = {0}, ends = {0}, *out = &glsl->parts[PART_VALUES];
     if (!glsl->whole)
         return;
     add_values(glsl, glsl->pass->values, glsl->pass->value_count);
     add_values(glsl, glsl->pipeline->values, glsl->pipeline->value_count);
-    functions = *out;
-    *out = (struct text){0};
-    add_names(glsl, &functions, &ends);
-    text_add(out, "%s%s", functions.data ? functions.data : "", ends.data ? ends.data : "");
+    add_names(glsl, &glsl->parts[PART_VALUES]);
     add_initials(glsl);
-    out->failed |= functions.failed || ends.failed;
-    text_free(&functions);
-    text_free(&ends);
 }

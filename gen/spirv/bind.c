@@ -324,7 +324,10 @@ static bool check_capabilities(struct binder *binder)
         const char *what;
     } missing[] = {{SpvCapabilityPhysicalStorageBufferAddresses, "addresses of buffers"},
                    {SpvCapabilityRayQueryKHR, "ray queries"},
-                   {SpvCapabilityFragmentShadingRateKHR, "shading rates"}};
+                   {SpvCapabilityFragmentShadingRateKHR, "shading rates"},
+                   {SpvCapabilityFragmentBarycentricKHR, "barycentric coordinates"},
+                   {SpvCapabilityFragmentDensityEXT, "densities of fragments"},
+                   {SpvCapabilitySparseResidency, "sparse textures"}};
     const struct spirv *module = binder->module;
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
     for (size_t k = 0; k < DT_ARRAY_COUNT(missing); k++)

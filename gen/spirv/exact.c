@@ -218,6 +218,22 @@ static bool put_end(struct exact *exact, const uint32_t *end)
     return true;
 }
 
+/* What the entry point leaves unwritten is zero: drivers differ, and public shaders forget alpha. */
+static void put_outputs(struct exact *exact)
+{
+    const uint32_t *entry = spirv_entry_point(exact->from);
+    for (uint32_t word = spirv_entry_variables(entry); word < spirv_length(entry); word++) {
+        const uint32_t *variable = spirv_definition(exact->from, entry[word]);
+        uint32_t type = spirv_pointee(exact->from, variable);
+        if (variable[3] != SpvStorageClassOutput || spirv_length(variable) > 4 ||
+            spirv_is(spirv_definition(exact->from, type), SpvOpTypeStruct) ||
+            spirv_decoration(exact->from, variable[2], SpvDecorationBuiltIn) != UINT32_MAX)
+            continue;
+        SPIRV_PUT(&exact->edit, &exact->edit.code, SpvOpStore, variable[2],
+                  spirv_declare(&exact->edit, SpvOpConstantNull, type, NULL, 0));
+    }
+}
+
 static bool is_shift(const uint32_t *instruction)
 {
     return spirv_is(instruction, SpvOpShiftRightLogical) ||
@@ -351,9 +367,15 @@ bool spirv_exact(struct spirv *module)
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&exact.link, edit);
     copy_annotations(&exact);
+    size_t begin = edit->failed ? 0 : spirv_function_of(module, spirv_entry(module))->begin;
     SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
     {
         const uint32_t *instruction = module->words + at;
+        if (begin && at > begin && !spirv_is(instruction, SpvOpLabel) &&
+            !spirv_is(instruction, SpvOpVariable)) {
+            put_outputs(&exact);
+            begin = 0;
+        }
         if (replace(&exact, instruction) || put_end(&exact, instruction))
             continue;
         spirv_copy(edit, &edit->code, instruction);

@@ -96,6 +96,11 @@ def stages(tap):
     tap.result("an input that nobody writes", told("a.frag:4:9: error: 'far' : the fragment stage reads `far`, which the") + told("does not write; the vertex stage is /"))
     draw(near, FRAGMENT.format("in vec3 near;", "near.xyzz"))
     tap.result("... or with another type", told("another type than the vertex stage writes"))
+    put("a.frag", "#version 450\nout vec4 color; uniform float width; uniform vec2 size;\n"
+        "void main() { color.rg = size; if (gl_FragCoord.x < 4) color.b = width; else color = vec4(9); }\n")
+    with open("a.yaml", "a", encoding="utf-8") as spec:
+        spec.write("params: {width: {value: 2, type: float, live: true}}\nvalues: {size: \"vec2(frame.width, width)\"}\n")
+    tap.result("what a shader leaves unwritten is zero; a parameter has the name of a frame's member", agrees([8, 2, 2, 0]))
     draw(near, FRAGMENT.format("layout(location = 3) in vec2 near;", "near.xyxy"))
     tap.result("... or elsewhere", told("reads location 3, which the vertex stage does not write"))
 
