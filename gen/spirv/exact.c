@@ -10,6 +10,7 @@
  * component. Double precision is left alone: prove.c names it. */
 #include "exact.h"
 
+#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -17,6 +18,7 @@
 
 #include "link.h"
 #include "prove.h"
+#include "ranges.h"
 #include "panel.h" /* DT_ARRAY_COUNT */
 
 /* What the library calls the operations of SPIR-V, behind "exact_". Functions have the names of GLSL. */
@@ -42,6 +44,7 @@ struct exact {
     const struct spirv *from;
     struct spirv_edit edit;
     struct spirv_link link;
+    struct ranges ranges;
     uint32_t glsl; /* id of GLSL.std.450 */
 };
 
@@ -282,24 +285,68 @@ static bool is_quotient(const struct exact *exact, const uint32_t *product, uint
 static void take_constant_form(const struct exact *exact, const char **name,
                                const uint32_t **instruction, uint32_t own[7])
 {
-    static const char *const forms[][2] = {
-        {"max", "max_constant"}, {"min", "min_constant"}, {"clamp", "clamp_constant"}};
+    static const char *const forms[][2] = {{"max", "max_constant"}, {"clamp", "clamp_constant"}};
     const uint32_t *i = *instruction;
     uint32_t form = 0, last = spirv_length(i) - 1;
     while (form < DT_ARRAY_COUNT(forms) && strcmp(*name, forms[form][0]) != 0)
         form++;
     if (form == DT_ARRAY_COUNT(forms))
         return;
-    if (last == 6 && !is_plain(exact, i[6], form == 0)) {
+    if (last == 6 && !is_plain(exact, i[6], true)) {
         memcpy(own, i, 7 * sizeof *own);
         own[5] = i[6];
         own[6] = i[5];
         i = own;
     }
-    if (is_plain(exact, i[6], form != 1) && is_plain(exact, i[last], form == 0)) {
+    if (is_plain(exact, i[6], true) && is_plain(exact, i[last], form == 0)) {
         *instruction = i;
         *name = forms[form][1];
     }
+}
+
+/* ---- Short forms, where ranges.c proves that they have the same bits ------------------------- */
+
+/* A number wins in NMin and NMax; a constant comes last, which spares CPU drivers a test for NaN. */
+static uint32_t put_extreme(struct exact *exact, const uint32_t *i, bool most, uint32_t result,
+                            uint32_t x, uint32_t y)
+{
+    bool first = spirv_definition(exact->from, x) < exact->from->words + exact->from->code;
+    SPIRV_PUT(&exact->edit, &exact->edit.code, SpvOpExtInst, i[1], result, exact->glsl,
+              most ? GLSLstd450NMax : GLSLstd450NMin, first ? y : x, first ? x : y);
+    mark(exact, result);
+    return result;
+}
+
+static bool put_extremes(struct exact *exact, const uint32_t *i)
+{
+    if (!spirv_is(i, SpvOpExtInst) || i[3] != exact->glsl)
+        return false;
+    bool most = i[4] == GLSLstd450FMax || i[4] == GLSLstd450NMax;
+    bool clamps = i[4] == GLSLstd450FClamp || i[4] == GLSLstd450NClamp;
+    if (!most && !clamps && i[4] != GLSLstd450FMin && i[4] != GLSLstd450NMin)
+        return false;
+    struct bounds a = range_of(&exact->ranges, i[5]), b = range_of(&exact->ranges, i[6]);
+    if (ranges_mix_zeros(a, b) ||
+        (clamps && ranges_mix_zeros(range_of_most(a, b), range_of(&exact->ranges, i[7]))))
+        return false;
+    if (clamps) {
+        uint32_t part = put_extreme(exact, i, true, exact->edit.bound++, i[5], i[6]);
+        put_extreme(exact, i, false, i[2], part, i[7]);
+    } else {
+        put_extreme(exact, i, most, i[2], i[5], i[6]);
+    }
+    return true;
+}
+
+/* Whether a conversion takes a number that the integers have. */
+static bool is_inside(struct exact *exact, const uint32_t *i)
+{
+    bool sign = spirv_is(i, SpvOpConvertFToS);
+    if (!sign && !spirv_is(i, SpvOpConvertFToU))
+        return false;
+    struct bounds a = range_of(&exact->ranges, i[3]);
+    return !a.nan && a.low >= (sign ? -2147483648.0F : 0) &&
+           a.high < (sign ? 2147483648.0F : 4294967296.0F);
 }
 
 /* Writes calls instead of an open operation; false: it stays. */
@@ -313,6 +360,10 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
     }
     if (!name)
         return put_shift(exact, instruction);
+    if (is_inside(exact, instruction))
+        return false;
+    if (put_extremes(exact, instruction))
+        return true;
     take_constant_form(exact, &name, &instruction, own);
     if (put_product(exact, instruction))
         return true;
@@ -350,14 +401,20 @@ static void copy_annotations(struct exact *exact)
     }
 }
 
-/* Marks the arithmetic of the code from `begin` on. */
+/* Marks the arithmetic of the library's code, from `begin` on; its min and max are NMin and NMax. */
 static void mark_code(struct exact *exact, size_t begin)
 {
     const struct spirv_words *code = &exact->edit.code;
     for (size_t at = begin; !exact->edit.failed && at < code->count;
-         at += spirv_length(code->data + at))
-        if (spirv_is_arithmetic(code->data + at))
-            mark(exact, code->data[at + 2]);
+         at += spirv_length(code->data + at)) {
+        uint32_t *i = code->data + at;
+        bool most = spirv_is(i, SpvOpExtInst) && i[4] == GLSLstd450FMax;
+        bool least = spirv_is(i, SpvOpExtInst) && i[4] == GLSLstd450FMin;
+        if (most || least)
+            i[4] = most ? GLSLstd450NMax : GLSLstd450NMin;
+        if (most || least || spirv_is_arithmetic(i))
+            mark(exact, i[2]);
+    }
 }
 
 bool spirv_exact(struct spirv *module)
@@ -366,6 +423,7 @@ bool spirv_exact(struct spirv *module)
     struct spirv_edit *edit = &exact.edit;
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&exact.link, edit);
+    edit->failed |= !ranges_begin(&exact.ranges, module);
     copy_annotations(&exact);
     size_t begin = edit->failed ? 0 : spirv_function_of(module, spirv_entry(module))->begin;
     SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
@@ -382,6 +440,7 @@ bool spirv_exact(struct spirv *module)
         if (spirv_is_arithmetic(instruction))
             mark(&exact, instruction[2]);
     }
+    ranges_end(&exact.ranges);
     size_t linked = edit->code.count;
     spirv_link_end(&exact.link);
     mark_code(&exact, linked);

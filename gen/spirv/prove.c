@@ -268,8 +268,9 @@ static const struct rule functions[] = {
     {GLSLstd450FMin, DRIVER, "min", ZEROS},
     {GLSLstd450FMax, DRIVER, "max", ZEROS},
     {GLSLstd450FClamp, DRIVER, "clamp", ZEROS},
-    {GLSLstd450NMin, DRIVER, "min", ZEROS},
-    {GLSLstd450NMax, DRIVER, "max", ZEROS},
+    {GLSLstd450NMin, ROUNDED, "min",
+     ZEROS}, /* with NoContraction by exact.c, where no such zeros meet */
+    {GLSLstd450NMax, ROUNDED, "max", ZEROS},
     {GLSLstd450NClamp, DRIVER, "clamp", ZEROS},
     {GLSLstd450Step, DRIVER, "step", "of NaN it may give either"},
     {GLSLstd450FMix, DRIVER, "mix", BOUND},

@@ -197,12 +197,15 @@ def chosen(x, y):
 
     zero, one, tests = np.zeros_like(x), np.ones_like(x), (x < y, x <= y, x > y, x >= y, x == y, x != y, ~(x < y), ~(x >= y),
             np.isnan(x), np.isinf(x), np.isnan(x), ~(x >= y), (x < y) | (x > y))  # fmt: skip
+    away, far = np.abs(y), least(most(x * np.float32(1.5e9), np.float32(-2147483648)), np.float32(2147483520))
     t = least(most((x + one) * np.float32(0.5), zero), one)
     return {"least": least(x, y), "most": most(x, y), "inside": least(most(x, -zero), np.abs(y)), "at_least": most(x, zero),
             "at_most": least(x, zero), "unit": inside(0, 1), "between": inside(-1, 0.5), "same_least": least(x, y),
             "ends": np.stack([least(most(x, -zero), y), least(most(x, one * np.float32(0.5)), zero)], 1),
             "same_most": most(x, -one), "same_inside": inside(0, 1), "stepped": np.where(y < x, zero, one),
             "eased": t * t * (3 - 2 * t), "mixed": x * np.float32(0.5) + y * np.float32(0.5), "picked": np.where(x < y, x, y),
+            "proven": np.stack([most(np.abs(x), away), least(np.abs(x), away), most(x * x, away),
+                                least(most(one * np.float32(0.5), x), one * 2)], 1), "whole": far.astype(np.int32),
             "compared": sum(test.astype(np.uint32) << k for k, test in enumerate(tests))}  # fmt: skip
 
 

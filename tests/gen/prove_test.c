@@ -217,11 +217,12 @@ static void test_fragment(void **state)
         prove(fragment, GLSLANG_STAGE_FRAGMENT, &in_fragment[i]);
 }
 
-/* Sums and products are marked where the functions join a shader. */
+/* Sums and products are marked where the functions join a shader; min and max become NMin and NMax there. */
 static void take_library(void *user, const struct open_operation *operation)
 {
     (void)user;
-    if (strcmp(operation->why, "it may be contracted with other operations") != 0)
+    if (strcmp(operation->why, "it may be contracted with other operations") != 0 &&
+        strcmp(operation->word, "min") != 0 && strcmp(operation->word, "max") != 0)
         fail_msg("the library: found `%s`, %s", operation->word, operation->why);
 }
 
