@@ -309,19 +309,19 @@ static bool emit(const struct shader_plan *plan, const struct shader_plan *first
 {
     uint32_t count = plan->model->pipeline.pass_count;
     bool good = true;
-    for (int backend = BACKEND_VK; good && backend >= BACKEND_GL; backend--) {
+    for (int backend = BACKEND_VK; backend >= BACKEND_GL; backend--) {
         plan->shaders[backend] = calloc(count + 1, sizeof *plan->shaders[backend]);
-        good = plan->shaders[backend];
-    }
-    if (!good)
-        diag_error(plan->diag, (struct loc){0}, "out of memory");
-    for (int backend = BACKEND_VK; plan->shaders[BACKEND_GL] && backend >= BACKEND_GL; backend--)
+        if (!plan->shaders[backend]) {
+            diag_error(plan->diag, (struct loc){0}, "out of memory");
+            return false;
+        }
         for (uint32_t i = 0; i < count; i++)
             good &= emit_pass_shaders(first, i, cache,
                                       (struct job){.plan = plan,
                                                    .pass = plan->model->pipeline.order[i],
                                                    .backend = (enum backend)backend},
                                       jobs);
+    }
     return good;
 }
 
