@@ -13,6 +13,18 @@ float random_rank(int k)
     return float((uint(k) * 2654435769u + frame.index * 3242174889u) >> 8) * (1.0 / 16777216.0);
 }
 
+/* Which points from `first` on are members, one bit each: loads that wait for none of each other. */
+const int AT_ONCE = 32;
+uint members_from(int first, int cluster)
+{
+    uint members = 0u;
+    for (int i = 0; i < AT_ONCE; i++) {
+        int k = min(first + i, points_count - 1);
+        members |= uint(first + i == k && labels[k] == cluster) << i;
+    }
+    return members;
+}
+
 void main()
 {
     int c = invocation().x;
@@ -24,18 +36,19 @@ void main()
     float least = 0.0;
     int member = -1;
     bool random = eyes_move == 1 && reuse_pattern == 0 && frame.index > 0u;
-    for (int k = 0; k < points_count; k++) {
-        if (labels[k] != c)
-            continue;
-        area += points[k].area;
-        float d = random ? random_rank(k)
-                         : vpl_distance(points[k].position, points[k].normal, centres[c].mean,
-                                        centres[c].mean_normal);
-        if (member < 0 || d < least) {
-            least = d;
-            member = k;
-            position = points[k].position;
-            axis = points[k].normal;
+    for (int first = 0; first < points_count; first += AT_ONCE) {
+        for (uint rest = members_from(first, c); rest != 0u; rest &= rest - 1u) {
+            int k = first + findLSB(rest);
+            area += points[k].area;
+            float d = random ? random_rank(k)
+                             : vpl_distance(points[k].position, points[k].normal, centres[c].mean,
+                                            centres[c].mean_normal);
+            if (member < 0 || d < least) {
+                least = d;
+                member = k;
+                position = points[k].position;
+                axis = points[k].normal;
+            }
         }
     }
     axis = unit_or(axis, vec3(0.0, 0.0, 1.0));
