@@ -208,7 +208,7 @@ static bool names_image(const struct pipeline *pipeline, const char *text)
            !declared_find(pipeline, DECLARED_PARAM | DECLARED_CONSTANT, text);
 }
 
-/* Returns the number of dimensions. */
+/* Returns the number of dimensions; those at the end that are written as 1 are none. */
 static int read_dispatch(struct reader *reader, const struct fields *fields, struct pass *pass)
 {
     const char *key = field_node(fields, "dispatch") ? "dispatch" : "groups";
@@ -221,7 +221,13 @@ static int read_dispatch(struct reader *reader, const struct fields *fields, str
         pass->dispatch_image = text;
         return 2;
     }
-    return node_exprs(reader, node, pass->dispatch);
+    int dimensions = node_exprs(reader, node, pass->dispatch);
+    for (; dimensions > 1; dimensions--) {
+        const char *last = fy_node_get_scalar0(fy_node_sequence_get_by_index(node, dimensions - 1));
+        if (!last || strcmp(last, "1") != 0)
+            break;
+    }
+    return dimensions;
 }
 
 static void read_local(struct reader *reader, const struct fields *fields, struct pass *pass,
