@@ -151,15 +151,10 @@ class Taken:
         places, area = rows[:, 0], [viewport.x, viewport.y + min(0, viewport.height), viewport.width, abs(viewport.height)]
         if viewport.height < 0 or (clip and not clip.clipOriginLowerLeft):
             places[:, 1] *= -1
-        if fixed["cull"] != "nocull":
-            corners = places[:, :2].reshape(-1, 3, 2) / places[:, 3].reshape(-1, 3, 1)
-            (ax, ay), (bx, by) = (corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T
-            front = (ax * by - ay * bx > 0) == ((fixed["front"] == "ccw") == self.frame.gl)  # Vulkan's rows go down
-            rows = rows[np.repeat(front == (fixed["cull"] == "back"), 3)]
-            places = rows[:, 0]
-        if not len(rows):
-            raise Untold("all its triangles are culled")
         made["pass"] = {"draw": {"vertices": len(rows)}, "viewport": list(map(int, area))}
+        if fixed["cull"] in ("front", "back"):  # a spec's front is counter-clockwise as rows go up; Vulkan's go down
+            same = (fixed["front"] == "ccw") == self.frame.gl
+            made["pass"]["cull"] = fixed["cull"] if same else {"front": "back", "back": "front"}[fixed["cull"]]
         if scissor.enabled:
             made["pass"]["scissor"] = list(map(int, rdc_state.rectangle(scissor)))
         if clip and clip.clipNegativeOneToOne:
