@@ -97,7 +97,7 @@ def drawn(s, samples):
 
 def leaf(s, levels):
     """Its colour, and alpha in so many levels: with 1 it is an alpha test."""
-    a = np.clip(0.5 + 12 * (np.sin(s.x * 0.2 + 0.1 * s.y) * np.cos(s.y * 0.17) - 0.2), 0, 1)[:, :, None]
+    a = np.clip(0.5 + 24 * (np.sin(s.x * 0.2 + 0.1 * s.y) * np.cos(s.y * 0.17) - 0.2), 0, 1)[:, :, None]
     return joined(s.picture * 0.5 + 0.3, np.rint(a * levels) / levels).astype(f32)
 
 

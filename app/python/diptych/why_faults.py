@@ -618,7 +618,8 @@ def not_smeared(pair: Any, p: Any) -> float | None:
 
     start = size - 1 if p[1] else 0
     near = min(apart(start, start + step), apart(first, first + step))
-    joined = min(apart(start, size - 1 - start), apart(start, first)) <= 1.5 * near < 0.6 * apart(first - step, first)
+    seam = apart(first - step, first)
+    joined = seam >= 2.5 * near and min(apart(start, size - 1 - start), apart(start, first)) <= 0.6 * seam
     pair.told = (first - step,)
     return float(pair.question.loud(at(pair.other(), first), pair.differing_to).mean()) if (
         most_of(pair.differing_to)[1] < 0.5 and joined >= p[2]) else None
