@@ -175,8 +175,9 @@ class Taken:
         return {**made, "vertices": self.keep(rows.reshape(-1, 4)), "vert": vertex_shader(read, self.frame.gl, bytes(self.shader.rawBytes))}
 
     def all(self) -> Json:
+        kind = "dispatch" if self.dispatch else "draw"
         stored = [{"name": name, "place": "", "id": resource, "mip": 0}
-                  for name, resource, stores in rdc_state.bindings(self.state, "dispatch" if self.dispatch else "draw") if stores]
+                  for name, resource, stores in rdc_state.bindings(self.control, self.state, kind, self.frame.gl) if stores]
         if stored and not self.dispatch:
             raise Untold("it draws, and stores in buffers or images")
         code, end = bytes(self.shader.rawBytes), ".comp" if self.dispatch else ".frag"

@@ -33,9 +33,10 @@ LABELS = {"OpenGL": "gl", "Vulkan": "vk"}
 
 
 def software() -> dict[str, str]:
-    """A replay is Mesa's on the CPU."""
+    """A replay is Mesa's on the CPU. RenderDoc makes OpenGL's programs anew at each event: /tmp keeps what the driver compiled."""
     driver = next(filter(os.path.exists, LAVAPIPE), "")
-    return {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver, "VK_ICD_FILENAMES": driver}
+    return {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver, "VK_ICD_FILENAMES": driver,
+            "XDG_CACHE_HOME": "/tmp"}
 
 
 def sandbox(read: list[str], folder: str, package: list[str]) -> list[str]:
@@ -269,6 +270,8 @@ class Matched:
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
         for pair, first, second in self.both():
+            for item, other in ((first, second), (second, first)):  # what one side discards is not asked of the other
+                item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["discarded"]]
             texts, moved = differ.differences(first, second, pair.turned, sides[0].label != sides[1].label)
             for into, items in ((self.state, texts), (self.clocks, moved)):
                 if items:
@@ -383,8 +386,8 @@ class Comparison:
         runs = len(self.groups[0])
         names = pass_names(sides[0].passes)
         folders = [os.path.join(self.folder, "dumps", str(index // runs), str(index % runs)) for index in range(len(sides))]
-        for index, side in enumerate(sides[1:], 1):
-            matched = Matched((sides[0], side), self.pair_sides(sides[0], side, names), names)
+        matches = [Matched((sides[0], side), self.pair_sides(sides[0], side, names), names) for side in sides[1:]]
+        for index, (side, matched) in enumerate(zip(sides[1:], matches), 1):
             dump_other(matched, folders[index])
             if index % runs == 0:
                 self.matched.append(matched)

@@ -2,7 +2,10 @@
 sandbox. Leaves FOLDER/frame.json, one raw file per content, and small.npz, small pictures that passes are matched by.
 
 A pass is a run of draws into the same targets, a dispatch, a copy, or a chain of mips. DRAWS is the number of a pass whose draws
-are passes of their own, or empty. A failure is told on stderr; the process then ends with os._exit, since RenderDoc hangs in exit."""
+are passes of their own, or empty. RenderDoc replays from the frame's start to each event that is asked for, so a child of this process
+(with a fourth argument) reads the state at each pass, where Mesa draws nothing, and this process stops only where contents are
+about to be overwritten. Cheap frames need no child. A failure is told on stderr; the process then ends with os._exit, since RenderDoc
+hangs in exit."""
 from __future__ import annotations
 
 import hashlib
@@ -27,13 +30,16 @@ SHOWN = FLAGS.Drawcall | FLAGS.Dispatch | FLAGS.Clear | FLAGS.BeginPass | FLAGS.
 NULL = int(rd.ResourceId.Null())
 MOST_BYTES = 1 << 30   # of one content
 MOST_ALL_DRAWS = 64    # draws of a frame, up to which state is read at each
+MOST_STOPS = 8         # with contents that are discarded
+SECONDS_OF_LOOKS = 4.0  # of a processor, above which a child looks
 SECONDS_OF_PROGRESS = 5.0
-SERVERS: list[subprocess.Popen[bytes]] = []  # of X
+WRITES = ("Target", "Clear", "Discard", "GenMips", "Copy", "Resolve", "CPUWrite", "StreamOut", "RWResource")  # in names of usages
+STARTED: list[subprocess.Popen[bytes]] = []  # a server of X, and the child
 
 
 def leave(status: int) -> NoReturn:
-    for server in SERVERS:
-        server.kill()
+    for process in STARTED:
+        process.kill()
     os._exit(status)
 
 
@@ -44,6 +50,19 @@ def fail(text: str) -> NoReturn:
 
 def name_of(text: str) -> str:
     return re.sub(r"\W+", "_", text).strip("_")
+
+
+class Progress:
+    """Told now and then."""
+
+    def __init__(self, what: str, count: int):
+        self.what, self.count, self.done, self.told = what, count, 0, time.monotonic()
+
+    def step(self) -> None:
+        self.done += 1
+        if time.monotonic() - self.told > SECONDS_OF_PROGRESS:
+            self.told = time.monotonic()
+            print(f"replay: {self.done} of {self.count} {self.what}", file=sys.stderr, flush=True)
 
 
 # ---- Passes --------------------------------------------------------------------------------------
@@ -83,8 +102,10 @@ def binds_framebuffer(action: Any, file: Any) -> bool:
 class Grouping:
     """Makes passes of actions in order."""
 
-    def __init__(self, textures: dict[int, Any], buffers: dict[int, Any], file: Any, each_draw: int):
-        self.textures, self.buffers, self.file, self.each_draw = textures, buffers, file, each_draw
+    def __init__(self, frame: "Frame", each_draw: int):
+        self.textures, self.buffers, self.file, self.each_draw = frame.textures, frame.buffers, frame.file, each_draw
+        self.mipped = {use.eventId: number for number, texture in frame.textures.items() if texture.mips > 1
+                       for use in frame.control.GetUsage(texture.resourceId) if use.usage == rd.ResourceUsage.GenMips}
         self.passes: list[Pass] = []
         self.current: Pass | None = None
         self.count = 0
@@ -122,7 +143,7 @@ class Grouping:
         self.bound = False
 
     def copy(self, action: Any, where: list[str]) -> None:
-        target, source = int(action.copyDestination), int(action.copySource)
+        target, source = int(action.copyDestination) or self.mipped.get(action.eventId, 0), int(action.copySource)
         if target not in self.textures or source in self.buffers:  # an upload: the input of its reader
             return
         mips = bool(action.flags & FLAGS.GenMips) or (source == target and self.textures[target].mips > 1)
@@ -154,24 +175,48 @@ class Grouping:
 # ---- Contents ------------------------------------------------------------------------------------
 
 
+def shared_memory(file: Any, resources: dict[int, Any]) -> dict[int, set[int]]:
+    """Resources whose memory overlaps, as far as Vulkan's binds and OpenGL's views tell."""
+    ranges: dict[int, list[tuple[int, int, int]]] = {}
+    same: dict[int, set[int]] = {}
+
+    def number(chunk: Any, name: str) -> int:
+        found = chunk.FindChild(name)
+        return 0 if found is None else int(found.AsResourceId()) if found.type.basetype == rd.SDBasic.Resource else found.AsInt()
+
+    for chunk in file.chunks:
+        if chunk.name.startswith(("vkBindImageMemory", "vkBindBufferMemory")):
+            several = chunk.FindChild("pBindInfos")
+            for bind in [chunk] if several is None else [several.GetChild(at) for at in range(several.NumChildren())]:
+                resource, offset = number(bind, "image") or number(bind, "buffer"), number(bind, "memoryOffset")
+                if resource in resources:
+                    size = getattr(resources[resource], "byteSize", 0) or resources[resource].length
+                    ranges.setdefault(number(bind, "memory"), []).append((offset, offset + size, resource))
+        elif chunk.name.startswith("glTextureView"):
+            views = ranges.setdefault(-number(chunk, "origtexture"), [(0, 1, number(chunk, "origtexture"))])
+            views.append((0, 1, number(chunk, "texture")))
+    for items in ranges.values():
+        for low, high, resource in items:
+            same.setdefault(resource, set()).update(other for start, end, other in items if start < high and low < end)
+    return same
+
+
 class Frame:
     """An open capture, and what is written of it."""
 
     def __init__(self, control: Any, folder: str):
-        self.control, self.folder = control, folder
+        self.control, self.folder, self.file = control, folder, control.GetStructuredFile()
         self.gl = control.GetAPIProperties().pipelineType == rd.GraphicsAPI.OpenGL
         self.textures = {int(item.resourceId): item for item in control.GetTextures()}
         self.buffers = {int(item.resourceId): item for item in control.GetBuffers()}
         self.labels = {int(item.resourceId): item.name for item in control.GetResources() if not item.autogeneratedName}
-        self.written: set[int] = set()
-        self.seen: set[int] = set()
         self.notes: list[str] = []
         self.small: dict[str, np.ndarray] = {}
         self.bytes = 0
 
     def keep(self, data: bytes, suffix: str = ".raw") -> str:
         """The name of the file, which is made of the content's hash: equal contents are one file."""
-        name = hashlib.blake2b(data, digest_size=12).hexdigest() + suffix
+        name = hashlib.sha256(data).hexdigest()[:24] + suffix
         path = os.path.join(self.folder, name)
         if not os.path.exists(path):
             with open(path, "wb") as file:
@@ -198,7 +243,7 @@ class Frame:
         if texture.byteSize > MOST_BYTES:
             self.notes.append(f"{slot}: {texture.byteSize >> 20} MiB, left out")
             return None
-        hashes, first = [hashlib.blake2b(digest_size=12) for _ in range(2)], None
+        hashes, first = [hashlib.sha256() for _ in range(2)], None
         draft = os.path.join(self.folder, "draft")
         with open(draft, "wb") as file:
             for raw in self.layers(texture, mip):
@@ -209,10 +254,10 @@ class Frame:
                 first = first or texels
                 rows = np.ascontiguousarray(texels.rows)
                 file.write(rows.data)
-                lines = [hashlib.blake2b(row.data, digest_size=12).digest() for row in rows]
+                lines = [hashlib.sha256(row.data).digest() for row in rows]
                 hashes[0].update(b"".join(lines))
                 hashes[1].update(b"".join(reversed(lines)))
-        name, turned = (item.hexdigest() + ".raw" for item in hashes)
+        name, turned = (item.hexdigest()[:24] + ".raw" for item in hashes)
         if not first:
             return None
         if name not in self.small:
@@ -239,6 +284,58 @@ class Frame:
         slot = slot or self.label(resource) or "content"
         return self.image(resource, slot, mip) if resource in self.textures else self.buffer(resource, slot)
 
+    # ---- When ------------------------------------------------------------------------------------
+
+    def fate(self, resource: int, after: int, same: dict[int, set[int]]) -> tuple[int, bool]:
+        """The event that next writes it, and whether it is discarded with nobody having read it."""
+        known = {**self.textures, **self.buffers}
+        used = sorted((use.eventId, use.usage.name) for item in {resource} | same.get(resource, set()) if item in known
+                      for use in self.control.GetUsage(known[item].resourceId) if use.eventId > after and use.usage.name != "Barrier")
+        written = (event for event, usage in used if any(word in usage for word in WRITES))
+        return next(written, 1 << 62), bool(used) and used[0][1] == "Discard"
+
+    def stops(self, looked: list[Json]) -> dict[int, list[tuple[list[Any], int]]]:
+        """As few events as there can be, with the contents to read there: a pass's list, and a place in it. What is discarded unread is
+        left out where it needs many."""
+        same, jobs = shared_memory(self.file, {**self.textures, **self.buffers}), []
+        for item in looked:
+            for key in ("entries", "inputs"):
+                jobs += [(*self.fate(what["id"], item["last"], same), item, key, at) for at, what in enumerate(item[key])]
+        jobs.sort(key=lambda job: job[0])
+        chosen: list[int] = []
+        for discards in (True, False):
+            if not discards and len(chosen) <= MOST_STOPS:
+                break
+            chosen = [-1]
+            for end, discarded, item, *_ in jobs:
+                if chosen[-1] < item["last"] and (discards or not discarded):
+                    chosen.append(max(other["last"] for other in looked if other["last"] < end))
+        found: dict[int, list[tuple[list[Any], int]]] = {}
+        for end, _, item, key, at in jobs:
+            stop = next((event for event in chosen if item["last"] <= event < end), None)
+            if stop is None:
+                item["discarded"].append(item[key][at]["slot"])
+                item[key][at] = None
+            else:
+                found.setdefault(stop, []).append((item[key], at))
+        return found
+
+    def read(self, looked: list[Json]) -> None:
+        """Puts contents in the places of those that are wanted."""
+        stops = self.stops(looked)
+        progress = Progress("contents", sum(map(len, stops.values())))
+        for event, jobs in stops.items():
+            self.control.SetFrameEvent(event, False)
+            for wanted, at in jobs:
+                wanted[at] = self.content(wanted[at]["id"], wanted[at]["slot"], wanted[at]["mip"])
+                progress.step()
+        for item in looked:
+            for key in ("entries", "inputs"):
+                item[key] = [content for content in item[key] if content]
+        discarded = sum(bool(item["discarded"]) for item in looked)
+        if discarded:
+            self.notes.append(f"what {discarded} passes discard themselves, as a rule depth, is left out; --draws reads it")
+
     # ---- A pass ----------------------------------------------------------------------------------
 
     def targets(self, made: Pass, state: Any) -> Iterator[tuple[str, int, int]]:
@@ -253,34 +350,37 @@ class Frame:
                 slot = "depth" if at == len(made.targets) - 1 else f"color{at}"
                 yield slot, resource, mips.get(resource, 0)
 
-    def read(self, made: Pass, index: int, all_draws: bool) -> Json:
-        events = [action.eventId for action in made.draws] if all_draws and made.kind == "draw" else []
+    def look(self, made: Pass, index: int, all_draws: bool, known: set[int]) -> Json:
+        """State of a pass, and which contents are to be read; `known`: resources that passes before wrote or read."""
         states = []
-        for event in [*events[:-1], made.last]:
+        for event in [action.eventId for action in made.draws] if all_draws else [made.last]:
             self.control.SetFrameEvent(event, False)
             if made.kind in ("draw", "dispatch"):
                 states.append(rdc_state.state_of(self.control, self.gl, made.kind, self.textures))
         state = self.control.GetPipelineState()
-        bindings = list(rdc_state.bindings(state, made.kind))
-        stored = [(name, resource, 0) for name, resource, stores in bindings if stores]
+        bindings = list(rdc_state.bindings(self.control, state, made.kind, self.gl))
         wanted: dict[tuple[int, int], str] = {}
-        for slot, resource, mip in [*self.targets(made, state), *stored]:
+        for slot, resource, mip in [*self.targets(made, state), *((name, resource, 0) for name, resource, stores in bindings if stores)]:
             wanted.setdefault((resource, mip), slot)
-        entries = [self.content(resource, slot, mip) for (resource, mip), slot in wanted.items()]
-        outputs = {resource for resource, _ in wanted}
-        inputs = []
-        known = self.written | self.seen | outputs
-        for name, resource, stores in bindings:
-            if not stores and resource not in known | self.seen and resource in {**self.textures, **self.buffers}:
-                self.seen.add(resource)
-                inputs.append(self.content(resource, name))
-        self.written |= outputs
+        known |= {resource for resource, _ in wanted}
+        inputs = {resource: name for name, resource, stores in reversed(bindings)
+                  if not stores and resource not in known and resource in {**self.textures, **self.buffers}}
+        known |= inputs.keys()
         shaders = [{"stage": stage, "entry": entry, "file": self.keep(code, suffix)}
                    for stage, entry, code, suffix in rdc_state.shaders(state, made.kind)]
         counts = [[action.numIndices, action.numInstances] for action in made.draws]
         return {"index": index, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
-                "draws": len(made.draws), "counts": counts, "entries": [entry for entry in entries if entry],
-                "inputs": [entry for entry in inputs if entry], "states": states, "shaders": shaders}
+                "draws": len(made.draws), "counts": counts, "states": states, "shaders": shaders, "discarded": [],
+                "entries": [{"id": resource, "mip": mip, "slot": slot} for (resource, mip), slot in wanted.items()],
+                "inputs": [{"id": resource, "mip": 0, "slot": name} for resource, name in reversed(inputs.items())]}
+
+    def look_at(self, passes: list[Pass]) -> list[Json]:
+        all_draws = sum(len(made.draws) for made in passes) <= MOST_ALL_DRAWS
+        progress, known, looked = Progress("passes", len(passes)), set(), []  # type: Progress, set[int], list[Json]
+        for index, made in enumerate(passes):
+            looked.append(self.look(made, index, all_draws, known))
+            progress.step()
+        return looked
 
 
 # ---- The process ---------------------------------------------------------------------------------
@@ -292,7 +392,7 @@ def start_screen() -> None:
         return
     reading, writing = os.pipe()
     try:
-        SERVERS.append(subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "64x64x24", "-nolisten", "tcp"],
+        STARTED.append(subprocess.Popen(["Xvfb", "-displayfd", str(writing), "-screen", "0", "64x64x24", "-nolisten", "tcp"],
                                         pass_fds=[writing], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
     except OSError:
         fail("a capture of OpenGL is replayed on an X server; install the package xvfb")
@@ -300,7 +400,7 @@ def start_screen() -> None:
     os.environ["DISPLAY"] = ":" + os.read(reading, 16).decode().strip()
 
 
-def open_capture(path: str) -> tuple[Any, str]:
+def open_capture(path: str, level: Any = rd.ReplayOptimisationLevel.Balanced) -> tuple[Any, str]:
     rd.InitialiseReplay(rd.GlobalEnvironment(), [])
     capture = rd.OpenCaptureFile()
     result = capture.OpenFile(path, "", None)
@@ -311,33 +411,55 @@ def open_capture(path: str) -> tuple[Any, str]:
         start_screen()
     if driver not in ("OpenGL", "Vulkan"):
         fail(f"is a capture of {driver}; those of OpenGL and Vulkan are read")
-    result, control = capture.OpenCapture(rd.ReplayOptions(), None)
+    options = rd.ReplayOptions()
+    options.optimisation = level
+    result, control = capture.OpenCapture(options, None)
     if result != rd.ResultCode.Succeeded:
         fail(f"cannot be replayed: {result.Message()}")
     return control, driver
 
 
+def grouped(frame: Frame, each_draw: str) -> tuple[list[Pass], list[str]]:
+    """Passes, and what is to be said of them."""
+    grouping = Grouping(frame, int(each_draw or -1))
+    for action, where in leaves(frame.control.GetRootActions(), frame.file, []):
+        grouping.add(action, where)
+    grouping.close()
+    notes = [f"{grouping.without_target} draws without a target, left out"] if grouping.without_target else []
+    return [made for made in grouping.passes if not each_draw or made.number == int(each_draw)], notes
+
+
+def look(path: str, folder: str, each_draw: str, *_: str) -> None:
+    """The child: leaves looked.json."""
+    frame = Frame(open_capture(path, rd.ReplayOptimisationLevel.Fastest)[0], folder)
+    with open(os.path.join(folder, "looked.json"), "w", encoding="utf-8") as output:
+        json.dump(frame.look_at(grouped(frame, each_draw)[0]), output)
+
+
+def looked_by_child(words: list[str]) -> list[Json]:
+    child = subprocess.Popen([sys.executable, "-m", "diptych.rdc.replay", *words, "look"], env={**os.environ, "LP_NO_RAST": "1"},
+                             stdout=subprocess.DEVNULL)
+    STARTED.append(child)
+    if child.wait():
+        leave(child.returncode if child.returncode > 0 else 128 - child.returncode)
+    with open(os.path.join(words[1], "looked.json"), encoding="utf-8") as stored:
+        looked: list[Json] = json.load(stored)
+    return looked
+
+
 def main(path: str, folder: str, each_draw: str) -> None:
     control, driver = open_capture(path)
     frame = Frame(control, folder)
-    grouping = Grouping(frame.textures, frame.buffers, control.GetStructuredFile(), int(each_draw or -1))
-    for action, where in leaves(control.GetRootActions(), control.GetStructuredFile(), []):
-        grouping.add(action, where)
-    grouping.close()
-    passes = [made for made in grouping.passes if not each_draw or made.number == int(each_draw)]
-    all_draws = sum(len(made.draws) for made in passes) <= MOST_ALL_DRAWS
-    told, read = time.monotonic(), []
-    for index, made in enumerate(passes):
-        read.append(frame.read(made, index, all_draws))
-        if time.monotonic() - told > SECONDS_OF_PROGRESS:
-            told = time.monotonic()
-            print(f"replay: pass {index + 1} of {len(passes)}", file=sys.stderr, flush=True)
-    if grouping.without_target:
-        frame.notes.append(f"{grouping.without_target} draws without a target, left out")
+    passes, notes = grouped(frame, each_draw)
+    begun = time.process_time()
+    control.SetFrameEvent(passes[-1].last if passes else 0, False)
+    dear = (time.process_time() - begun) * len(passes) > SECONDS_OF_LOOKS
+    looked = looked_by_child([path, folder, each_draw]) if dear else frame.look_at(passes)
+    frame.read(looked)
     np.savez(os.path.join(folder, "small.npz"), **frame.small)
-    with open(os.path.join(folder, "frame.json"), "w", encoding="utf-8") as file:
-        json.dump({"api": driver, "renderdoc": rd.GetVersionString(), "passes": read, "notes": frame.notes, "bytes": frame.bytes,
-                   "device": rdc_state.device_of(control.GetStructuredFile())}, file)
+    with open(os.path.join(folder, "frame.json"), "w", encoding="utf-8") as output:
+        json.dump({"api": driver, "renderdoc": rd.GetVersionString(), "device": rdc_state.device_of(frame.file),
+                   "passes": looked, "notes": frame.notes + notes, "bytes": frame.bytes}, output)
 
 
 def run(work: Callable[..., None]) -> NoReturn:
@@ -352,4 +474,4 @@ def run(work: Callable[..., None]) -> NoReturn:
 
 
 if __name__ == "__main__":
-    run(main)
+    run(look if sys.argv[4:] else main)

@@ -21,14 +21,23 @@ def stages(state: Any, kind: str) -> Iterator[tuple[Any, Any]]:
             yield stage, reflection
 
 
-def bindings(state: Any, kind: str) -> Iterator[tuple[str, int, bool]]:
-    """Name, resource, and whether shaders may store in it."""
+def placed(places: Any, resources: Any) -> Iterator[tuple[Any, Any]]:
+    """A shader's resources, each with its place."""
+    return ((places[resource.bindPoint], resource) for resource in resources if resource.bindPoint < len(places))
+
+
+def bindings(control: Any, state: Any, kind: str, gl: bool) -> Iterator[tuple[str, int, bool]]:
+    """Name, resource, and whether shaders may store in it. RenderDoc 1.24 has no right list of OpenGL's storage buffers here."""
+    storage = list(control.GetGLPipelineState().shaderStorageBuffers) if gl else []
     for stage, reflection in stages(state, kind):
         mapping = state.GetBindpointMapping(stage)
         for stores, bound, places, resources in (
                 (False, state.GetReadOnlyResources(stage, False), mapping.readOnlyResources, reflection.readOnlyResources),
                 (True, state.GetReadWriteResources(stage, False), mapping.readWriteResources, reflection.readWriteResources)):
-            for place, resource in zip(places, resources):
+            for place, resource in placed(places, resources):
+                if gl and not resource.isTexture and place.bind < len(storage):
+                    yield resource.name, int(storage[place.bind].resourceId), stores
+                    continue
                 for array in bound:
                     if place.used and (array.bindPoint.bind, array.bindPoint.bindset) == (place.bind, place.bindset):
                         yield from ((resource.name, int(item.resourceId), stores) for item in array.resources if int(item.resourceId))
@@ -108,7 +117,8 @@ def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[t
     """What the shader calls it, its place, the texture and how it is seen, the sampler and its addresses."""
     own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
     sets: Any = None if gl else (own.compute if stage == rd.ShaderStage.Compute else own.graphics).descriptorSets
-    for place, resource in zip(state.GetBindpointMapping(stage).readOnlyResources, state.GetShaderReflection(stage).readOnlyResources):
+    read = state.GetShaderReflection(stage).readOnlyResources
+    for place, resource in placed(state.GetBindpointMapping(stage).readOnlyResources, read):
         if not place.used or not resource.isTexture:
             continue
         if gl and place.bind < len(own.samplers):
