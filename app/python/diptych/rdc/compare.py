@@ -270,8 +270,8 @@ class Matched:
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
         for pair, first, second in self.both():
-            for item, other in ((first, second), (second, first)):  # what one side discards is not asked of the other
-                item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["discarded"]]
+            for item, other in ((first, second), (second, first)):  # what one side left out is not asked of the other
+                item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["left_out"]]
             texts, moved = differ.differences(first, second, pair.turned, sides[0].label != sides[1].label)
             for into, items in ((self.state, texts), (self.clocks, moved)):
                 if items:
@@ -384,6 +384,8 @@ class Comparison:
     def dump(self, sides: list[Side]) -> list[str]:
         """Folders of the dumps. All sides, and all runs of them, are matched with the first."""
         runs = len(self.groups[0])
+        for item in [item for side in sides for item in side.passes if not all(side.frame["samples"] for side in sides)]:
+            item["entries"] = [entry for entry in item["entries"] if "samples" not in entry]
         names = pass_names(sides[0].passes)
         folders = [os.path.join(self.folder, "dumps", str(index // runs), str(index % runs)) for index in range(len(sides))]
         matches = [Matched((sides[0], side), self.pair_sides(sides[0], side, names), names) for side in sides[1:]]
