@@ -176,11 +176,11 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
 bool spirv_for_cpu(struct shader *shader)
 {
     struct spirv module;
-    bool good = spirv_read(&module, shader->words, shader->word_count);
-    if (good)
-        spirv_keep_loops(&module);
+    size_t before = shader->word_count;
+    bool good = spirv_read(&module, shader->words, shader->word_count) && spirv_keep_loops(&module);
     shader->words = spirv_take(&module, &shader->word_count);
-    return good;
+    return good &&
+           (shader->word_count == before || spirv_check(shader->words, shader->word_count, NULL));
 }
 
 bool spirv_make_opengl(const struct pass *pass, struct shader *shader)

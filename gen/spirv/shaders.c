@@ -234,7 +234,8 @@ static bool derive(const struct shader_plan *plan)
                     (copy_twin(opengl, vulkan) && spirv_make_opengl(pipeline->order[i], opengl)));
         }
     if (!good)
-        diag_error(plan->diag, (struct loc){0}, "out of memory");
+        diag_error(plan->diag, (struct loc){0},
+                   "out of memory, or spirv-val refuses a shader whose loops were kept");
     return good;
 }
 
