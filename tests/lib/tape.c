@@ -367,54 +367,20 @@ void vkUpdateDescriptorSets(VkDevice device, uint32_t count, const VkWriteDescri
 
 /* ---- Destruction ----------------------------------------------------------------------------- */
 
-void vkDestroyBuffer(VkDevice device, VkBuffer buffer, const VkAllocationCallbacks *allocator)
-{
-    REAL(vkDestroyBuffer);
-
-    FORGET(tape.resources, buffer);
-    real(device, buffer, allocator);
-}
-
-void vkDestroyImage(VkDevice device, VkImage image, const VkAllocationCallbacks *allocator)
-{
-    REAL(vkDestroyImage);
-
-    FORGET(tape.resources, image);
-    real(device, image, allocator);
-}
-
-void vkDestroyImageView(VkDevice device, VkImageView view, const VkAllocationCallbacks *allocator)
-{
-    REAL(vkDestroyImageView);
-
-    FORGET(tape.views, view);
-    real(device, view, allocator);
-}
-
-void vkDestroyBufferView(VkDevice device, VkBufferView view, const VkAllocationCallbacks *allocator)
-{
-    REAL(vkDestroyBufferView);
-
-    FORGET(tape.views, view);
-    real(device, view, allocator);
-}
-
-void vkDestroyShaderModule(VkDevice device, VkShaderModule module,
-                           const VkAllocationCallbacks *allocator)
-{
-    REAL(vkDestroyShaderModule);
-
-    FORGET(tape.modules, module);
-    real(device, module, allocator);
-}
-
-void vkDestroyPipeline(VkDevice device, VkPipeline pipeline, const VkAllocationCallbacks *allocator)
-{
-    REAL(vkDestroyPipeline);
-
-    FORGET(tape.programs, pipeline);
-    real(device, pipeline, allocator);
-}
+/* vkDestroyKIND() forgets the object. */
+#define DESTROYED(kind, objects)                                                                   \
+    void vkDestroy##kind(VkDevice device, Vk##kind object, const VkAllocationCallbacks *allocator) \
+    {                                                                                              \
+        REAL(vkDestroy##kind);                                                                     \
+        FORGET(objects, object);                                                                   \
+        real(device, object, allocator);                                                           \
+    }
+DESTROYED(Buffer, tape.resources)
+DESTROYED(Image, tape.resources)
+DESTROYED(ImageView, tape.views)
+DESTROYED(BufferView, tape.views)
+DESTROYED(ShaderModule, tape.modules)
+DESTROYED(Pipeline, tape.programs)
 
 /* ---- Entries --------------------------------------------------------------------------------- */
 

@@ -546,3 +546,18 @@ const struct dt_scene probe_scene = {
     .texture_layers = 2,
     .texture_mips = 2,
 };
+
+/* ---- Log ------------------------------------------------------------------------------------- */
+
+struct probe_heard probe_heard;
+
+void probe_hear(void *user, enum dt_level level, const char *message)
+{
+    (void)user;
+    if (level != DT_ERROR)
+        return;
+    probe_heard.errors++;
+    snprintf(probe_heard.last, sizeof probe_heard.last, "%s", message);
+    if (getenv("DIPTYCH_TEST_VERBOSE"))
+        printf("# %s\n", message);
+}

@@ -78,3 +78,10 @@ void probe_check_rest(const struct dt_runtime *runtime, void *rt, uint32_t width
  * counts errors in `errors`, debug, timing and poison 0xab. */
 void probe_run(const struct dt_runtime *runtime, const struct dt_runtime_options *options,
                const struct dt_shaders *shaders, const uint32_t *errors);
+
+/* Errors that a runtime has logged since a test set their number to 0. */
+extern struct probe_heard {
+    uint32_t errors;
+    char last[1024];
+} probe_heard;
+void probe_hear(void *user, enum dt_level level, const char *message);

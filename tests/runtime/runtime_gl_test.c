@@ -19,32 +19,17 @@
 #include "probe.h"
 #include "runtime_gl/internal.h"
 
-static struct {
-    uint32_t errors;
-    char last[1024];
-} heard;
-
-static void on_message(void *user, enum dt_level level, const char *message)
-{
-    (void)user;
-    if (level != DT_ERROR)
-        return;
-    print_message("# %s\n", message);
-    heard.errors++;
-    snprintf(heard.last, sizeof heard.last, "%s", message);
-}
-
 static void expect_error(const char *part)
 {
-    if (heard.errors != 1 || !strstr(heard.last, part))
-        fail_msg("%u errors, the last: %s", heard.errors, heard.last);
-    heard.errors = 0;
+    if (probe_heard.errors != 1 || !strstr(probe_heard.last, part))
+        fail_msg("%u errors, the last: %s", probe_heard.errors, probe_heard.last);
+    probe_heard.errors = 0;
 }
 
 static struct dt_runtime_options options(const char *context, bool debug)
 {
-    heard.errors = 0;
-    return (struct dt_runtime_options){.log = {.message = on_message},
+    probe_heard.errors = 0;
+    return (struct dt_runtime_options){.log = {.message = probe_hear},
                                        .context = context,
                                        .debug = debug,
                                        .timing = true,
@@ -56,7 +41,7 @@ static void *open_context(const char *context, bool debug)
     const struct dt_runtime_options wanted = options(context, debug);
     void *rt = runtime_gl.open(&wanted);
     if (!rt)
-        fail_msg("%s", heard.last);
+        fail_msg("%s", probe_heard.last);
     return rt;
 }
 
@@ -74,7 +59,7 @@ static void run_all(const char *context, bool glsl)
 {
     struct dt_runtime_options wanted = options(context, true);
     wanted.glsl = glsl;
-    probe_run(&runtime_gl, &wanted, glsl ? probe_glsl() : &probe_gl, &heard.errors);
+    probe_run(&runtime_gl, &wanted, glsl ? probe_glsl() : &probe_gl, &probe_heard.errors);
 }
 
 static void frames_from_glsl_text(void **state)
@@ -90,7 +75,7 @@ static void frames_of_osmesa(void **state)
     run_all("osmesa", false);
     run_all("osmesa", true);
     formats_prepare();
-    formats_run(&runtime_gl, &wanted, &formats_gl, &heard.errors);
+    formats_run(&runtime_gl, &wanted, &formats_gl, &probe_heard.errors);
 }
 
 static void frames_of_a_window(void **state)
@@ -128,7 +113,7 @@ static void contexts_live_side_by_side(void **state)
         probe_check_stack(&runtime_gl, all[i]);
         runtime_gl.close(all[i]);
     }
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 static void unknown_contexts_are_named(void **state)
@@ -185,7 +170,7 @@ static void zink_itself(void **state)
     run_all("zink", false);
     run_all("zink", true);
     formats_prepare();
-    formats_run(&runtime_gl, &wanted, &formats_gl, &heard.errors);
+    formats_run(&runtime_gl, &wanted, &formats_gl, &probe_heard.errors);
     void *rt = open_context("zink", true);
     assert_non_null(strstr(runtime_gl.device_name(rt), "zink"));
     runtime_gl.close(rt);
@@ -202,7 +187,7 @@ static void zink_may_come_too_late(void **state)
     setenv("GALLIUM_DRIVER", "zink", 1);
     assert_null(runtime_gl.open(&wanted));
     unsetenv("GALLIUM_DRIVER");
-    assert_non_null(strstr(heard.last, runtime_gl.device_name(rt)));
+    assert_non_null(strstr(probe_heard.last, runtime_gl.device_name(rt)));
     expect_error("context zink: the driver is ");
     runtime_gl.close(rt);
 }
@@ -229,7 +214,7 @@ static void broken_text_is_told_with_its_pass(void **state)
     expect_error("pass show: linking");
     assert_true(runtime_gl.create(rt, probe_glsl()));
     runtime_gl.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 /* The limit holds for the number of each binding, not only for their count. */
@@ -259,9 +244,9 @@ static void the_driver_speaks(void **state)
     void *rt = open_context(NULL, true);
     const struct gl_buffer ghost = {.name = "ghost", .handle = 12345, .size = 16};
     assert_false(gl_buffer_fill(rt, &ghost, 0));
-    assert_non_null(strstr(heard.last, "ghost: glClearNamedBuffer"));
+    assert_non_null(strstr(probe_heard.last, "ghost: glClearNamedBuffer"));
     assert_int_equal(runtime_gl.messages(rt), 1);
-    assert_int_equal(heard.errors, 2);
+    assert_int_equal(probe_heard.errors, 2);
     runtime_gl.close(rt);
 }
 
@@ -294,7 +279,7 @@ static void images_share_a_texture(void **state)
     assert_true(runtime_gl.render(rt, &frame, NULL, NULL));
     assert_true(runtime_gl.create(rt, &probe_gl));
     runtime_gl.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 /* ---- A lost device --------------------------------------------------------------------------- */
@@ -367,12 +352,12 @@ static void check_loss(bool errors)
         assert_false(runtime_gl.is_lost(rt));
         assert_false(runtime_gl.render(rt, &frame, NULL, &observer));
         assert_true(runtime_gl.is_lost(rt));
-        assert_non_null(strstr(heard.last, cases[i].pass));
+        assert_non_null(strstr(probe_heard.last, cases[i].pass));
         expect_error(cases[i].why);
         assert_false(runtime_gl.render(rt, &frame, NULL, NULL)); /* it stays lost */
-        assert_int_equal(heard.errors, 1);
+        assert_int_equal(probe_heard.errors, 1);
         assert_false(runtime_gl.resize(rt, 8, 8));
-        assert_int_equal(heard.errors, 2);
+        assert_int_equal(probe_heard.errors, 2);
         runtime_gl.close(rt);
         lost.status = GL_NO_ERROR;
     }
@@ -401,7 +386,7 @@ static void contexts_tell_when_they_are_lost(void **state)
     get(GL_RESET_NOTIFICATION_STRATEGY, &strategy);
     assert_int_equal(strategy, GL_LOSE_CONTEXT_ON_RESET);
     runtime_gl.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 /* Shaders compute length() from the bytes that are bound. */
@@ -426,7 +411,7 @@ static void of_a_range_only_the_indices_are_bound(void **state)
     gl_buffer_destroy(rt, &small);
     gl_buffer_destroy(rt, &whole);
     runtime_gl.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 int main(int count, char **arguments)

@@ -18,24 +18,6 @@
 
 extern const struct dt_runtime runtime_gl, runtime_vk;
 
-/* ---- Log ------------------------------------------------------------------------------------- */
-
-static struct {
-    uint32_t errors;
-    char last[1024];
-} heard;
-
-static void on_message(void *user, enum dt_level level, const char *message)
-{
-    (void)user;
-    if (level != DT_ERROR)
-        return;
-    heard.errors++;
-    snprintf(heard.last, sizeof heard.last, "%s", message);
-    if (getenv("DIPTYCH_TEST_VERBOSE"))
-        print_message("# %s\n", message);
-}
-
 struct bench {
     const struct dt_runtime *runtime;
     const struct dt_stages *stages;
@@ -46,9 +28,9 @@ static struct bench vk = {&runtime_vk, probe_vk_stages, &probe_vk, &formats_vk};
 
 static struct dt_runtime_options options(void)
 {
-    heard.errors = 0;
+    probe_heard.errors = 0;
     return (struct dt_runtime_options){
-        .log = {.message = on_message}, .debug = true, .timing = true, .poison = 0xab};
+        .log = {.message = probe_hear}, .debug = true, .timing = true, .poison = 0xab};
 }
 
 static void *open_ready(const struct bench *bench, uint32_t width, uint32_t height)
@@ -66,7 +48,7 @@ static void close_silent(const struct bench *bench, void *rt)
 {
     assert_int_equal(bench->runtime->messages(rt), 0);
     bench->runtime->close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 static bool render(const struct bench *bench, void *rt, const struct probe_live *live,
@@ -84,7 +66,7 @@ static void frames_have_the_values_that_were_drawn(void **state)
 {
     const struct bench *bench = *state;
     const struct dt_runtime_options wanted = options();
-    probe_run(bench->runtime, &wanted, bench->probe, &heard.errors);
+    probe_run(bench->runtime, &wanted, bench->probe, &probe_heard.errors);
 }
 
 static void what_was_written_is_read_back(void **state)
@@ -92,7 +74,7 @@ static void what_was_written_is_read_back(void **state)
     const struct bench *bench = *state;
     const struct dt_runtime_options wanted = options();
     formats_prepare();
-    formats_run(bench->runtime, &wanted, bench->formats, &heard.errors);
+    formats_run(bench->runtime, &wanted, bench->formats, &probe_heard.errors);
 }
 
 /* OpenGL keeps a depth within 0 to 1; the poison as a number lies outside. */
@@ -198,7 +180,7 @@ static void an_observer_sees_every_pass_and_may_stop(void **state)
     assert_false(render(bench, rt, NULL, &observer)); /* no error: the observer reports why */
     assert_int_equal(watcher.passes, PROBE_SCENE + 1);
     probe_check_color(bench->runtime, rt, 16, 8);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
     assert_true(bench->runtime->resize(rt, 16, 8) && render(bench, rt, NULL, NULL));
     probe_check_rest(bench->runtime, rt, 16, 8, 1, &defaults);
     close_silent(bench, rt);
@@ -342,7 +324,7 @@ static void an_observer_may_stop_before_a_pass(void **state)
     struct dt_bytes bytes = probe_read(bench->runtime, rt, PROBE_FRAMES, 0);
     assert_int_equal(*(const uint32_t *)bytes.data, 0); /* the count pass did not run */
     free(bytes.data);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
     assert_true(bench->runtime->resize(rt, 40, 24) && render(bench, rt, NULL, NULL));
     probe_check_rest(bench->runtime, rt, 40, 24, 1, &defaults);
     close_silent(bench, rt);
@@ -617,7 +599,7 @@ static void note(struct transcript *transcript, const struct bench *bench, void 
                                     {core->backend->api, "API"}};
     char *line = transcript->lines[transcript->count++];
     assert_true(transcript->count < MAX_LINES);
-    snprintf(line, MAX_LINE, "%s", heard.last);
+    snprintf(line, MAX_LINE, "%s", probe_heard.last);
     for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++) {
         char *at = strstr(line, names[i][0]), rest[MAX_LINE];
         if (!at)
@@ -630,11 +612,11 @@ static void note(struct transcript *transcript, const struct bench *bench, void 
 /* The call must fail with exactly one error, which contains these words. */
 #define WRONG(call, words)                                                                         \
     do {                                                                                           \
-        heard.errors = 0;                                                                          \
+        probe_heard.errors = 0;                                                                    \
         assert_false(call);                                                                        \
-        if (heard.errors != 1 || !strstr(heard.last, words))                                       \
-            fail_msg("%s: %u errors, the last: %s", #call, heard.errors, heard.last);              \
-        heard.errors = 0;                                                                          \
+        if (probe_heard.errors != 1 || !strstr(probe_heard.last, words))                           \
+            fail_msg("%s: %u errors, the last: %s", #call, probe_heard.errors, probe_heard.last);  \
+        probe_heard.errors = 0;                                                                    \
         note(transcript, bench, rt);                                                               \
     } while (0)
 
@@ -651,10 +633,10 @@ static void wrong_before_create(struct transcript *transcript, const struct benc
     assert_null(bytes.data);
     WRONG(runtime->write(rt, 0, 0, &bytes), "write: the pipeline has no resource 0");
     WRONG(runtime->timings(rt, ms), "timings: none of a whole frame; open with timing");
-    heard.errors = 0;
+    probe_heard.errors = 0;
     assert_false(runtime->create(rt, other->probe));
-    assert_non_null(
-        strstr(heard.last, bench == &gl ? "pipeline probe: the shaders are for vk; give probe_gl"
+    assert_non_null(strstr(probe_heard.last,
+                           bench == &gl ? "pipeline probe: the shaders are for vk; give probe_gl"
                                         : "pipeline probe: the shaders are for gl; give probe_vk"));
     WRONG(runtime->resize(rt, 16, 8), "create and set_scene come first");
     assert_false(runtime->is_lost(rt));
@@ -744,7 +726,7 @@ static void wrong_bytes(struct transcript *transcript, const struct bench *bench
 
 static void wrong_calls(struct transcript *transcript, const struct bench *bench)
 {
-    const struct dt_runtime_options plain = {.log = {.message = on_message}, .poison = 1};
+    const struct dt_runtime_options plain = {.log = {.message = probe_hear}, .poison = 1};
     void *rt = bench->runtime->open(&plain);
     assert_non_null(rt);
     wrong_before_create(transcript, bench, rt);
@@ -753,7 +735,7 @@ static void wrong_calls(struct transcript *transcript, const struct bench *bench
     wrong_bytes(transcript, bench, rt);
     bench->runtime->close(rt);
     bench->runtime->close(NULL);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 /* ---- Limits: set here, so that all devices have the same ------------------------------------- */
@@ -995,9 +977,9 @@ static void too_much_memory_is_one_error(void **state)
     v->storage[PROBE_KEPT].usage = DT_READ_INDEX;
     assert_true(bench->runtime->create(rt, &v->shaders));
     assert_false(bench->runtime->resize(rt, 8, 8));
-    assert_int_equal(heard.errors, 1);
-    assert_non_null(strstr(heard.last, "kept"));
-    heard.errors = 0;
+    assert_int_equal(probe_heard.errors, 1);
+    assert_non_null(strstr(probe_heard.last, "kept"));
+    probe_heard.errors = 0;
     v->pipeline.extent = probe_pipeline.extent;
     v->resources[PROBE_KEPT] = probe_pipeline.resources[PROBE_KEPT];
     v->storage[PROBE_KEPT] = probe_panel.storage[PROBE_KEPT];

@@ -17,21 +17,6 @@
 
 /* ---- Errors, logged and injected ------------------------------------------------------------- */
 
-static struct {
-    char last[1024];
-    int errors;
-} heard;
-
-static void on_message(void *user, enum dt_level level, const char *message)
-{
-    (void)user;
-    if (level != DT_ERROR)
-        return;
-    heard.errors++;
-    snprintf(heard.last, sizeof heard.last, "%s", message);
-    print_message("# %s\n", message);
-}
-
 static int fail_allocation; /* the n-th vkAllocateMemory from now on fails; 0: none */
 
 /* Replaces the loader's function of that name. */
@@ -59,9 +44,9 @@ void vkGetPhysicalDeviceFeatures2(VkPhysicalDevice physicalDevice,
 
 static void *open_ready(void)
 {
-    heard.errors = 0;
+    probe_heard.errors = 0;
     void *rt = runtime_vk.open(
-        &(struct dt_runtime_options){.log = {.message = on_message}, .debug = true});
+        &(struct dt_runtime_options){.log = {.message = probe_hear}, .debug = true});
     assert_non_null(rt);
     assert_true(runtime_vk.set_scene(rt, &probe_scene) && runtime_vk.create(rt, &probe_vk));
     return rt;
@@ -77,7 +62,7 @@ static bool is_heard(const char *what)
     snprintf(other, sizeof other, "%s", what);
     for (char *at = other; *at; at++)
         *at = *at == '-' ? '_' : *at;
-    return strstr(heard.last, what) || strstr(heard.last, other);
+    return strstr(probe_heard.last, what) || strstr(probe_heard.last, other);
 }
 
 static void drop(enum drop change, uint32_t number, const char *hazard)
@@ -85,7 +70,7 @@ static void drop(enum drop change, uint32_t number, const char *hazard)
     struct dt_frame frame = probe_frame(0);
     void *rt = open_ready();
     assert_true(runtime_vk.resize(rt, 16, 8));
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
     drop_next(rt, change, number);
     assert_true(runtime_vk.render(rt, &frame, NULL, NULL));
     assert_true(runtime_vk.messages(rt) > 0);
@@ -146,10 +131,10 @@ static void a_missing_barrier_is_heard(void **state)
 static void reading_and_writing_keep_the_layout(void **state)
 {
     (void)state;
-    heard.errors = 0;
+    probe_heard.errors = 0;
     formats_prepare();
     void *rt = runtime_vk.open(&(struct dt_runtime_options){
-        .log = {.message = on_message}, .debug = true, .poison = 0x3c});
+        .log = {.message = probe_hear}, .debug = true, .poison = 0x3c});
     assert_true(rt && runtime_vk.create(rt, &formats_vk) && runtime_vk.resize(rt, 8, 8));
     for (uint32_t i = 0; i < FORMATS_SMALL; i++) {
         const struct vk_image *image = &vk_resource_at(rt, i)->image;
@@ -163,7 +148,7 @@ static void reading_and_writing_keep_the_layout(void **state)
     }
     assert_int_equal(runtime_vk.messages(rt), 0);
     runtime_vk.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 /* ---- Devices --------------------------------------------------------------------------------- */
@@ -171,12 +156,12 @@ static void reading_and_writing_keep_the_layout(void **state)
 static void an_unknown_device_is_named_and_the_known_are_listed(void **state)
 {
     (void)state;
-    struct dt_runtime_options options = {.log = {.message = on_message}, .device = "voodoo"};
-    heard.errors = 0;
+    struct dt_runtime_options options = {.log = {.message = probe_hear}, .device = "voodoo"};
+    probe_heard.errors = 0;
     assert_null(runtime_vk.open(&options));
-    assert_int_equal(heard.errors, 1);
-    assert_non_null(strstr(heard.last, "no Vulkan device is called `voodoo`"));
-    assert_non_null(strstr(heard.last, "0: "));
+    assert_int_equal(probe_heard.errors, 1);
+    assert_non_null(strstr(probe_heard.last, "no Vulkan device is called `voodoo`"));
+    assert_non_null(strstr(probe_heard.last, "0: "));
     options.device = "99";
     assert_null(runtime_vk.open(&options));
     options.device = "0";
@@ -190,7 +175,7 @@ static void an_unknown_device_is_named_and_the_known_are_listed(void **state)
     assert_non_null(rt);
     assert_string_equal(runtime_vk.device_name(rt), name);
     runtime_vk.close(rt);
-    assert_int_equal(heard.errors, 2);
+    assert_int_equal(probe_heard.errors, 2);
 }
 
 /* The runtime refuses a device only for a pipeline with a pass that needs a feature the device
@@ -202,7 +187,7 @@ static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
                                            {PROBE_MASK_PASS, "geometryShader"}};
     struct dt_panel panel = probe_panel;
     const struct dt_shaders needy = {"vk", &panel, probe_vk_stages};
-    const struct dt_runtime_options options = {.log = {.message = on_message}, .panel = &panel};
+    const struct dt_runtime_options options = {.log = {.message = probe_hear}, .panel = &panel};
     struct dt_frame frame = probe_frame(0);
     panel.needs = needs;
     panel.need_count = DT_ARRAY_COUNT(needs);
@@ -211,19 +196,19 @@ static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
     runtime_vk.close(rt);
     lacks_geometry = true;
     rt = open_ready();
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
     assert_true(runtime_vk.resize(rt, 16, 8));
     assert_false(runtime_vk.create(rt, &needy));
-    assert_int_equal(heard.errors, 1);
-    assert_non_null(strstr(heard.last, "pass mask: needs geometryShader, which "));
-    assert_non_null(strstr(heard.last, "; use another device"));
+    assert_int_equal(probe_heard.errors, 1);
+    assert_non_null(strstr(probe_heard.last, "pass mask: needs geometryShader, which "));
+    assert_non_null(strstr(probe_heard.last, "; use another device"));
     assert_true(runtime_vk.render(rt, &frame, NULL, NULL));
     probe_check_color(&runtime_vk, rt, 16, 8);
     runtime_vk.close(rt);
     assert_null(runtime_vk.open(&options));
-    assert_non_null(strstr(heard.last, ": missing geometryShader (pass mask); update "));
+    assert_non_null(strstr(probe_heard.last, ": missing geometryShader (pass mask); update "));
     lacks_geometry = false;
-    assert_int_equal(heard.errors, 2);
+    assert_int_equal(probe_heard.errors, 2);
     rt = runtime_vk.open(&options);
     assert_non_null(rt);
     runtime_vk.close(rt);
@@ -240,20 +225,20 @@ static void out_of_memory_is_one_error_and_a_clean_end(void **state)
     bool done = false;
     int attempts = 0;
     while (!done) {
-        heard.errors = 0;
+        probe_heard.errors = 0;
         fail_allocation = ++attempts;
         struct dt_frame frame = probe_frame(0);
         struct dt_bytes bytes = {0};
         void *rt = runtime_vk.open(&(struct dt_runtime_options){
-            .log = {.message = on_message}, .debug = true, .timing = true, .poison = 1});
+            .log = {.message = probe_hear}, .debug = true, .timing = true, .poison = 1});
         done = rt && runtime_vk.set_scene(rt, &probe_scene) && runtime_vk.create(rt, &probe_vk) &&
                runtime_vk.resize(rt, 16, 8) && runtime_vk.render(rt, &frame, NULL, NULL) &&
                runtime_vk.read(rt, PROBE_COLOR, 0, &bytes);
         free(bytes.data);
         runtime_vk.close(rt);
-        assert_int_equal(heard.errors, done ? 0 : 1);
+        assert_int_equal(probe_heard.errors, done ? 0 : 1);
         if (!done)
-            assert_non_null(strstr(heard.last, ": VK_ERROR_OUT_OF_DEVICE_MEMORY: use "));
+            assert_non_null(strstr(probe_heard.last, ": VK_ERROR_OUT_OF_DEVICE_MEMORY: use "));
     }
     assert_true(attempts > 10);
     fail_allocation = 0;
@@ -270,28 +255,28 @@ static void a_resize_without_memory_can_be_tried_again(void **state)
         fail_allocation = n;
         if (runtime_vk.resize(rt, 16, 8))
             continue;
-        assert_int_equal(heard.errors, 1);
+        assert_int_equal(probe_heard.errors, 1);
         assert_false(runtime_vk.render(rt, &frame, NULL, NULL));
-        assert_non_null(strstr(heard.last, "call resize first"));
+        assert_non_null(strstr(probe_heard.last, "call resize first"));
         assert_false(runtime_vk.read(rt, PROBE_COLOR, 0, &bytes));
-        assert_non_null(strstr(heard.last, "read color: it does not exist yet"));
-        heard.errors = 0;
+        assert_non_null(strstr(probe_heard.last, "read color: it does not exist yet"));
+        probe_heard.errors = 0;
     }
     fail_allocation = 0;
     assert_true(runtime_vk.resize(rt, 16, 8) && runtime_vk.render(rt, &frame, NULL, NULL));
     probe_check_color(&runtime_vk, rt, 16, 8);
     assert_int_equal(runtime_vk.messages(rt), 0);
     runtime_vk.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 /* Shaders compute length() from the bytes that are bound. */
 static void of_a_range_only_the_indices_are_bound(void **state)
 {
     (void)state;
-    heard.errors = 0;
+    probe_heard.errors = 0;
     struct dt_vk_runtime *rt = runtime_vk.open(
-        &(struct dt_runtime_options){.log = {.message = on_message}, .debug = true});
+        &(struct dt_runtime_options){.log = {.message = probe_hear}, .debug = true});
     const struct vk_buffer_info info = {.name = "whole",
                                         .size = 1 << 20,
                                         .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
@@ -310,7 +295,7 @@ static void of_a_range_only_the_indices_are_bound(void **state)
     assert_int_equal(vk_buffer_at(rt, DT_SCENE_VERTICES)->size, 4 * sizeof(struct dt_vertex));
     vk_buffer_destroy(rt, &whole);
     runtime_vk.close(rt);
-    assert_int_equal(heard.errors, 0);
+    assert_int_equal(probe_heard.errors, 0);
 }
 
 int main(void)
