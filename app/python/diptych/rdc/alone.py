@@ -91,18 +91,19 @@ class Taken:
     # ---- Textures --------------------------------------------------------------------------------
 
     def textures(self) -> list[Json]:
-        made = []
-        for resource, place, number, bound, item, addresses in rdc_state.bound_textures(self.control, self.state, self.stage, self.frame.gl):
+        made, textures = [], rdc_state.bound_textures(self.control, self.state, self.stage, self.frame.gl)
+        for resource, place, number, bound, item, addresses in textures:
             info = self.frame.textures.get(number)
-            mips = info is not None and item.maxLOD >= 0.5 and word(item.filter.mip) != "nofilter"
-            count = max(1, min(bound.numMips, info.mips - bound.firstMip)) if mips else 1
+            mips = item.maxLOD >= 0.5 and word(item.filter.mip) != "nofilter"
+            count = max(1, min(bound.numMips, info.mips - bound.firstMip)) if info and mips else 1
             levels = [self.texels(number, resource.name, mip) for mip in range(bound.firstMip, bound.firstMip + count)]
             order = [word(getattr(bound.swizzle, name)) for name in ("red", "green", "blue", "alpha")]
             wraps = {word(address) for address in addresses}
             if order != ["red", "green", "blue", "alpha"] or word(item.filter.filter) == "comparison" or not wraps <= WRAPS.keys() or \
                     len(wraps) > 1 or (count > 1 and item.filter.minify != item.filter.magnify):
                 raise Untold(f"{resource.name} has its channels in another order, or is sampled as no spec can")
-            sampler = {"kind": "filter", "filter": "nearest" if word(item.filter.magnify) == "point" else "linear", "wrap": WRAPS[wraps.pop()],
+            sampler = {"kind": "filter", "wrap": WRAPS[wraps.pop()],
+                       "filter": "nearest" if word(item.filter.magnify) == "point" else "linear",
                        "mip_filter": "linear" if word(item.filter.mip) == "linear" else "nearest", "anisotropy": max(1, item.maxAnisotropy)}
             made.append({"name": resource.name, "place": place_of(place), "format": levels[0][0], "sampler": sampler,
                          "levels": [self.keep(rows) for _, rows in levels]})
@@ -147,7 +148,8 @@ class Taken:
         fixed, target = rdc_state.fixed(self.control, self.frame.gl), self.state.GetDepthTarget()
         viewport, scissor = self.state.GetViewport(0), self.state.GetScissor(0)
         clip = self.control.GetGLPipelineState().vertexProcessing if self.frame.gl else None
-        (rows, read), made = self.vertices(), {"left": ["stencil test"] if fixed["stencil front"] != "off" else []}  # type: Any, Json
+        rows, read = self.vertices()
+        made: Json = {"left": ["stencil test"] if fixed["stencil front"] != "off" else []}
         places, area = rows[:, 0], [viewport.x, viewport.y + min(0, viewport.height), viewport.width, abs(viewport.height)]
         if viewport.height < 0 or (clip and not clip.clipOriginLowerLeft):
             places[:, 1] *= -1

@@ -414,7 +414,7 @@ class Comparison:
         """A command of diptych, on what came out of a capture and lies in the folder."""
         program = os.path.realpath(self.request["program"])
         own = [os.path.join(os.path.dirname(program), name) for name in ("", "../templates", "../share/diptych")]
-        confine = sandbox(list(map(os.path.normpath, own)), folder, []) if self.confined else []
+        confine = sandbox([os.path.normpath(path) for path in own], folder, []) if self.confined else []
         return subprocess.run([*confine, program, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
                               timeout=SECONDS, check=False, preexec_fn=limit)
 

@@ -245,8 +245,9 @@ def verdict(sides: list[Alone], across: bool, turned: bool, state: list[str]) ->
             left = f"; it has no {' and no '.join(side.made['left'])}" if side.made["left"] else ""
             return (f"alone: the replay alone does not show the picture of {side.label}: "
                     f"{count_text(side.ours[nearer], side.own)} differ{left}")
-        if not near(*side.ours.values(), whole):
-            return (f"alone, with equal inputs, gl and vk differ, too: {count_text(*side.ours.values())}, with the shader of "
+        first, second = side.ours.values()
+        if not near(first, second, whole):
+            return (f"alone, with equal inputs, gl and vk differ, too: {count_text(first, second)}, with the shader of "
                     f"{side.label}; {nearer} shows its picture: the cause is how the shader is compiled and run")
     head = f"alone, with equal inputs, gl and vk agree, and show the picture of {' and '.join(side.label for side in good)}: "
     if len(good) < 2:
