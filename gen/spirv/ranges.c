@@ -113,8 +113,9 @@ struct bounds range_of_least(struct bounds a, struct bounds b)
 static struct bounds sum(struct bounds a, struct bounds b)
 {
     bool opposed = (isinf(a.high) && isinf(b.low)) || (isinf(a.low) && isinf(b.high));
-    struct bounds sum = {a.low + b.low, a.high + b.high, a.nan || b.nan || opposed,
-                         a.minus && b.minus};
+    float low = a.low + b.low; /* below 0: a denormal may be left of it */
+    struct bounds sum = {low, a.high + b.high, a.nan || b.nan || opposed,
+                         low < 0 || (a.minus && b.minus)};
     return isnan(sum.low) || isnan(sum.high) ? anything : sum;
 }
 
@@ -296,14 +297,18 @@ static struct bounds range_of_constant(const struct ranges *ranges, const uint32
         value = letter == 'i' ? (float)(int32_t)constant[3] : (float)constant[3];
     if (isnan(value) || (letter != 'f' && fabsf(value) >= MOST_WHOLE))
         return anything;
-    return (struct bounds){value, value, false, letter == 'f' && constant[3] == 0x80000000u};
+    return (struct bounds){value, value, false, letter == 'f' && signbit(value)};
 }
 
-/* Integers whose floats are exact; others may be anything. */
-static struct bounds whole_numbers(struct bounds a)
+/* Integers whose floats are exact; others may be anything, as unsigned ones that wrap around. */
+static struct bounds whole_numbers(const struct ranges *ranges, const uint32_t *i, struct bounds a)
 {
+    const uint32_t *type = spirv_definition(ranges->from, i[1]);
+    if (spirv_is(type, SpvOpTypeVector))
+        type = spirv_definition(ranges->from, type[2]);
     a.minus = false;
-    return a.low > -MOST_WHOLE && a.high < MOST_WHOLE ? a : anything;
+    bool wraps = spirv_letter(type) != 'i' && a.low < 0;
+    return a.low > -MOST_WHOLE && a.high < MOST_WHOLE && !wraps ? a : anything;
 }
 
 static struct bounds extended(struct ranges *ranges, const uint32_t *i)
@@ -320,9 +325,9 @@ static struct bounds extended(struct ranges *ranges, const uint32_t *i)
     case GLSLstd450NMin:
         return range_of_least(a, range_of(ranges, i[6]));
     case GLSLstd450SMax:
-        return whole_numbers(range_of_most(a, range_of(ranges, i[6])));
+        return whole_numbers(ranges, i, range_of_most(a, range_of(ranges, i[6])));
     case GLSLstd450SMin:
-        return whole_numbers(range_of_least(a, range_of(ranges, i[6])));
+        return whole_numbers(ranges, i, range_of_least(a, range_of(ranges, i[6])));
     case GLSLstd450FClamp:
     case GLSLstd450NClamp:
         return range_of_least(range_of_most(a, range_of(ranges, i[6])), range_of(ranges, i[7]));
@@ -409,10 +414,10 @@ static struct bounds computed(struct ranges *ranges, const uint32_t *i)
     case SpvOpFDiv:
         return quotient(range_of(ranges, i[3]), range_of(ranges, i[4]));
     case SpvOpIAdd:
-        return whole_numbers(sum(range_of(ranges, i[3]), range_of(ranges, i[4])));
+        return whole_numbers(ranges, i, sum(range_of(ranges, i[3]), range_of(ranges, i[4])));
     case SpvOpISub: {
         struct bounds b = negated(range_of(ranges, i[4]));
-        return whole_numbers(sum(range_of(ranges, i[3]), b));
+        return whole_numbers(ranges, i, sum(range_of(ranges, i[3]), b));
     }
     case SpvOpImageQuerySize:
     case SpvOpImageQuerySizeLod:

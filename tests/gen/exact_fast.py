@@ -205,7 +205,8 @@ def chosen(x, y):
             "same_most": most(x, -one), "same_inside": inside(0, 1), "stepped": np.where(y < x, zero, one),
             "eased": t * t * (3 - 2 * t), "mixed": x * np.float32(0.5) + y * np.float32(0.5), "picked": np.where(x < y, x, y),
             "proven": np.stack([most(np.abs(x), away), least(np.abs(x), away), most(x * x, away),
-                                least(most(one * np.float32(0.5), x), one * 2)], 1), "whole": far.astype(np.int32),
+                                least(most(one * np.float32(0.5), x), one * 2)], 1),
+            "whole": np.stack([far.astype(np.int32), np.where(x < y, 1, 2147483647).astype(np.int32)], 1),
             "compared": sum(test.astype(np.uint32) << k for k, test in enumerate(tests))}  # fmt: skip
 
 
@@ -225,6 +226,7 @@ def choices(build, backend, exactness):
     with np.errstate(invalid="ignore"):
         wanted = chosen(*(fields[name][:, 0] for name in "xy"))
     fast = exactness == "fast"
+    wanted["whole"] = np.where([True, not fast], wanted["whole"], fields["whole"])  # fast mode leaves what is out of range to the driver
     return [name for name, array in wanted.items() if (bits_of(fields[name] + fast * 0) != bits_of(array + fast * 0)).any()]
 
 

@@ -25,7 +25,7 @@ void main()
     c.ends = min(max(vec2(x), vec2(-0.0, 0.5)), vec2(y, 0.0));
     c.between = clamp(x, -1.0, 0.5);
     c.proven = vec4(max(abs(x), abs(y)), min(abs(x), abs(y)), max(x * x, abs(y)), clamp(0.5, x, 2.0)); /* short: ranges.c */
-    c.whole = int(floor(clamp(x * 1.5e9, -2147483648.0, 2147483520.0)));
+    c.whole = ivec2(int(floor(clamp(x * 1.5e9, -2147483648.0, 2147483520.0))), int(float(2u - (x < y ? 1u : 5u)))); /* wraps */
     c.same_least = same_min(x, y);
     c.same_most = same_max(-1.0, x);
     c.same_inside = same_clamp(x, 0.0, 1.0);
