@@ -226,7 +226,7 @@ static void find_pairs(struct combining *c)
         SPIRV_EACH(from, at, from->code, from->count)
         {
             const uint32_t *i = from->words + at;
-            uint32_t texture = 0, sampler = 0, type = i[1];
+            uint32_t texture = 0, sampler = 0;
             if (!alone && spirv_is(i, SpvOpSampledImage)) {
                 texture = loaded_from(from, i[3], SpvOpTypeImage);
                 sampler = loaded_from(from, i[4], SpvOpTypeSampler);
@@ -236,7 +236,7 @@ static void find_pairs(struct combining *c)
                     add_frag_coord(c);
             }
             if (texture && (sampler || alone))
-                add_combined(c, texture, sampler, type);
+                add_combined(c, texture, sampler, i[1]);
         }
 }
 
