@@ -110,12 +110,18 @@ struct bounds range_of_least(struct bounds a, struct bounds b)
     return most;
 }
 
+/* Whether it may be so near 0 that a sum with another such number leaves a denormal. */
+static bool may_be_fine(struct bounds a)
+{
+    return a.low < 0x1p-100F && a.high > -0x1p-100F;
+}
+
 static struct bounds sum(struct bounds a, struct bounds b)
 {
     bool opposed = (isinf(a.high) && isinf(b.low)) || (isinf(a.low) && isinf(b.high));
-    float low = a.low + b.low; /* below 0: a denormal may be left of it */
-    struct bounds sum = {low, a.high + b.high, a.nan || b.nan || opposed,
-                         low < 0 || (a.minus && b.minus)};
+    float low = a.low + b.low, high = a.high + b.high;
+    bool denormal = low < 0 && high > -FLT_MIN && may_be_fine(a) && may_be_fine(b);
+    struct bounds sum = {low, high, a.nan || b.nan || opposed, denormal || (a.minus && b.minus)};
     return isnan(sum.low) || isnan(sum.high) ? anything : sum;
 }
 

@@ -259,6 +259,9 @@ static bool is_closed(const struct rewrite *to, const uint32_t *instruction)
         case GLSLstd450Ceil:
         case GLSLstd450Step:
             return true;
+        case GLSLstd450NMin: /* a number wins over NaN; exact modules mark those that meet no zeros of unlike sign */
+        case GLSLstd450NMax:
+            return to->precise[instruction[2]];
         }
         return false;
     case SpvOpUndef:
