@@ -704,7 +704,7 @@ def shown(question: Question, names: tuple[str, ...] = ()) -> dict[str, Any] | N
             if best is None or left + cost < best[0]:
                 labels = {"from": question.labels[question.pairs.index(pair)], "to": question.labels[1 - question.pairs.index(pair)]}
                 after = math.ceil(left * question.before)
-                counts = f"{question.before} {'differs' if question.before == 1 else 'differ'} before, {after} elsewhere"
+                counts = f"{question.before} {'breaks' if question.before == 1 else 'break'} the contract, {after} of them elsewhere"
                 words = phrase(fault, pair.told or fault.p, labels)
                 best = left + cost, {"name": fault.name, "text": f"differs {words} ({counts})", "before": question.before, "after": after}
     return best[1] if best else None
