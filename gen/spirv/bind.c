@@ -327,7 +327,6 @@ static bool check_capabilities(struct binder *binder)
                    {SpvCapabilityFragmentShadingRateKHR, "shading rates"},
                    {SpvCapabilityFragmentBarycentricKHR, "barycentric coordinates"},
                    {SpvCapabilityFragmentDensityEXT, "densities of fragments"},
-                   {SpvCapabilityVulkanMemoryModel, "Vulkan's memory model"},
                    {SpvCapabilitySparseResidency, "sparse textures"}};
     const struct spirv *module = binder->module;
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)

@@ -57,7 +57,6 @@ case("... of a folder above", {"sub/a.frag": fragment('#include "x.inc"', "X"), 
 case("an address of a buffer", {"a.comp": "#version 450\n#extension GL_EXT_buffer_reference : require\nlayout(buffer_reference) buffer R { uint n; };\n"
      "layout(binding = 0) buffer B { R there; };\nvoid main() { there.n = 1u; }\n"}, 1, "the shader uses addresses of buffers, which OpenGL does not have")
 case("... of no file", {"a.frag": fragment('\n#include "x.inc"')}, 1, "a.frag:3:")
-case("a memory model that OpenGL's drivers crash of", {"a.frag": fragment("#pragma use_vulkan_memory_model")}, 1, "the shader uses Vulkan's memory model, which OpenGL")
 case("a sparse texture", {"a.frag": fragment("#extension GL_ARB_sparse_texture2 : require\nuniform sampler2D t;\nvec4 c;",
      "vec4(sparseTextureARB(t, vec2(0.5), c))")}, 1, "the shader uses sparse textures, which OpenGL")
 
