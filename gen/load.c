@@ -50,14 +50,14 @@ static bool run_stages(struct spec *specs[2], const struct spec_request *request
     struct shader_plan plans[2];
     struct spec_request own = *request;
     uint32_t count = 0;
-    for (bool more = true; more; more = specs[count] && specs[0]->model.pipeline.automatic) {
+    for (; count < 2 && specs[count]; count++) {
+        if (count && !specs[0]->model.pipeline.automatic)
+            break;
+        own.gpu = own.gpu || count;
         if (!plan(specs[count], &own, diags[count]))
             return false;
         plans[count] =
             (struct shader_plan){&specs[count]->model, specs[count]->shaders, diags[count]};
-        own.gpu = true;
-        if (++count == 2)
-            break;
     }
     struct shader_cache *cache =
         request->sanitize ? NULL

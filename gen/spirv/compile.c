@@ -173,14 +173,14 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
     return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
 }
 
-bool spirv_for_cpu(struct shader *shader)
+bool spirv_for_cpu(struct shader *shader, char **why)
 {
     struct spirv module;
     size_t before = shader->word_count;
     bool good = spirv_read(&module, shader->words, shader->word_count) && spirv_keep_loops(&module);
     shader->words = spirv_take(&module, &shader->word_count);
     return good &&
-           (shader->word_count == before || spirv_check(shader->words, shader->word_count, NULL));
+           (shader->word_count == before || spirv_check(shader->words, shader->word_count, why));
 }
 
 bool spirv_make_opengl(const struct pass *pass, struct shader *shader)

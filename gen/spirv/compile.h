@@ -10,8 +10,9 @@ bool spirv_init(void);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, char **log, struct diag *diag);
-/* Makes the words of a compiled shader those for CPU drivers: loops.c. */
-bool spirv_for_cpu(struct shader *shader);
+/* Makes the words of a compiled shader those for CPU drivers: loops.c. False: *why, free(), has the words of
+ * spirv-val; NULL: out of memory. */
+bool spirv_for_cpu(struct shader *shader, char **why);
 /* Makes them OpenGL's. */
 bool spirv_make_opengl(const struct pass *pass, struct shader *shader);
 /* Reports each open operation of a compiled shader (prove.h) at its place in the body. Without

@@ -1,6 +1,6 @@
-/* Marks the loops that drivers must not unroll, and keeps many of them apart. CPU drivers unroll every short loop of constant
- * length. With many operations per iteration, that multiplies the compile time but does not
- * shorten the frame. */
+/* Loops for CPU drivers. Marks those that drivers must not unroll: they unroll every short loop of
+ * constant length. With many operations per iteration, that multiplies the compile time but does
+ * not shorten the frame. Keeps loops apart where many follow each other. */
 #include "passes.h"
 
 #include <spirv/unified1/spirv.h>

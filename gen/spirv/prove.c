@@ -268,8 +268,8 @@ static const struct rule functions[] = {
     {GLSLstd450FMin, DRIVER, "min", ZEROS},
     {GLSLstd450FMax, DRIVER, "max", ZEROS},
     {GLSLstd450FClamp, DRIVER, "clamp", ZEROS},
-    {GLSLstd450NMin, ROUNDED, "min",
-     ZEROS}, /* with NoContraction by exact.c, where no such zeros meet */
+    /* exact.c marks those that meet no such zeros with NoContraction. */
+    {GLSLstd450NMin, ROUNDED, "min", ZEROS},
     {GLSLstd450NMax, ROUNDED, "max", ZEROS},
     {GLSLstd450NClamp, DRIVER, "clamp", ZEROS},
     {GLSLstd450Step, DRIVER, "step", "of NaN it may give either"},

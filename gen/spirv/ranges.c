@@ -232,7 +232,7 @@ static struct bounds loaded(struct ranges *ranges, uint32_t pointer)
     return all.low > all.high ? anything : all;
 }
 
-/* Whether nobody else changes what the variable or parameter holds. */
+/* Whether only this invocation changes the variable or parameter, if anything does. */
 static bool is_unshared(const struct spirv *from, const uint32_t *root)
 {
     if (spirv_is(root, SpvOpFunctionParameter))
@@ -242,6 +242,12 @@ static bool is_unshared(const struct spirv *from, const uint32_t *root)
     return root[3] == SpvStorageClassFunction || root[3] == SpvStorageClassPushConstant ||
            (root[3] == SpvStorageClassUniform &&
             spirv_decoration(from, spirv_pointee(from, root), SpvDecorationBlock) != UINT32_MAX);
+}
+
+/* Whether a function of GLSL stores a second result through a pointer. */
+static bool stores_beside(const uint32_t *i)
+{
+    return spirv_is(i, SpvOpExtInst) && (i[4] == GLSLstd450Modf || i[4] == GLSLstd450Frexp);
 }
 
 /* Whether two loads, or equal operations on them, must give the same. */
@@ -264,7 +270,8 @@ static bool same_value(const struct spirv *from, uint32_t a, uint32_t b)
         return false;
     const uint32_t *end = i < k ? k : i;
     for (i = i < k ? i : k; i < end; i += spirv_length(i))
-        if (spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpFunctionCall) || spirv_is(i, SpvOpLabel))
+        if (spirv_is(i, SpvOpStore) || spirv_is(i, SpvOpCopyMemory) ||
+            spirv_is(i, SpvOpFunctionCall) || spirv_is(i, SpvOpLabel) || stores_beside(i))
             return false;
     return true;
 }

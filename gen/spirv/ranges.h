@@ -4,7 +4,7 @@
 #include "model/module.h"
 
 struct bounds {
-    float low, high; /* of all components; of what is a number */
+    float low, high; /* of every component that is not NaN */
     bool nan;        /* it may be NaN */
     bool minus;      /* it may be -0 */
 };

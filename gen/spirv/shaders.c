@@ -221,6 +221,7 @@ static bool compile(struct jobs *jobs, struct shader_cache *cache)
 static bool derive(const struct shader_plan *plan)
 {
     const struct pipeline *pipeline = &plan->model->pipeline;
+    char *why = NULL;
     bool good = true;
     for (uint32_t i = 0; good && i < pipeline->pass_count; i++)
         for (int stage = 0; good && stage < 3; stage++) {
@@ -229,13 +230,16 @@ static bool derive(const struct shader_plan *plan)
             bool own = opengl->own;
             if (!vulkan->words)
                 continue;
-            good = (pipeline->gpu || (spirv_for_cpu(vulkan) && (!own || spirv_for_cpu(opengl)))) &&
+            good = (pipeline->gpu ||
+                    (spirv_for_cpu(vulkan, &why) && (!own || spirv_for_cpu(opengl, &why)))) &&
                    (own ||
                     (copy_twin(opengl, vulkan) && spirv_make_opengl(pipeline->order[i], opengl)));
         }
     if (!good)
-        diag_error(plan->diag, (struct loc){0},
-                   "out of memory, or spirv-val refuses a shader whose loops were kept");
+        diag_error(plan->diag, (struct loc){0}, "%s%s",
+                   why ? "a shader whose loops are kept apart: spirv-val says: " : "out of memory",
+                   why ? why : "");
+    free(why);
     return good;
 }
 

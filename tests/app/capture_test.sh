@@ -149,6 +149,20 @@ for name in ("/etc/passwd", "../none.rdc", "below", "below/../own", "./own", "li
         continue
     raise SystemExit(f"{name} was taken")'
 
+check "a replay that shows another picture proves nothing; one backend alone is blamed" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
+import numpy as np
+from types import SimpleNamespace
+from diptych.rdc.guilty import verdict
+ramp = np.linspace(0, 1, 256, dtype="f4").reshape(8, 8, 4)
+def told(gl, vk):  # what both backends leave, of sides that are .2 apart
+    sides = [SimpleNamespace(label=label, why="", own=[ramp + own], ours={"gl": [ramp + own + gl], "vk": [ramp + own + vk]},
+                             made={"left": [], "textures": [], "shader": label}, source="") for label, own in (("a", 0), ("b", 0.2))]
+    return verdict(sides, True, False, ["cull: none against back"])
+for words, gl, vk in (("outside the shader; what differs: cull", 0, 0.001), ("does not show the picture of a: 64 of 64 texels", 0.1, 0.1),
+                      ("differ, too: 64 of 64 texels", 0.0, 0.1), ("differ, too: 64 of 64 texels", 0.1, 0.0)):
+    if words not in told(gl, vk):
+        raise SystemExit(told(gl, vk))'
+
 # ---- Programs of packages ---------------------------------------------------------------------------------------------
 
 /usr/bin/python3 -c '
