@@ -370,7 +370,7 @@ uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
 uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
 {
     struct spirv module;
-    bool good = spirv_open(&module, words, *count);
+    bool good = spirv_open(&module, words, *count) && spirv_lower_memory(&module);
     if (good && !has_lines(&module))
         good = add_lines(&module, path);
     good = good && reread(&module, SPIRV_FLATTEN);

@@ -20,6 +20,8 @@ bool spirv_has_entry(const uint32_t *words, size_t count, uint32_t model);
 /* The entry point for an execution model becomes the only one, main. False: out of memory. */
 bool spirv_choose_entry(struct spirv *module, uint32_t model);
 
+/* memory.c, for texts as well: Vulkan's memory model becomes GLSL's. False: out of memory. */
+bool spirv_lower_memory(struct spirv *module);
 /* Phis become variables, as glslang has them: --sanitize puts branches between blocks. False: out of memory. */
 bool spirv_lower_phis(struct spirv *module);
 

@@ -1,5 +1,6 @@
 /* GLSL to SPIR-V: glslang, then the passes of this room, then spirv-val. Messages of glslang are
  * reported at the line of the original file. */
+#include "model/foreign.h"
 #include "model/source.h"
 #include "model/spirv_check.h"
 #include "glsl/glsl.h"
@@ -139,7 +140,7 @@ bool spirv_read_text(const struct pass *pass, const struct shader *shader, const
     uint32_t *words = lined.failed || !job.code ? NULL : glslang_compile(&job, &count, log);
     text_free(&lined);
     *module = (struct spirv){0};
-    return words && spirv_read(module, words, count);
+    return words && spirv_read(module, words, count) && spirv_lower_memory(module);
 }
 
 /* The author's module; of a whole shader it is joined by the generator's and bound. */

@@ -114,7 +114,7 @@ def sanitized(tap):
 
 def modules(tap):
     """Of the shader as GLSL, as a module, and as one without names."""
-    compute("layout(local_size_x_id = 5, local_size_y = 2) in;\nlayout(constant_id = 3) const float scale = 2.5;\n"
+    compute("#pragma use_vulkan_memory_model\nlayout(local_size_x_id = 5, local_size_y = 2) in;\nlayout(constant_id = 3) const float scale = 2.5;\n"
             "layout(constant_id = 5) const uint width = 1;\nshared uint part[gl_WorkGroupSize.x * gl_WorkGroupSize.y];\n"
             "layout(std430, binding = 1) buffer Sums { float sums[]; };\nvoid main()\n{\n    part[gl_LocalInvocationIndex] = gl_WorkGroupSize.x;\n"
             "    barrier();\n    sums[gl_LocalInvocationIndex] = scale + part[gl_WorkGroupSize.x * gl_WorkGroupSize.y - 1u] + part.length() * 16;\n}\n",
@@ -264,7 +264,7 @@ GLSLANG = "glslangValidator -V {name}.comp -o plain.spv"
 FORMS = {"glsl": [], "plain": [GLSLANG, "cp plain.spv {name}.spv"],
          "fast": [GLSLANG, "spirv-opt -O plain.spv -o {name}.spv"],
          "small": [GLSLANG, "spirv-opt -Os plain.spv -o {name}.spv"],
-         "version": ["glslangValidator -V --target-env spirv1.5 {name}.comp -o {name}.spv"],
+         "version": ["glslangValidator -V --target-env spirv1.5 {name}.comp -o plain.spv", "spirv-opt --upgrade-memory-model plain.spv -o {name}.spv"],
          "debug": ["glslangValidator -V -g {name}.comp -o {name}.spv"],
          "stripped": [GLSLANG, "spirv-opt --strip-debug -O plain.spv -o {name}.spv"],
          "shaderc": [GLSLANG, "glslc -O {name}.comp -o {name}.spv"],
