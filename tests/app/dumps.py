@@ -135,6 +135,9 @@ os.makedirs("link"); os.symlink("../plain/00.gbuffer.depth.npy", "link/gbuffer.d
 os.makedirs("fortran"); np.save("fortran/gbuffer.depth.npy", np.asfortranarray(depth))
 arrays("short", gbuffer__depth=depth)
 os.truncate("short/00.gbuffer.depth.npy", 200)
+arrays("bool16", gbuffer__depth=depth > 0.5)
+header = open("bool16/00.gbuffer.depth.npy", "rb").read().replace(b"|b1", b"<b2")
+open("bool16/00.gbuffer.depth.npy", "wb").write(header)
 
 big = rng.random((1024, 1024), np.float32)
 arrays("big", a__b=big)

@@ -108,7 +108,7 @@ check "... and none is given" sh -c "! grep ^why said"
 check "... on any inputs: nothing is run" says 1 '^first pass that differs: a, resource b$' size size2 --run false
 check "half the size may be a mip" says 1 'one mip off, or half the resolution' size half
 
-for bad in no_entries no_format no_file outside long fields version nothing link fortran short; do
+for bad in no_entries no_format no_file outside long fields version nothing link fortran short bool16; do
     check "refused: $bad" says 2 "error: .*$bad" "$bad" plain
 done
 check "nothing in common" says 2 'nothing to compare' plain alone
