@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "join.h"
+#include "passes.h"
 
 struct joining {
     const struct spirv *own, *more;

@@ -27,3 +27,7 @@ bool spirv_keep_loops(struct spirv *module);
 /* The same file: what a driver compiles of a shader once it has put functions in place of their calls: operations, and
  * loops that stay loops. */
 uint64_t spirv_operations(const struct spirv *module, uint64_t *loops);
+
+/* join.c: `more`, which the generator wrote, joins a whole shader's module. Ids of `more`
+ * that the shader has not are at least the shader's former bound. */
+bool spirv_join(struct spirv *module, const struct spirv *more);

@@ -8,7 +8,7 @@
 
 #include "bind.h"
 #include "compile.h"
-#include "join.h"
+#include "passes.h"
 #include "model/foreign.h"
 #include "model/leaves.h"
 #include "model/spirv_check.h"
