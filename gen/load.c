@@ -22,6 +22,7 @@ static bool read(struct spec *spec, const struct spec_request *request, struct d
     spec->model.exact_twin = request->exact_twin;
     spec->model.gpu = request->gpu;
     spec->model.text = request->text;
+    spec->model.codes = request->codes;
     spec->model.sanitize = request->sanitize;
     return read_spec(&spec->model, request->path, request->sets, request->set_count, diag);
 }

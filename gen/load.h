@@ -15,6 +15,7 @@ struct spec_request {
     bool exact_twin;       /* every pass is exact */
     bool gpu;              /* what `target: auto` is: the choices for GPUs, not for CPU drivers */
     bool text;             /* also OpenGL's GLSL */
+    bool codes;            /* exact passes read the codes of sRGB textures: panel.h */
     unsigned sanitize;     /* mask of enum sanitize_kind; 0: off */
 };
 

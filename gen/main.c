@@ -30,7 +30,7 @@ struct options {
         *sanitize;
     struct text_list sets;
     char *with_text;
-    bool check, prove, needs, names, glsl, schema, reference, help, version;
+    bool check, prove, needs, names, glsl, codes, schema, reference, help, version;
 };
 
 #define ROW(name, kind, field, argument, help)                                                     \
@@ -51,6 +51,9 @@ static const struct option_row option_rows[] = {
         "keep names and sources in the SPIR-V of generated C, for debuggers such as RenderDoc"),
     ROW("--glsl", OPTION_FLAG, glsl, NULL,
         "also put OpenGL's GLSL into generated C, for hosts that set `glsl`"),
+    ROW("--codes", OPTION_FLAG, codes, NULL,
+        "exact passes read codes of sRGB textures, which spares arithmetic: the host's are mutable "
+        "(Vulkan: it gives `texture_codes`) or immutable (OpenGL)"),
     ROW("--sanitize", OPTION_WORDS, sanitize, "KINDS",
         "generated shaders look for undefined behaviour, and NAME_report() logs what they found, "
         "in "
@@ -350,6 +353,7 @@ static enum status generate(struct generation *g)
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
                                    .prove = options->prove,
+                                   .codes = options->codes,
                                    .text = options->out != NULL,
                                    .cache = options->cache};
     const char *end = NULL;

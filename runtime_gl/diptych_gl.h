@@ -118,7 +118,8 @@ struct dt_gl_scene {
     struct dt_gl_range materials;
     struct dt_gl_range objects; /* struct dt_object[]; buffer 0: no pass reads scene_objects */
     /* Array of all textures: GL_TEXTURE_2D_ARRAY, GL_SRGB8_ALPHA8 or another sRGB format, a full
-     * chain of mips. 0: no material has a texture. */
+     * chain of mips. 0: no material has a texture. With `diptych-gen --codes`: GL_SRGB8_ALPHA8 of
+     * immutable storage. */
     unsigned textures;
     /* Each triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
      * dt_number_triangles makes such arrays. The runtime does not read them: it takes the host's

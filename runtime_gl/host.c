@@ -85,8 +85,8 @@ static bool import_textures(struct dt_gl_runtime *rt, unsigned textures)
                                .format = DT_FORMAT_RGBA8_SRGB,
                                .width = 1,
                                .height = 1,
-                               .layers = 1,
-                               .mips = 1,
+                               .layers = textures ? INT16_MAX : 1, /* views take fewer */
+                               .mips = textures ? DT_MAX_MIPS : 1,
                                .layered = true,
                                .imported = textures};
     return textures || (gl_image_create(rt, image) && gl_image_clear(rt, image, 0, white));

@@ -183,14 +183,14 @@ static const char *status_text(GLenum status)
     }
 }
 
-/* A pass may sample one mip or layer and draw into another only through a texture that has no
+/* Codes of sRGB need a view, too. A pass may sample one mip or layer and draw into another only through a texture that has no
  * texel of the target (OpenGL 4.6, 9.3.1: rendering feedback loops). */
 static bool create_views(struct dt_gl_runtime *rt, struct gl_program *program,
                          const struct dt_program *info)
 {
     for (uint32_t i = 0; i < info->binding_count; i++) {
         const struct dt_binding *binding = &info->bindings[i];
-        if (binding->kind == DT_BIND_TEXTURE && binding->mip != DT_ALL_MIPS &&
+        if (binding->kind == DT_BIND_TEXTURE && (binding->codes || binding->mip != DT_ALL_MIPS) &&
             !gl_image_view(rt, gl_image_of(rt, binding->resource), binding, &program->views[i]))
             return false;
     }

@@ -190,12 +190,14 @@ bool gl_image_view(struct dt_gl_runtime *rt, const struct gl_image *image,
                    const struct dt_binding *binding, GLuint *view)
 {
     bool one = binding->one_layer, volume = image->shape == DT_SHAPE_3D;
+    bool all = binding->mip == DT_ALL_MIPS;
     bool faces = !volume && image->layered && binding->sampler < 0;
     GLenum target = one ? GL_TEXTURE_2D : faces ? GL_TEXTURE_2D_ARRAY : gl_target(image);
     rt->gl.GenTextures(1, view);
     return GL(rt, image->name,
-              TextureView(*view, target, image->handle, gl_format(image->format)->internal,
-                          binding->mip, 1, one ? binding->layer : 0,
+              TextureView(*view, target, image->handle,
+                          binding->codes ? GL_RGBA8 : gl_format(image->format)->internal,
+                          all ? 0 : binding->mip, all ? image->mips : 1, one ? binding->layer : 0,
                           one || volume ? 1 : image->layers));
 }
 

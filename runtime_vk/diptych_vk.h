@@ -202,6 +202,9 @@ struct dt_vk_scene {
      * of mips; usage SAMPLED; in SHADER_READ_ONLY_OPTIMAL during every frame. VK_NULL_HANDLE: no
      * material has a texture. */
     VkImageView textures;
+    /* With `diptych-gen --codes`: the same as VK_FORMAT_R8G8B8A8_UNORM, for exact passes that fetch
+     * codes; the image has VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT, as all imports of rgba8_srgb have. */
+    VkImageView texture_codes;
     /* Each triangle begins with a vertex of its own, whose `triangle` is the triangle's number;
      * dt_number_triangles makes such arrays. The runtime does not read them: it takes the host's
      * word, and resize fails without it where a pass reads vertex_triangle, which NAME.h tells. */

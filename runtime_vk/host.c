@@ -215,8 +215,11 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
     vk_buffer_at(rt, DT_SCENE_INDICES)->size = index_bytes;
     vk_buffer_at(rt, DT_SCENE_MATERIALS)->size = DT_MAX_MATERIALS * sizeof(struct dt_material);
     if (scene->textures)
-        builtin->textures = (struct vk_image){
-            .name = "scene_textures", .view = scene->textures, .layered = true, .imported = true};
+        builtin->textures = (struct vk_image){.name = "scene_textures",
+                                              .view = scene->textures,
+                                              .codes = scene->texture_codes,
+                                              .layered = true,
+                                              .imported = true};
     else if (!create_white(rt))
         return false;
     rt->core.has_scene = true;

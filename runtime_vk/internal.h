@@ -38,6 +38,7 @@ struct vk_image {
     struct dt_vk_memory memory;          /* owned; null: a slot's or a host's */
     VkImageLayout layout;                /* as of the commands recorded so far */
     VkImageView view;                    /* all mips, all layers */
+    VkImageView codes;                   /* the same without sRGB; made when it is first bound */
     VkImageView mip_views[DT_MAX_MIPS];  /* one mip, all layers; of a cube as an array */
     VkImageView cube_views[DT_MAX_MIPS]; /* one mip as cubes */
     VkImageView *layer_views; /* one mip, one layer: [mip * layers + layer]; NULL: not by_layer */
@@ -260,6 +261,8 @@ VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info);
 bool vk_image_create(struct dt_vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info);
 bool vk_is_cube(enum dt_shape shape); /* also an array of cubes */
+/* Makes image->codes: of a format of sRGB, and not cubes. */
+bool vk_image_codes(struct dt_vk_runtime *rt, struct vk_image *image);
 /* The view of a mip and of one or all of its layers; a cube is an array. */
 VkImageView vk_image_view(const struct vk_image *image, uint32_t mip, bool one_layer,
                           uint32_t layer);

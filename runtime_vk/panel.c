@@ -396,16 +396,22 @@ static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
                                     block ? buffer->block : buffer->size};
 }
 
-static VkDescriptorImageInfo image_descriptor(const struct dt_vk_runtime *rt,
+static struct vk_image *image_of(struct dt_vk_runtime *rt, const struct dt_binding *binding)
+{
+    return binding->resource == DT_SCENE_TEXTURES ? &rt->builtin.textures
+                                                  : &vk_resource_at(rt, binding->resource)->image;
+}
+
+static VkDescriptorImageInfo image_descriptor(struct dt_vk_runtime *rt,
                                               const struct dt_binding *binding)
 {
     bool scene = binding->resource == DT_SCENE_TEXTURES;
-    const struct vk_image *image =
-        scene ? &rt->builtin.textures : &vk_resource_at(rt, binding->resource)->image;
+    const struct vk_image *image = image_of(rt, binding);
     bool cube = vk_is_cube(image->shape) && !binding->one_layer &&
                 (binding->kind == DT_BIND_IMAGE || binding->sampler >= 0);
     VkDescriptorImageInfo info = {
-        .imageView = binding->mip == DT_ALL_MIPS ? image->view
+        .imageView = binding->codes                ? image->codes
+                     : binding->mip == DT_ALL_MIPS ? image->view
                      : cube
                          ? image->cube_views[binding->mip]
                          : vk_image_view(image, binding->mip, binding->one_layer, binding->layer),
@@ -434,6 +440,8 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
             if (!vk_buffer_texels(rt, buffer, binding->resource))
                 return false;
             descriptors[i].texels = buffer->texels;
+        } else if (binding->codes && !vk_image_codes(rt, image_of(rt, binding))) {
+            return false;
         } else {
             descriptors[i].image = image_descriptor(rt, binding);
         }

@@ -281,12 +281,20 @@ bool vk_is_cube(enum dt_shape shape)
     return shape == DT_SHAPE_CUBE || shape == DT_SHAPE_CUBE_ARRAY;
 }
 
+/* Those of sRGB may have views without it. */
 VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info)
 {
-    bool volume = info->shape == DT_SHAPE_3D;
+    static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R8G8B8A8_UNORM};
+    static const VkImageFormatListCreateInfo views = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_FORMAT_LIST_CREATE_INFO,
+        .viewFormatCount = 2,
+        .pViewFormats = formats};
+    bool volume = info->shape == DT_SHAPE_3D, codes = info->format == DT_FORMAT_RGBA8_SRGB;
     return (VkImageCreateInfo){
         .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
-        .flags = vk_is_cube(info->shape) ? VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT : 0,
+        .pNext = codes ? &views : NULL,
+        .flags = (vk_is_cube(info->shape) ? VK_IMAGE_CREATE_CUBE_COMPATIBLE_BIT : 0u) |
+                 (codes ? VK_IMAGE_CREATE_MUTABLE_FORMAT_BIT : 0u),
         .imageType = volume ? VK_IMAGE_TYPE_3D : VK_IMAGE_TYPE_2D,
         .format = vk_format(info->format),
         .extent = {info->width, info->height, volume ? info->layers : 1},
@@ -333,20 +341,38 @@ bool vk_image_create(struct dt_vk_runtime *rt, struct vk_image *image,
     return true;
 }
 
-static bool create_view(struct dt_vk_runtime *rt, const struct vk_image *image,
-                        VkImageViewType type, VkImageSubresourceRange range, VkImageView *view)
+static bool create_view_as(struct dt_vk_runtime *rt, const struct vk_image *image, VkFormat format,
+                           VkImageViewType type, VkImageSubresourceRange range, VkImageView *view)
 {
     VkImageViewCreateInfo info = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_VIEW_CREATE_INFO,
         .image = image->handle,
         .viewType = type,
-        .format = image->format,
+        .format = format,
         .subresourceRange = range,
     };
     if (!VK(rt, rt->vk.CreateImageView(rt->device, &info, rt->callbacks, view), image->name))
         return false;
     vk_set_name(rt, VK_OBJECT_TYPE_IMAGE_VIEW, (uint64_t)*view, image->name);
     return true;
+}
+
+static bool create_view(struct dt_vk_runtime *rt, const struct vk_image *image,
+                        VkImageViewType type, VkImageSubresourceRange range, VkImageView *view)
+{
+    return create_view_as(rt, image, image->format, type, range, view);
+}
+
+bool vk_image_codes(struct dt_vk_runtime *rt, struct vk_image *image)
+{
+    const VkImageSubresourceRange all = {image->aspect, 0, image->mips, 0, image->layers};
+    if (!image->codes && !image->handle)
+        return dt_error(&rt->core, "%s: passes read codes; give texture_codes, a view without sRGB",
+                        image->name);
+    return image->codes ||
+           create_view_as(rt, image, VK_FORMAT_R8G8B8A8_UNORM,
+                          image->layered ? VK_IMAGE_VIEW_TYPE_2D_ARRAY : VK_IMAGE_VIEW_TYPE_2D, all,
+                          &image->codes);
 }
 
 static bool create_layer_views(struct dt_vk_runtime *rt, struct vk_image *image)
@@ -429,6 +455,7 @@ void vk_image_destroy(struct dt_vk_runtime *rt, struct vk_image *image)
         rt->vk.DestroyImageView(rt->device, image->layer_views[i], rt->callbacks);
     free(image->layer_views);
     rt->vk.DestroyImageView(rt->device, image->view, rt->callbacks);
+    rt->vk.DestroyImageView(rt->device, image->codes, rt->callbacks);
     if (!image->imported)
         rt->vk.DestroyImage(rt->device, image->handle, rt->callbacks);
     vk_memory_destroy(rt, &image->memory);

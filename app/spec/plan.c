@@ -91,6 +91,7 @@ struct plan *plan_load(const struct plan_request *request, struct console *conso
                                         .exact_twin = request->exact_twin,
                                         .gpu = request->for_gpu,
                                         .text = request->text,
+                                        .codes = true,
                                         .sanitize = request->sanitize};
     return load(&wanted, console);
 }

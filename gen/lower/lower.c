@@ -174,7 +174,7 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     binding.layer = (uint16_t)access->layer_value;
     binding.layout = access->resource ? layout_in_pass(pass, access->resource) : DT_LAYOUT_READ;
     if (texture)
-        binding.sampler = sampler_index(pipeline, access->filter);
+        binding.sampler = sampler_index(pipeline, access->filter), binding.codes = access->codes;
     else
         binding.access = (uint16_t)access->kind;
     return binding;
@@ -210,6 +210,7 @@ static void lower_bindings(struct lowering *l, const struct pass *pass, struct d
                                                 .kind = DT_BIND_TEXTURE,
                                                 .mip = DT_ALL_MIPS,
                                                 .layout = DT_LAYOUT_READ,
+                                                .codes = pass->codes,
                                                 .sampler = -1};
     }
     program->bindings = bindings;

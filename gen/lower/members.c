@@ -93,7 +93,8 @@ static TABLE(binding, false, M(binding, binding, UNSIGNED, ALWAYS),
              M(binding, kind, WORD, ALWAYS, .word = binding_word), M(binding, mip, MIP),
              M(binding, one_layer, FLAG), M(binding, layer, UNSIGNED),
              M(binding, layout, WORD, .word = layout_word),
-             M(binding, access, MASK, .word = access_bit), M(binding, sampler, SIGNED));
+             M(binding, access, MASK, .word = access_bit), M(binding, sampler, SIGNED),
+             M(binding, codes, FLAG));
 static TABLE(blend, false, M(blend, src, WORD, ALWAYS, .word = factor_word),
              M(blend, dst, WORD, ALWAYS, .word = factor_word),
              M(blend, op, WORD, ALWAYS, .word = operation_word),

@@ -175,6 +175,7 @@ struct access {
     unsigned kind;                   /* plan: mask of enum dt_access */
     int binding;    /* plan: in the pass's numbering; -1: none (attachment, index, indirect) */
     int attachment; /* plan: colour attachment number; -1 */
+    bool codes;     /* plan: of a texture without sRGB, see panel.h */
 };
 /* The resource's name in the body. */
 static inline const char *access_word(const struct access *access)
@@ -312,7 +313,8 @@ struct pass {
     int frame_binding, live_binding;         /* uniform blocks; every pass has both */
     int textures_binding, materials_binding; /* scene draws; -1: none */
     bool uniform_materials;                  /* plan: materials as a uniform block */
-    uint32_t index;                          /* in order of execution */
+    bool codes;     /* plan: reads the codes of scene_textures, see panel.h */
+    uint32_t index; /* in order of execution */
 };
 
 struct assertion {
@@ -382,6 +384,7 @@ struct model {
     const struct source **glsl_sources;
     uint32_t glsl_source_count;
     bool text;                    /* also OpenGL's GLSL, which glslang does not compile */
+    bool codes;                   /* exact passes read the codes of sRGB textures */
     bool exact_twin;              /* of every pass: none is fast */
     bool gpu;                     /* what `target: auto` is: the choices for GPUs */
     bool prove;                   /* --prove: reports every open operation of exact passes */

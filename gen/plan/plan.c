@@ -237,6 +237,39 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
     }
 }
 
+/* Whether the body has the driver filter or gather, which must decode first. */
+static bool samples(const struct body_files *files)
+{
+    static const char *const words[] = {"texture", "scene_texture"};
+    static const char *const prefixes[] = {"textureLod", "textureGrad", "textureOffset",
+                                           "textureProj", "textureGather"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (body_mentions(files, words[i]))
+            return true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(prefixes); i++)
+        if (body_mentions_prefix(files, prefixes[i]))
+            return true;
+    return false;
+}
+
+/* Which sRGB textures an exact pass reads as codes: those that it fetches, itself or by filter.glsl. */
+static void plan_codes(const struct model *model, struct pass *pass)
+{
+    bool draws = pass->kind != DT_PASS_DISPATCH;
+    pass->codes =
+        model->codes && !pass->fast && pass->files && !pass->files->whole && !samples(pass->files);
+    for (uint32_t i = 0; i < pass->access_count; i++) {
+        struct access *access = &pass->accesses[i];
+        const struct resource *image = access->resource;
+        bool ours =
+            image && image->format == DT_FORMAT_RGBA8_SRGB && !image->shape && !access->layer &&
+            !access_sees_one_mip(access) &&
+            (!access->filter || (access->filter->anisotropy <= 1 && !(draws && image->mips)));
+        access->codes = pass->codes && access->kind & DT_READ_TEXTURE &&
+                        (ours || (!image && access->builtin == DT_SCENE_TEXTURES));
+    }
+}
+
 /* ---- Ranges ---------------------------------------------------------------------------------- */
 
 /* Elements of an unrolled block. */
@@ -562,6 +595,7 @@ bool plan_model(struct model *model, struct diag *diag)
         plan_ranges(&pipeline->passes[i], pipeline, model->sanitize, diag);
         plan_kinds(pipeline, &pipeline->passes[i], diag);
         plan_bindings(&pipeline->passes[i], diag);
+        plan_codes(model, &pipeline->passes[i]);
     }
     if (!ordered)
         return false;

@@ -20,7 +20,8 @@ struct values {
     char **why;
 };
 
-enum { NO_FORMAT = -1, FORMATS_DIFFER = -2 }; /* beside enum dt_format */
+/* Beside enum dt_format; CODES: of DT_FORMAT_RGBA8_SRGB without sRGB. */
+enum { NO_FORMAT = -1, FORMATS_DIFFER = -2, CODES = -3 };
 
 /* ---- Formats --------------------------------------------------------------------------------- */
 
@@ -32,6 +33,8 @@ static const char *format_word(int format, bool read)
         [NUMBER_HALF] = "half",     [NUMBER_R11F] = "r11g11b10",  [NUMBER_R10] = "rgb10a2",
         [NUMBER_UINT8] = "uint8",   [NUMBER_INT8] = "int8",       [NUMBER_UINT16] = "uint16",
         [NUMBER_INT16] = "int16"};
+    if (format == CODES)
+        return read ? "codes" : NULL;
     if (format < 0)
         return NULL;
     if (format == DT_FORMAT_RGBA8_SRGB)
@@ -42,11 +45,13 @@ static const char *format_word(int format, bool read)
 static int format_at(const struct pass *pass, int binding)
 {
     if (binding >= 0 && binding == pass->textures_binding)
-        return DT_FORMAT_RGBA8_SRGB;
+        return pass->codes ? CODES : DT_FORMAT_RGBA8_SRGB;
     for (uint32_t i = 0; i < pass->access_count && binding >= 0; i++) {
         const struct access *access = &pass->accesses[i];
         if (access->binding != binding)
             continue;
+        if (access->codes)
+            return CODES;
         if (access->resource && access->resource->kind == DT_IMAGE)
             return access->resource->format;
         if (access->builtin == DT_SCENE_TEXTURES)
@@ -67,11 +72,12 @@ static int format_of_target(const struct pass *pass, int attachment)
 
 uint64_t spirv_formats(const struct pass *pass)
 {
-    uint64_t hash = 0;
+    uint64_t hash = pass->codes;
     for (uint32_t i = 0; i < pass->access_count && !pass->fast; i++) {
         const struct access *access = &pass->accesses[i];
         const int32_t key[] = {access->binding, access->attachment,
-                               access->resource && access->resource->kind == DT_IMAGE
+                               access->codes ? CODES
+                               : access->resource && access->resource->kind == DT_IMAGE
                                    ? (int32_t)access->resource->format
                                    : NO_FORMAT};
         hash = XXH3_64bits_withSeed(key, sizeof key, hash);
@@ -171,6 +177,16 @@ static bool put_decoded(struct values *values, const uint32_t *read)
     return true;
 }
 
+/* The plan looked for `texture` in the text, where a macro may make it of parts. */
+static void check_sample(struct values *values, const uint32_t *i)
+{
+    SpvOp operation = spirv_opcode(i);
+    if (operation >= SpvOpImageSampleImplicitLod && operation <= SpvOpImageDrefGather &&
+        operation != SpvOpImageFetch && format_of_image(values, i[3]) == CODES)
+        refuse_values(values, "the pass %s hides `texture` in a macro, which exact passes cannot "
+                              "see; write the word, or set `exactness: fast`");
+}
+
 static bool put_rounded(struct values *values, const uint32_t *write)
 {
     struct spirv_edit *edit = &values->edit;
@@ -262,6 +278,7 @@ bool spirv_values(struct spirv *module, const struct pass *pass, char **why)
             function = instruction[2];
         if (spirv_is(instruction, SpvOpReturn) && function == entry)
             put_targets(&values);
+        check_sample(&values, instruction);
         if (!put_decoded(&values, instruction) && !put_rounded(&values, instruction))
             spirv_copy(edit, &edit->code, instruction);
     }

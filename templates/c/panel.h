@@ -137,6 +137,7 @@ struct dt_binding {
     /* textures: index into the samplers; -1: nearest and clamped, for texelFetch, a cube as an array
      * of faces */
     int16_t sampler;
+    bool codes; /* textures: a view without sRGB, whose texels the shader decodes */
 };
 
 /* Factors of a colour; alpha takes the alpha of the same name. */

@@ -36,8 +36,17 @@ vec4 decode_rgb10a2(const vec4 texel)
     return decode_fixed(texel, vec4(vec3(1023.0), 3.0), vec4(vec3(1.0 / 1023.0), 1.0 / 3.0), vec4(vec3(1.0 / 1024.0), 0.25));
 }
 
-/* sRGB of 8 bits (IEC 61966-2-1). A fit of the encoding finds the code, 0.12 codes off; a fit of the decoding is 4e-5 off,
- * relative: 0.006 codes. `r` is 1 / sqrt(light) within 2e-5. */
+/* sRGB of 8 bits (IEC 61966-2-1). share: code / 255. A fit of the decoding is 4e-5 off, relative: 0.006 codes. */
+float decode_share(const float code)
+{
+    float share = code * 0.00392156862745;
+    float slope = (((((0.138861712 * share - 0.393694139) * share + 0.48188816) * share - 0.394731246) * share
+        + 0.481365721) * share + 0.963586398) * share + 0.999152309;
+    float decoded = (share - 1.0) * slope + 1.0;
+    return mix(decoded, share * 0.0773993808050, code <= 10.0);
+}
+
+/* A fit of the encoding finds the code, 0.12 codes off. `r` is 1 / sqrt(light) within 2e-5. */
 float decode_light(const float light)
 {
     float r = uintBitsToFloat(0x5f200000u - (floatBitsToUint(light) >> 1));
@@ -45,17 +54,19 @@ float decode_light(const float light)
     r = r * (2.102354969 - d * (1.760928667 - d * 0.6631531635));
     float u = light * r;
     float fit = ((((105.98796 * u - 345.44409) * u + 452.67029) * u - 330.73457) * u + 382.57576) * u - 10.010099;
-    bool straight = light <= 0.0031308; /* codes up to 10 */
-    float code = roundEven(mix(fit, 3294.6 * light, straight)) * 0.00392156862745;
-    float slope = (((((0.138861712 * code - 0.393694139) * code + 0.48188816) * code - 0.394731246) * code
-        + 0.481365721) * code + 0.963586398) * code + 0.999152309;
-    float decoded = (code - 1.0) * slope + 1.0;
-    return mix(decoded, code * 0.0773993808050, straight);
+    return decode_share(roundEven(mix(fit, 3294.6 * light, light <= 0.0031308))); /* codes up to 10 */
 }
 
 vec4 decode_srgb(const vec4 texel)
 {
     return vec4(decode_light(texel.r), decode_light(texel.g), decode_light(texel.b), decode_unorm8(texel).a);
+}
+
+/* sRGB that the driver has not decoded. */
+vec4 decode_codes(const vec4 texel)
+{
+    vec3 code = roundEven(texel.rgb * 255.0);
+    return vec4(decode_share(code.r), decode_share(code.g), decode_share(code.b), decode_unorm8(texel).a);
 }
 
 /* ---- Writes ---------------------------------------------------------------------------------- */

@@ -59,8 +59,10 @@ static struct pair {
 
 static void open_pair(struct pair *pair, const struct subject *subject)
 {
-    const struct spec_request request = {
-        .path = subject->spec, .templates = "templates", .text = true};
+    const struct spec_request request = {.path = subject->spec,
+                                         .templates = "templates",
+                                         .text = true,
+                                         .codes = strstr(subject->spec, "/ssvp.yaml")};
     struct diag *diag = diag_create();
     memset(pair, 0, sizeof *pair);
     if (!spec_load(&pair->spec, &request, true, diag)) {
