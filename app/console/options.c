@@ -228,6 +228,9 @@ static const struct option_row rows[] = {
     {"--filter", OPTION_CHOICE, AT(filter), VERB_REFERENCE, 0, "centre|box",
      "sample the centre of a pixel, as the rasterizer does, or its area (default: box for radiance "
      "of a scene with textures, which rasterizers filter; else centre)"},
+    {"--vpls", OPTION_STRING, AT(vpls), VERB_REFERENCE, 0, "FILE.npy",
+     "exact rays from these virtual point lights in place of paths: a structured array with "
+     "position, normal, flux, disk, eye, near_square (app/truth/vpls.h)"},
     {"--emission", OPTION_FLAG, AT(emission), VERB_REFERENCE, 0, NULL,
      "include emission of materials, which the shipped pipelines leave out"},
     {"--sampler", OPTION_CHOICE, AT(sampler), VERB_REFERENCE, 0, "sobol|random",

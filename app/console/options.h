@@ -61,6 +61,7 @@ struct options {
     const char *filter;
     const char *sampler;
     const char *checkpoint;
+    const char *vpls;
     bool emission;
     const char *reference; /* picture files; flicker: patterns of them */
     const char *test;

@@ -30,6 +30,7 @@ struct reference {
     struct tracer_info info;
     struct tracer *tracer;
     struct film film;
+    struct vpl_set vpls;
     char *settings;   /* one line with everything that the film's sums depend on */
     uint32_t samples; /* most samples, whatever the noise */
     double noise;     /* noise to stop at; 0: none */
@@ -100,6 +101,7 @@ static bool check_reference_options(struct reference *reference)
         .scene = &reference->scene.data,
         .frame = &reference->frame,
         .log = log,
+        .vpls = &reference->vpls,
         .output = options->quantity && strcmp(options->quantity, "irradiance") == 0
                       ? TRACER_IRRADIANCE
                       : TRACER_RADIANCE,
@@ -121,6 +123,7 @@ static uint64_t input_hash(const struct reference *reference)
     uint64_t hash = FILE_HASH_START;
     hash_scene(&hash, &reference->scene.data);
     hash_bytes(&hash, &reference->frame, sizeof reference->frame);
+    hash_bytes(&hash, reference->vpls.vpls, reference->vpls.count * sizeof *reference->vpls.vpls);
     return hash;
 }
 
@@ -313,7 +316,8 @@ static bool reference_prepare(struct reference *reference)
     const struct dt_log *log = &reference->console->log;
     if (!file_can_write(options->output, log) ||
         (options->checkpoint && !file_can_write(options->checkpoint, log)) ||
-        !session_load_scene(&reference->scene, reference->console, NULL, &options->setup))
+        !session_load_scene(&reference->scene, reference->console, NULL, &options->setup) ||
+        (options->vpls && !vpls_read(&reference->vpls, options->vpls, log)))
         return false;
     scene_frame_at(&reference->scene, options->frame, options->setup.size[0],
                    options->setup.size[1], &reference->frame);
@@ -340,6 +344,7 @@ int verb_reference(struct console *console, const struct options *options)
     bool good = reference_prepare(&reference) && trace(&reference) && write_results(&reference);
     tracer_close(reference.tracer);
     film_free(&reference.film);
+    vpls_free(&reference.vpls);
     scene_free(&reference.scene);
     free(reference.settings);
     return good ? EXIT_FINE : EXIT_FAILED;

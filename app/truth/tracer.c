@@ -325,6 +325,15 @@ static struct vec3 first_light(struct tracer_thread *thread, const struct ray_hi
     return info->emission ? add(radiance, hit->emission) : radiance;
 }
 
+/* In place of indirect_radiance. */
+static struct vec3 radiance_of_vpls(struct tracer_thread *thread, const struct ray_hit *hit)
+{
+    const struct tracer *tracer = thread->tracer;
+    float closest = 1e-8f * tracer->frame.scene_radius * tracer->frame.scene_radius;
+    return scale(vpls_irradiance(tracer->info.vpls, tracer->rays, hit, closest, &thread->rays),
+                 1 / pi);
+}
+
 static void add_traced_pixel(struct tracer_thread *thread, uint32_t x, uint32_t y)
 {
     const struct tracer_info *info = &thread->tracer->info;
@@ -347,7 +356,9 @@ static void add_traced_pixel(struct tracer_thread *thread, uint32_t x, uint32_t 
         if (found) {
             bool irradiance = info->output == TRACER_IRRADIANCE;
             struct vec3 factor = irradiance ? (struct vec3){pi, pi, pi} : hit.albedo;
-            value = add(value, multiply(factor, indirect_radiance(thread, hit, &sequence)));
+            struct vec3 radiance = info->vpls->count ? radiance_of_vpls(thread, &hit)
+                                                     : indirect_radiance(thread, hit, &sequence);
+            value = add(value, multiply(factor, radiance));
         }
         film_add(film, pixel, sequence.sample, (float[3]){value.x, value.y, value.z});
     }

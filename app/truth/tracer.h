@@ -12,6 +12,7 @@
 #include "diptych.h"
 #include "truth/film.h"
 #include "truth/sequence.h"
+#include "truth/vpls.h"
 
 #define TRACER_UNLIMITED UINT32_MAX
 
@@ -29,6 +30,7 @@ struct tracer_info {
      * roulette. */
     uint32_t first_bounce, last_bounce;
     enum tracer_output output;
+    const struct vpl_set *vpls; /* borrowed until tracer_close; not empty: in place of paths */
     /* False: rays through pixel centres, where the rasterizer samples. True: spread evenly over the
      * pixel. */
     bool box_filter;

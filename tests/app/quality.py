@@ -6,28 +6,18 @@ References stay in FOLDER for the next run. DIPTYCH_SCENES names the folder of t
 an hour on two processors, a quarter of it where the references are there. A frame alone: mean of eight frames without history, with
 shifted patterns, and its standard error. Else: the last of 16 frames."""
 import argparse
-import json
 import os
 import subprocess
+import sys
 
-SIZE = ["--size", "192x108"]
-INDIRECT = ["--from-bounce", "1", "--quantity", "irradiance"]
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)) + "/../../templates/ssvp")
+from causes import COLUMNS, INDIRECT, SIZE, __file__ as causes, errors, run  # noqa: E402: from the path above
+
 ERRORS = ("relative_mse", "smape", "flip", "ratio", "darker", "brighter")
 LIGHT, CAMERA = "the light moves", "the camera moves"
 MOTIONS = {"cornell": {"cornell_light": LIGHT, "cornell_walk": CAMERA}, "atrium": {"atrium_sun": LIGHT, "atrium_walk": CAMERA}}
 PAPER = ("sponza", "sibenik", "conference")
 FRAMES, STILL, MOVING = 16, 768, 192  # frames of a motion; samples per pixel for errors, and for flicker
-
-
-def run(verb, *arguments):
-    """The JSON that a verb of diptych writes."""
-    told = f"{options.folder}/told.json"
-    command = [f"{options.build}/diptych", verb, *arguments, "--json", told]
-    done = subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    if done.returncode:
-        raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
-    with open(told) as file:
-        return json.load(file)
 
 
 def scene(name, motion=None):
@@ -38,7 +28,7 @@ def truth(name, motion, frame, samples):
     path = f"{options.folder}/{motion or name}.{samples}.{frame:02d}.exr"
     if not os.path.exists(path):
         place = [*scene(name, motion), *(["--frame", str(frame)] if motion else [])]
-        run("reference", *place, *SIZE, *INDIRECT, "--spp", str(samples), "-o", f"{path}.part.exr")
+        run(options.build, "reference", *place, *SIZE, *INDIRECT, "--spp", str(samples), "-o", f"{path}.part.exr")
         os.rename(f"{path}.part.exr", path)
     return path
 
@@ -47,7 +37,7 @@ def render(name, motion, frames, *sets):
     """Pattern of the pictures of all frames."""
     path = f"{options.folder}/ours.%02d.exr"
     given = [x for value in (*options.set, *sets) for x in ("--set", value)]
-    run("render", "--spec", options.spec, *scene(name, motion), "--backend", "vk", *SIZE, "--frames", str(frames),
+    run(options.build, "render", "--spec", options.spec, *scene(name, motion), "--backend", "vk", *SIZE, "--frames", str(frames),
         "--show", "indirect", *given, "-o", path)
     return path
 
@@ -60,24 +50,20 @@ def row(name, what, told, flicker="|"):
     print(f"| {name} | {what} | {' | '.join(cells)} | {flicker} |", flush=True)
 
 
-def errors(reference, test, *more):
-    return run("metrics", "--reference", reference, "--test", test, "--exposure", "1", "--flip", "ldr", *more)
-
-
 def measure(name):
     still = truth(name, None, 0, STILL)
     alone = render(name, None, 8, "accumulate=0")
-    row(name, "a frame alone", errors(still, alone, "--frames", "8"))
-    row(name, "still", errors(still, render(name, None, FRAMES) % (FRAMES - 1)))
+    row(name, "a frame alone", errors(options.build, still, alone, "--frames", "8"))
+    row(name, "still", errors(options.build, still, render(name, None, FRAMES) % (FRAMES - 1)))
     for motion, title in MOTIONS.get(name, {}).items():
         last = truth(name, motion, FRAMES - 1, STILL)
         for frame in range(FRAMES):
             truth(name, motion, frame, MOVING)
         ours = render(name, motion, FRAMES)
-        told = run("flicker", *scene(name, motion), "--test", ours, "--reference",
+        told = run(options.build, "flicker", *scene(name, motion), "--test", ours, "--reference",
                    f"{options.folder}/{motion}.{MOVING}.%02d.exr", "--block", "8")
         steps = [step["relative_flicker"] for step in told["per_frame"]]
-        row(name, title, errors(last, ours % (FRAMES - 1)),
+        row(name, title, errors(options.build, last, ours % (FRAMES - 1)),
             f"{100 * told['relative_flicker']:.1f} % | {100 * sum(steps[-5:]) / 5:.1f} %")
 
 
@@ -99,6 +85,10 @@ options = parser.parse_args()
 os.makedirs(options.folder, exist_ok=True)
 print("| scene | 16 frames | `" + "` | `".join(ERRORS) + "` | flicker | … last five |")
 print("|---" * (len(ERRORS) + 4) + "|")
-for place in ("cornell", "atrium", *(PAPER if os.environ.get("DIPTYCH_SCENES") else ())):
+places = ("cornell", "atrium", *(PAPER if os.environ.get("DIPTYCH_SCENES") else ()))
+for place in places:
     measure(place)
+print("| scene | error | " + " | ".join(COLUMNS) + " |\n" + "|---" * (len(COLUMNS) + 2) + "|", flush=True)
+for place in places:
+    subprocess.run([sys.executable, causes, options.build, f"scenes/{place}.yaml", truth(place, None, 0, STILL)], check=True)
 cost()

@@ -218,14 +218,10 @@ def squares(parallel, albedo=1):
 
 def test_form_factors_of_squares():
     """The mean irradiance of the first square is pi F (Howell, A Catalog of Radiation Heat Transfer Configuration Factors, C-11 and
-    C-14, for unit squares)."""
+    C-14, for unit squares). The same by light that is reflected once: a floor of albedo 0.5 under a light from straight above, which does
+    not reach the wall on the floor's edge."""
     for parallel, want in (False, 0.2000438), (True, 0.1998249):
         near(trace(squares(parallel), 256, "--emission", *IRRADIANCE).mean / np.pi, want, 3e-3 * want, f"parallel {parallel}")
-
-
-def test_first_bounce_of_a_directional_light():
-    """The same number by light that is reflected once: a floor of albedo a under a light from straight above, which does not reach the
-    wall on the floor's edge."""
     stage = squares(False, 0.5).look([0.5, 0.5, 0.5], [0, 0.5, 0.5], np.pi / 2).sun([0, -1, 0], [3, 3, 3])
     near(trace(stage, 256, *IRRADIANCE, bounces=1, first=1).mean / (0.5 * 3), 0.2000438, 3e-3 * 0.2, "first bounce")
 
@@ -257,6 +253,20 @@ def test_hidden_surfaces_stay_dark():
         holds((trace(stage, 1, *IRRADIANCE, size=(16, 16)).mean > 0) == leaning, f"direct, leaning {leaning}")
         words = (*IRRADIANCE, *(["--emission"] if leaning else []))
         holds(trace(stage, 64, *words, size=(16, 16), bounces=1, first=1).mean == 0, f"reflected, leaning {leaning}")
+
+
+def test_virtual_point_lights():
+    """Irradiance is flux / pi cos cos / (d^2 + disk cos) where a light is seen: from outside the shadow of a screen; with an eye under
+    the floor, within a distance; with an eye over a roof, everywhere, since the light is nearer than the roof."""
+    stage = Stage().floor(2).quad([0.1, 0.5, -2], [2, 0, 0], [0, 0, 4]).quad([-9, 2.5, -9], [18, 0, 0], [0, 0, 18])
+    x = stage.look([0, 0.4, 0], [0, 0, 0], 1.5, [0, 0, -1]).floor_points(40, 40)
+    square = (x**2).sum(-1) + 1
+    three = [(name, "<f4", 3) for name in ("position", "normal", "flux", "eye")]
+    fields = [*three[:3], ("disk", "<f4"), three[3], ("near_square", "<f4")]
+    for eye, near_square, disk, seen in (1, 0, 0, x[..., 0] < 0.2), (-1, 1.1, 0.25, square < 1.1), (3, 1e-9, 0, True):
+        np.save("vpl.npy", np.array([0, 1, 0, 0, -1, 0, 2, 3, 4, disk, 0, eye, 0, near_square], "<f4").view(fields))
+        found = trace(stage, 1, *IRRADIANCE, "--vpls", "vpl.npy", size=(40, 40), bounces=1, first=1).pixels[..., 1]
+        near(found, np.where(seen, 3 / np.pi / (square**2 + disk * square**0.5), 0), 1e-4, f"eye {eye}")
 
 
 # ---- Convergence ------------------------------------------------------------------------------------
