@@ -3,7 +3,6 @@
 
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,6 +13,7 @@
 #include "gen/glsl/initials.h"
 #include "gen/model/foreign.h"
 #include "gen/model/leaves.h"
+#include "gen/read/body_files.h"
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
 #include "gen/spirv/whole.h"
@@ -80,70 +80,24 @@ static void write_type(const struct reflecting *reader, uint32_t id, struct refl
     set_type(item, known, &type);
 }
 
+/* NULL: none that passes have. */
 static const char *shape_of(const uint32_t *image)
 {
-    bool array = image[5];
-    if (image[6])
-        return NULL;
-    switch (image[3]) {
-    case SpvDim2D:
-        return array ? "2D array" : "2D";
-    case SpvDim3D:
-        return "3D";
-    case SpvDimCube:
-        return array ? NULL : "cube";
-    default:
-        return NULL;
-    }
+    static const char *const shapes[][2] = {[SpvDim1D] = {NULL, NULL},
+                                            [SpvDim2D] = {"2D", "2D array"},
+                                            [SpvDim3D] = {"3D", "3D"},
+                                            [SpvDimCube] = {"cube", "cube array"}};
+    return image[6] || image[3] > SpvDimCube ? NULL : shapes[image[3]][image[5]];
 }
 
 /* The row of formats.def with this format of SPIR-V; NULL: none. */
-static const char *storage_format(SpvImageFormat format)
+static const char *storage_format(uint32_t format)
 {
-    static const struct {
-        SpvImageFormat format;
-        const char *qualifier;
-    } names[] = {{SpvImageFormatRgba32f, "rgba32f"},
-                 {SpvImageFormatRgba16f, "rgba16f"},
-                 {SpvImageFormatR32f, "r32f"},
-                 {SpvImageFormatRgba8, "rgba8"},
-                 {SpvImageFormatRg32f, "rg32f"},
-                 {SpvImageFormatRg16f, "rg16f"},
-                 {SpvImageFormatR11fG11fB10f, "r11f_g11f_b10f"},
-                 {SpvImageFormatR16f, "r16f"},
-                 {SpvImageFormatRgba16, "rgba16"},
-                 {SpvImageFormatRgb10A2, "rgb10_a2"},
-                 {SpvImageFormatRg16, "rg16"},
-                 {SpvImageFormatRg8, "rg8"},
-                 {SpvImageFormatR16, "r16"},
-                 {SpvImageFormatR8, "r8"},
-                 {SpvImageFormatRgba16Snorm, "rgba16_snorm"},
-                 {SpvImageFormatRg16Snorm, "rg16_snorm"},
-                 {SpvImageFormatR16Snorm, "r16_snorm"},
-                 {SpvImageFormatRgba32i, "rgba32i"},
-                 {SpvImageFormatRgba16i, "rgba16i"},
-                 {SpvImageFormatRgba8i, "rgba8i"},
-                 {SpvImageFormatR32i, "r32i"},
-                 {SpvImageFormatRg32i, "rg32i"},
-                 {SpvImageFormatRg16i, "rg16i"},
-                 {SpvImageFormatRg8i, "rg8i"},
-                 {SpvImageFormatR16i, "r16i"},
-                 {SpvImageFormatR8i, "r8i"},
-                 {SpvImageFormatRgba32ui, "rgba32ui"},
-                 {SpvImageFormatRgba16ui, "rgba16ui"},
-                 {SpvImageFormatRgba8ui, "rgba8ui"},
-                 {SpvImageFormatR32ui, "r32ui"},
-                 {SpvImageFormatRg32ui, "rg32ui"},
-                 {SpvImageFormatRg16ui, "rg16ui"},
-                 {SpvImageFormatRg8ui, "rg8ui"},
-                 {SpvImageFormatR16ui, "r16ui"},
-                 {SpvImageFormatR8ui, "r8ui"}};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(names); i++)
-        for (int row = 0; names[i].format == format && row < DT_FORMAT_COUNT; row++) {
-            const struct format_info *info = format_info((enum dt_format)row);
-            if (info->qualifier && !strcmp(info->qualifier, names[i].qualifier))
-                return info->name;
-        }
+    for (int row = 0; row < DT_FORMAT_COUNT; row++) {
+        const struct format_info *info = format_info((enum dt_format)row);
+        if (info->qualifier && !strcmp(info->qualifier, spirv_image_format(format)))
+            return info->name;
+    }
     return NULL;
 }
 
@@ -178,6 +132,8 @@ static void add_image(struct reflecting *reader, const uint32_t *variable, enum 
         type = spirv_definition(module, type[2]);
     char letter = spirv_letter(spirv_definition(module, type[2]));
     item->shape = alone ? shape_of(type) : NULL;
+    if (alone)
+        spirv_image_name(module, type, kind == REFLECTED_TEXTURE, item->type, sizeof item->type);
     item->scalar = letter ? letter : 'f';
     item->depth = type[4] == 1;
     item->format = kind == REFLECTED_IMAGE ? storage_format(type[8]) : NULL;
@@ -266,8 +222,11 @@ static void add_variable(struct reflecting *reader, const uint32_t *variable, en
         REFLECTED_TEXTURE, REFLECTED_IMAGE, REFLECTED_BUFFER, REFLECTED_VALUE,
         REFLECTED_VALUE,   REFLECTED_INPUT, REFLECTED_OUTPUT};
     const struct spirv *module = reader->module;
+    uint32_t second = spirv_decoration(module, variable[2], SpvDecorationIndex);
     struct leaves leaves = {reader, kinds[rank],
-                            spirv_decoration(module, variable[2], SpvDecorationLocation)};
+                            second && second != UINT32_MAX
+                                ? MOST_TARGETS
+                                : spirv_decoration(module, variable[2], SpvDecorationLocation)};
     if (rank <= IMAGES)
         add_image(reader, variable, kinds[rank]);
     else if (rank == BUFFERS)
@@ -291,7 +250,8 @@ static void add_constants(struct reflecting *reader)
         struct reflected *item = own ? append_reflected(reader, REFLECTED_CONSTANT, name) : NULL;
         if (!item)
             continue;
-        write_type(reader, i[1], item);
+        if (truth || spirv_letter(spirv_definition(module, i[1])))
+            write_type(reader, i[1], item);
         float real = 0;
         if (number)
             memcpy(&real, i + 3, sizeof real);
@@ -331,9 +291,13 @@ static char *prepare(const char *text, int stage)
 {
     static const char *const stages[] = {"COMPUTE", "VERTEX", "FRAGMENT"};
     char *all = format_string("#version 460\n#define %s\n#line 1\n%s", stages[stage], text);
-    char *own = all ? strstr(all + 1, "#version") : NULL;
-    if (own)
-        memset(own, ' ', strcspn(own, "\r\n"));
+    char *code = strdup(text);
+    if (code)
+        blank_comments(code);
+    char *own = code ? find_version(code) : NULL;
+    if (all && own)
+        memset(all + strlen(all) - strlen(own), ' ', strcspn(own, "\r\n"));
+    free(code);
     return all;
 }
 
@@ -368,22 +332,13 @@ bool reflect_module(const uint32_t *words, size_t count, int stage, struct refle
     return good && reflect_words(own, count, reflection);
 }
 
-/* In a block a bool is a uint: bvec2(true, false) is uvec2(1, 0). */
 static void take_initial(void *user, const char *name, const char *value)
 {
     struct reflection *reflection = user;
     for (uint32_t i = 0; i < reflection->count; i++) {
         struct reflected *item = &reflection->list[i];
-        struct text text = {0};
-        if (item->kind != REFLECTED_VALUE || item->initial || strcmp(item->name, name) != 0)
-            continue;
-        text_add(&text, "%s", *value == 'b' ? item->type : value);
-        for (const char *at = *value == 'b' ? strchr(value, '(') : ""; *at; at++)
-            if (!isalpha((unsigned char)*at))
-                text_add(&text, "%c", *at);
-            else if (*at == 't' || *at == 'f')
-                text_add(&text, *at == 't' ? "1" : "0");
-        item->initial = text.data;
+        if (item->kind == REFLECTED_VALUE && !item->initial && !strcmp(item->name, name))
+            item->initial = strdup(value);
     }
 }
 

@@ -15,18 +15,20 @@ enum reflected_kind {
     REFLECTED_CONSTANT /* of specialization */
 };
 
+enum { MOST_TARGETS = 8 };
+
 struct reflected {
     enum reflected_kind kind;
     char name[256]; /* what gen calls it: see gen/spirv/bind.h */
     char type
-        [64]; /* GLSL: "vec4", "float[3]"; of a buffer's elements; "": another, such as a struct */
+        [64]; /* GLSL: "vec4", "float[3]", "sampler2D"; of a buffer's elements; "": another, such as a struct */
     const char *format; /* image: a word of formats.def; NULL: none given */
-    const char
-        *shape;  /* texture, image: "2D", "2D array", "3D", "cube"; others are not in passes */
-    char scalar; /* texture, image: f, i or u */
-    bool depth;  /* texture: sampled by comparison */
-    bool writes; /* image, buffer */
-    uint32_t location; /* input, output */
+    const char *
+        shape; /* texture, image: "2D", "2D array", "3D", "cube", "cube array"; NULL: not in passes */
+    char scalar;       /* texture, image: f, i or u */
+    bool depth;        /* texture: sampled by comparison */
+    bool writes;       /* image, buffer */
+    uint32_t location; /* input, output; MOST_TARGETS: a second source of blending */
     uint64_t bytes;    /* buffer: least size */
     double number;     /* constant */
     char *initial;     /* value: a constructor; NULL: none */

@@ -14,9 +14,10 @@
 #include "gen/model/cross.h"
 #include "gen/model/spirv_check.h"
 #include "gen/glsl/glslang.h"
+#include "gen/read/body_files.h"
 #include "gen/check/check.h"
 
-enum { MOST_ELEMENTS = 4096, MOST_LOCATIONS = 8 };
+enum { MOST_ELEMENTS = 4096 };
 #define MOST_BUFFER ((uint64_t)1 << 30)
 
 struct shader_file {
@@ -35,6 +36,7 @@ struct making {
     struct text params, values, images, buffers, samplers, reads, writes, updates, all;
     const char *output; /* the first image that is written */
     bool codes;         /* it has 8 bits */
+    uint32_t targets;   /* behind the last location of an output */
     const char **names;
     uint32_t name_count;
     const char *picture;       /* file for textures; NULL: not needed yet */
@@ -125,9 +127,18 @@ static bool read_shader(struct making *making, const char *path, int stage)
                   : !module  ? stage_of(path)
                   : good     ? stage_of_module(words, count)
                              : 0;
+    if (!module && strlen(own->text) < own->size)
+        return report_error(making_log(making), "%s: has a byte of 0: it is no text, and no SPIR-V",
+                            path);
     if (file->stage < 0)
         return report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage",
                             path);
+    const struct source source = {.path = path, .text = own->text, .length = own->size};
+    if (!module && !hlsl && !source_is_whole(&source)) {
+        report_at(making_log(making), (struct loc){&source, 1, 1, 1},
+                  "a shader begins with #version: write `#version 460` before all else");
+        return false;
+    }
     uint32_t *made = hlsl ? hlsl_compile(&file->texts, path, file->stage, &count, &why) : NULL;
     if (hlsl)
         good = made && reflect_module(made, count, file->stage, &file->reflection, &why);
@@ -142,6 +153,11 @@ static bool read_shader(struct making *making, const char *path, int stage)
     good = good && texts_write(&file->texts, "", file->name, sizeof file->name) &&
            (!hlsl || write_module(making, file, made, count));
     free(made);
+    char *shown = module && good ? spirv_disassemble(words, count) : NULL;
+    if (shown) { /* places of errors are lines of it */
+        free(file->texts.list[0].text);
+        file->texts.list[0].text = shown;
+    }
     if (good && file != making->files && !strcmp(file->name, making->files[0].name))
         good =
             report_error(making_log(making), "%s: both shaders have the name %s", path, file->name);
@@ -202,27 +218,29 @@ static void write_filled(struct text *out, const char *type)
     text_add(out, ")");
 }
 
-/* The frame's size, for a vector whose name says so; NULL: another. */
+/* The frame's size, or one over it, where the name says so; NULL: another value. */
 static const char *size_named(const struct reflected *item)
 {
-    static const char *const words[] = {"resolution",  "viewport",   "dimension",  "extent",
-                                        "screensize",  "framesize",  "imagesize",  "windowsize",
-                                        "texturesize", "rendersize", "buffersize", "targetsize"};
-    static const char *const sizes[] = {"frame.width, frame.height", "frame.width, frame.height, 1",
-                                        "frame.width, frame.height, 1.0 / frame.width, 1.0 / "
-                                        "frame.height"};
+    static const char *const words[] = {"resolution", "viewport", "dimension", "extent", "size"};
+    static const char *const sizes[2][4] = {
+        {NULL, "frame.width, frame.height", "frame.width, frame.height, 1",
+         "frame.width, frame.height, 1.0 / frame.width, 1.0 / frame.height"},
+        {NULL, "1.0 / frame.width, 1.0 / frame.height", "1.0 / frame.width, 1.0 / frame.height, 1",
+         NULL}};
     char plain[64] = "";
     size_t length = 0;
     int components = components_of(item->type);
     for (const char *at = item->name; *at && length + 1 < sizeof plain; at++)
         if (*at != '_')
             plain[length++] = (char)tolower((unsigned char)*at);
-    if (components < 2 || *item->type == 'b' || strchr(item->type, '[') || strstr(plain, "inv"))
+    bool inverse = strstr(plain, "inv") || strstr(plain, "rcp") || strstr(plain, "texelsize") ||
+                   strstr(plain, "pixelsize");
+    if (*item->type == 'b' || strchr(item->type, '[') || (inverse && *item->type != 'v'))
         return NULL;
     for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
         if (strstr(plain, words[i]))
-            return sizes[components - 2];
-    return !strcmp(plain, "size") ? sizes[components - 2] : NULL;
+            return sizes[inverse][components - 1];
+    return NULL;
 }
 
 static bool can_be_filled(const struct making *making, const struct reflected *item,
@@ -332,11 +350,10 @@ static void list(struct text *out, const char *name, const char *sampler)
 static bool shape_fits(struct making *making, const struct reflected *item)
 {
     if (!item->shape)
-        return REFUSE(
-            making, item,
-            "`%s` has a shape that images do not have, or is an array of more than 16 or by "
-            "an index that is not constant",
-            item->name);
+        return REFUSE(making, item, "`%s` is %s, which specs do not have", item->name,
+                      *item->type
+                          ? item->type
+                          : "an array of more than 16, or by an index that is not constant");
     return name_is_free(item->name) ||
            REFUSE(making, item, "`%s` cannot be the name of an image", item->name);
 }
@@ -355,15 +372,15 @@ static bool write_texture(struct making *making, const struct reflected *item)
         text_add(&making->images, "{file: %s, format: rgba8}  # any picture\n", making->picture);
     else
         text_add(&making->images,
-                 "{format: %s, size: [64, 64%s]%s, history: true}  # size and content "
+                 "{format: %s, size: [64, 64%s]%s%s, history: true}  # size and content "
                  "are guesses\n",
                  item->depth           ? "d32f"
                  : item->scalar == 'f' ? "rgba8"
                  : item->scalar == 'i' ? "rgba32i"
                                        : "rgba32ui",
-                 *item->shape == '3' ? ", 64" : "",
-                 *item->shape == 'c'           ? ", cube: true"
-                 : flat || *item->shape == '3' ? ""
+                 *item->shape == '3' ? ", 64" : "", *item->shape == 'c' ? ", cube: true" : "",
+                 !strstr(item->shape, "array") ? ""
+                 : *item->shape == 'c'         ? ", layers: 6"
                                                : ", layers: 1");
     list(&making->reads, item->name, sampler_of(making, item));
     return true;
@@ -385,14 +402,15 @@ static bool write_image(struct making *making, const struct reflected *item)
                       "and buffers",
                       item->name);
     text_add(&making->images,
-             "  %s: {format: %s, size: %s%s, history: true}  # the size%s a guess\n", item->name,
+             "  %s: {format: %s, size: %s%s%s, history: true}  # the size%s a guess\n", item->name,
              format,
              flat                  ? "frame"
              : *item->shape == '3' ? "[64, 64, 64]"
                                    : "[64, 64]",
-             *item->shape == 'c'            ? ", cube: true"
-             : *item->shape == '2' && !flat ? ", layers: 1"
-                                            : "",
+             *item->shape == 'c' ? ", cube: true" : "",
+             !strstr(item->shape, "array") ? ""
+             : *item->shape == 'c'         ? ", layers: 6"
+                                           : ", layers: 1",
              item->format ? " is" : " and the format are");
     list(item->writes ? &making->updates : &making->reads, item->name, NULL);
     if (item->writes && flat && !making->output) {
@@ -475,6 +493,32 @@ static bool write_item(struct making *making, const struct reflected *item, int 
     }
 }
 
+/* Those at a location, in the order of which the targets of a draw stand, without gaps. */
+static bool write_outputs(struct making *making, const struct reflection *reflection,
+                          uint32_t location)
+{
+    bool good = true, draws = making->now->stage == REFLECT_FRAGMENT;
+    for (uint32_t i = 0; good && i < reflection->count; i++) {
+        const struct reflected *item = &reflection->list[i];
+        bool here = location < MOST_TARGETS ? item->location == location
+                                            : item->location >= location && draws;
+        if (item->kind != REFLECTED_OUTPUT || !here)
+            continue;
+        if (location == MOST_TARGETS)
+            good =
+                REFUSE(making, item,
+                       "the output `%s` has a location above 7, or is a second source of blending",
+                       item->name);
+        else if (draws && location > making->targets)
+            good = REFUSE(making, item, "the output `%s` has location %u, but no output has %u",
+                          item->name, location, making->targets);
+        else
+            good = write_item(making, item, making->now->stage);
+        making->targets = draws ? location + 1 : 0;
+    }
+    return good;
+}
+
 static bool write_items(struct making *making)
 {
     size_t count = making->files[0].reflection.count + making->files[1].reflection.count;
@@ -486,18 +530,8 @@ static bool write_items(struct making *making)
         for (uint32_t i = 0; good && i < reflection->count; i++)
             if (reflection->list[i].kind != REFLECTED_OUTPUT)
                 good = write_item(making, &reflection->list[i], making->now->stage);
-        for (uint32_t location = 0; location <= MOST_LOCATIONS; location++) /* in their order */
-            for (uint32_t i = 0; good && i < reflection->count; i++) {
-                const struct reflected *item = &reflection->list[i];
-                if (item->kind != REFLECTED_OUTPUT)
-                    continue;
-                if (location == MOST_LOCATIONS && item->location >= location &&
-                    making->now->stage == REFLECT_FRAGMENT)
-                    good =
-                        REFUSE(making, item, "the output `%s` has a location above 7", item->name);
-                else if (item->location == location)
-                    good = write_item(making, item, making->now->stage);
-            }
+        for (uint32_t location = 0; good && location <= MOST_TARGETS; location++)
+            good = write_outputs(making, reflection, location);
     }
     if (good && !making->output && making->files[0].stage != REFLECT_COMPUTE)
         write_depth(making);

@@ -107,6 +107,8 @@ void glsl_values(struct glsl *glsl);
 #define GLSL_BAKED "diptych_"
 /* glsl_access.c: functions that read the scene's texel buffers, for spirv/texels.c. */
 void glsl_texels(struct glsl *glsl);
+/* glsl_access.c: what GLSL declares for an access to an image, as "usampler2DArray". */
+void glsl_declared(const struct access *access, char *out, size_t size);
 /* glsl_access.c: into PART_FUNCTIONS and PART_RESOURCES. */
 void glsl_accessors(struct glsl *glsl);
 void glsl_resources(struct glsl *glsl);

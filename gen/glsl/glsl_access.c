@@ -59,6 +59,12 @@ static const char *dimension(const struct access *access)
     return shape == DT_SHAPE_3D ? "3D" : shape == DT_SHAPE_CUBE ? "Cube" : "CubeArray";
 }
 
+void glsl_declared(const struct access *access, char *out, size_t size)
+{
+    snprintf(out, size, "%s%s%s", format_names(access->resource->format).prefix,
+             is_storage(access) ? "image" : "sampler", dimension(access));
+}
+
 static bool is(const struct access *access, const char *name)
 {
     return strcmp(dimension(access), name) == 0;

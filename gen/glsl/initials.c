@@ -18,56 +18,102 @@ static bool seems_to_have_some(const char *code)
     return strstr(code, "#include");
 }
 
+/* A type as blocks have it, where a bool is a uint. False: it has no name. */
+static bool add_block_type(const struct spirv *module, uint32_t type, struct text *out)
+{
+    struct text name = {0};
+    bool good = spirv_type_name(module, type, &name) && !name.failed;
+    if (good && !strncmp(name.data, "bool", 4))
+        text_add(out, "uint%s", name.data + 4);
+    else if (good)
+        text_add(out, *name.data == 'b' ? "u%s" : "%s", name.data + (*name.data == 'b'));
+    text_free(&name);
+    return good;
+}
+
 /* A number, or the constructor of more. */
 static bool add_constant_text(const struct spirv *module, uint32_t id, bool outer, struct text *out)
 {
-    const uint32_t *constant = spirv_definition(module, id),
-                   *type = spirv_definition(module, constant[1]);
+    const uint32_t *constant = spirv_definition(module, id);
     uint32_t parts = spirv_is(constant, SpvOpConstantComposite) ? spirv_length(constant) - 3 : 0;
-    bool good = true, named = outer || parts;
+    char letter = spirv_letter(spirv_definition(module, constant[1]));
+    bool named = outer || parts, good = !named || add_block_type(module, constant[1], out);
     float number;
-    if (named) {
-        struct text name = {0};
-        good = spirv_type_name(module, constant[1], &name);
-        text_add(out, "%s(", name.data ? name.data : "");
-        text_free(&name);
-    }
+    text_add(out, named ? "(" : "");
     for (uint32_t i = 0; good && i < parts; i++) {
         text_add(out, "%s", i ? ", " : "");
         good = add_constant_text(module, constant[3 + i], false, out);
     }
     memcpy(&number, constant + 3, sizeof number);
-    if (spirv_is(constant, SpvOpConstant) && spirv_letter(type) == 'f')
+    if (spirv_is(constant, SpvOpConstant) && letter == 'f')
         text_add_float(out, (double)number);
-    else if (spirv_is(constant, SpvOpConstant) && spirv_letter(type))
-        text_add(out, spirv_letter(type) == 'i' ? "%d" : "%uu", constant[3]);
-    else if (spirv_is(constant, SpvOpConstantTrue) || spirv_is(constant, SpvOpConstantFalse))
-        text_add(out, spirv_is(constant, SpvOpConstantTrue) ? "true" : "false");
+    else if (spirv_is(constant, SpvOpConstant) && letter)
+        text_add(out, letter == 'i' ? "%d" : "%uu", constant[3]);
+    else if (letter == 'b')
+        text_add(out, spirv_is(constant, SpvOpConstantTrue) ? "1u" : "0u");
     else if (!parts)
         good = false;
     text_add(out, named ? ")" : "");
     return good;
 }
 
-/* Calls `take` for a constant, or for each member of a struct: NAME_MEMBER, as spirv_each_leaf() has it. */
-static void take_leaves(const struct spirv *module, uint32_t id, const char *name,
-                        initial_taker *take, void *user)
+struct taking {
+    const struct spirv *module;
+    uint32_t constant, path[MOST_STEPS]; /* members */
+    initial_taker *take;
+    void *user;
+};
+
+/* A member of a constant, or of all elements of an array: "vec2[2](vec2(1), vec2(0))". type: its name. */
+static bool add_member(const struct taking *taking, uint32_t id, uint32_t depth, struct text *type,
+                       struct text *out)
 {
-    const uint32_t *constant = spirv_definition(module, id),
-                   *type = spirv_definition(module, constant[1]);
-    bool members = spirv_is(type, SpvOpTypeStruct) && spirv_is(constant, SpvOpConstantComposite);
-    for (uint32_t i = 0; members && i + 2 < spirv_length(type); i++) {
+    const struct spirv *module = taking->module;
+    const uint32_t *constant = spirv_definition(module, id), *own = spirv_type(module, id);
+    const uint32_t *inner = spirv_definition(module, spirv_element_type(module, constant[1]));
+    struct text values = {0}, element = {0};
+    bool good = spirv_is(constant, SpvOpConstantComposite);
+    if (!spirv_is(inner, SpvOpTypeStruct))
+        return add_block_type(module, constant[1], type) &&
+               add_constant_text(module, id, true, out);
+    if (good && inner == own)
+        return add_member(taking, constant[3 + taking->path[depth]], depth + 1, type, out);
+    for (uint32_t i = 3; good && i < spirv_length(constant); i++) {
+        text_free(&element);
+        text_add(&values, i > 3 ? ", " : "");
+        good = add_member(taking, constant[i], depth, &element, &values);
+    }
+    if (good && element.data && !values.failed && !element.failed) {
+        int scalar = (int)strcspn(element.data, "[");
+        text_add(type, "%.*s[%u]%s", scalar, element.data, spirv_length(constant) - 3,
+                 element.data + scalar);
+        text_add(out, "%s(%s)", type->data, values.data);
+    }
+    text_free(&values);
+    text_free(&element);
+    return good;
+}
+
+/* Calls `take` for a constant, or for each member of a struct: NAME_MEMBER, as spirv_each_leaf() has it. */
+static void take_leaves(struct taking *taking, uint32_t type, uint32_t depth, const char *name)
+{
+    const struct spirv *module = taking->module;
+    const uint32_t *inner = spirv_definition(module, spirv_element_type(module, type));
+    bool members = spirv_is(inner, SpvOpTypeStruct);
+    for (uint32_t i = 0; members && depth < MOST_STEPS && i + 2 < spirv_length(inner); i++) {
         struct text leaf = {0};
-        const char *member = spirv_member_name(module, type[1], i);
+        const char *member = spirv_member_name(module, inner[1], i);
         text_add(&leaf, "%s_%s", name, member ? member : "");
+        taking->path[depth] = i;
         if (!leaf.failed)
-            take_leaves(module, constant[3 + i], leaf.data, take, user);
+            take_leaves(taking, inner[2 + i], depth + 1, leaf.data);
         text_free(&leaf);
     }
-    struct text value = {0};
-    if (!members && add_constant_text(module, id, true, &value) && !value.failed)
-        take(user, name, value.data);
+    struct text value = {0}, own = {0};
+    if (!members && add_member(taking, taking->constant, 0, &own, &value) && !value.failed)
+        taking->take(taking->user, name, value.data);
     text_free(&value);
+    text_free(&own);
 }
 
 void glsl_initials(const struct glslang_job *job, initial_taker *take, void *user)
@@ -89,7 +135,8 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
         const uint32_t *i = module.words + at;
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
             spirv_length(i) > 4)
-            take_leaves(&module, i[4], spirv_name(&module, i[2]), take, user);
+            take_leaves(&(struct taking){&module, i[4], {0}, take, user}, spirv_pointee(&module, i),
+                        0, spirv_name(&module, i[2]));
     }
     spirv_free(&module);
 }

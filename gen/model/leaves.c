@@ -53,6 +53,14 @@ static bool add_lengths(const struct spirv *module, uint32_t type, struct text *
     return true;
 }
 
+/* The letter of the type of a spec that has the numbers of a scalar; 0: none has. */
+static char letter_of(const uint32_t *scalar)
+{
+    if (spirv_is(scalar, SpvOpTypeFloat) || spirv_is(scalar, SpvOpTypeInt))
+        return scalar[2] > 32 ? 0 : spirv_is(scalar, SpvOpTypeFloat) ? 'f' : "ui"[scalar[3]];
+    return spirv_letter(scalar);
+}
+
 bool spirv_type_name(const struct spirv *module, uint32_t type, struct text *out)
 {
     static const char letters[] = "fiub", *const scalars[] = {"float", "int", "uint", "bool"},
@@ -62,7 +70,7 @@ bool spirv_type_name(const struct spirv *module, uint32_t type, struct text *out
         spirv_is(element, SpvOpTypeMatrix) ? spirv_definition(module, element[2]) : element;
     const uint32_t *scalar =
         spirv_is(column, SpvOpTypeVector) ? spirv_definition(module, column[2]) : column;
-    char letter = spirv_letter(scalar);
+    char letter = letter_of(scalar);
     if (!letter)
         return false;
     size_t kind = (size_t)(strchr(letters, letter) - letters);
@@ -88,6 +96,37 @@ bool spirv_leaf_type(const struct spirv *module, const struct spirv_leaf *leaf, 
         good = length || !spirv_is_array(type);
     }
     return good;
+}
+
+const char *spirv_image_format(uint32_t format)
+{
+    static const char *const names[] = {/* as SPIR-V numbers them */
+                                        "",          "rgba32f",      "rgba16f",
+                                        "r32f",      "rgba8",        "rgba8_snorm",
+                                        "rg32f",     "rg16f",        "r11f_g11f_b10f",
+                                        "r16f",      "rgba16",       "rgb10_a2",
+                                        "rg16",      "rg8",          "r16",
+                                        "r8",        "rgba16_snorm", "rg16_snorm",
+                                        "rg8_snorm", "r16_snorm",    "r8_snorm",
+                                        "rgba32i",   "rgba16i",      "rgba8i",
+                                        "r32i",      "rg32i",        "rg16i",
+                                        "rg8i",      "r16i",         "r8i",
+                                        "rgba32ui",  "rgba16ui",     "rgba8ui",
+                                        "r32ui",     "rgb10_a2ui",   "rg32ui",
+                                        "rg16ui",    "rg8ui",        "r16ui",
+                                        "r8ui"};
+    return format < sizeof names / sizeof *names ? names[format] : "";
+}
+
+void spirv_image_name(const struct spirv *module, const uint32_t *image, bool sampler, char *out,
+                      size_t size)
+{
+    static const char *const shapes[] = {"1D", "2D", "3D", "Cube", "2DRect", "Buffer"};
+    const uint32_t *number = spirv_definition(module, image[2]);
+    const char *prefix = !spirv_is(number, SpvOpTypeInt) ? "" : number[3] ? "i" : "u";
+    snprintf(out, size, "%s%s%s%s%s", prefix, sampler ? "sampler" : "image",
+             image[3] < SpvDimSubpassData ? shapes[image[3]] : "", image[6] ? "MS" : "",
+             image[5] ? "Array" : "");
 }
 
 /* ---- What the entry point reaches ------------------------------------------------------------ */

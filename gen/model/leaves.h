@@ -34,6 +34,11 @@ uint32_t spirv_element_type(const struct spirv *module, uint32_t type);
 /* Length of an array, of a specialization constant by its default; 0: none, or at run time. */
 uint32_t spirv_array_length(const struct spirv *module, const uint32_t *type);
 
+/* GLSL's name of SpvImageFormat; "": none. What GLSL declares for a type of images: "usampler2DArray"; "": nothing. */
+const char *spirv_image_format(uint32_t format);
+void spirv_image_name(const struct spirv *module, const uint32_t *image, bool sampler, char *out,
+                      size_t size);
+
 /* The author's name: one that stepped aside for another has a prefix (glsl_messages.c). NULL stays. */
 const char *spirv_own_name(const char *name);
 /* Its name, or that of its block, without the layers of arrays. "?": none. */

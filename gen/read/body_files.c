@@ -41,8 +41,7 @@ void blank_comments(char *at)
     }
 }
 
-/* The directive; NULL: the text, without comments, begins with something else. */
-static char *find_version(char *code)
+char *find_version(char *code)
 {
     char *at = code + strspn(code, " \t\r\n\xef\xbb\xbf"); /* or a byte order mark */
     size_t blanks = *at == '#' ? strspn(at + 1, " \t") : 0;
@@ -63,13 +62,15 @@ bool source_is_whole(const struct source *source)
 
 /* The text for glslang: the generated text has its #version before this one's. */
 static const char *without_version(struct model *model, const struct source *source, char *code,
-                                   bool *whole)
+                                   struct body_files *files)
 {
     char *version = find_version(code), *text;
     if (!version)
         return source->text;
     size_t length = strcspn(version, "\r\n");
-    *whole = true;
+    unsigned number = (unsigned)atoi(version + strcspn(version, "0123456789\r\n"));
+    files->version = number > files->version ? number : files->version;
+    files->whole = true;
     text = arena_strndup(model->arena, source->text, source->length);
     if (text && text[0] == '\xef')
         memset(text, ' ', 3);
@@ -177,7 +178,7 @@ static bool add_file(struct model *model, struct body_files *files, const struct
     char *code = source->words ? NULL : arena_strndup(model->arena, source->text, source->length);
     if (code) {
         blank_comments(code);
-        file->text = without_version(model, source, code, &files->whole);
+        file->text = without_version(model, source, code, files);
         file->code = code;
     }
     files->count++;

@@ -32,7 +32,8 @@ struct body_files {
     uint32_t count;
     struct body_include *includes;
     uint32_t include_count;
-    bool whole; /* a shader with #version, or a module, which has declarations of its own */
+    bool whole;       /* a shader with #version, or a module, which has declarations of its own */
+    unsigned version; /* the highest of the texts, 0: of none */
 };
 
 /* Of a pass's files, also NULL. */
@@ -68,6 +69,8 @@ const struct source *glsl_source(struct model *model, const char *path);
  * memory. */
 bool glsl_source_add(struct model *model, const struct source *source, uint32_t *number);
 
+/* #version; NULL: the text, without comments, begins with something else. */
+char *find_version(char *code);
 /* Blanks instead of comments, in place; newlines stay. */
 void blank_comments(char *at);
 /* First occurrence of `word` as an identifier, not as a member behind a dot; NULL: none. */

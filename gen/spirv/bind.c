@@ -1,6 +1,7 @@
 /* See bind.h. */
 #include "bind.h"
 
+#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -51,14 +52,14 @@ static bool is_generators(const struct binder *binder, const uint32_t *variable)
 static bool has_values(const struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
-    uint32_t type = spirv_pointee(module, variable);
+    uint32_t type = spirv_pointee(module, variable), element = spirv_element_type(module, type);
     if (is_generators(binder, variable))
         return false;
     switch (variable[3]) {
     case SpvStorageClassPushConstant:
         return true;
     case SpvStorageClassUniform:
-        return !is_decorated(module, type, SpvDecorationBufferBlock);
+        return !is_decorated(module, element, SpvDecorationBufferBlock);
     case SpvStorageClassInput:
         return binder->request->inputs &&
                !is_decorated(module, variable[2], SpvDecorationBuiltIn) &&
@@ -113,6 +114,27 @@ static uint32_t put_place(struct binder *binder, uint32_t pointer, uint32_t inde
                      (uint32_t[]){pointer, constant}, 2);
 }
 
+/* In front of all others. */
+static void put_capability(struct binder *binder, uint32_t capability)
+{
+    struct spirv_words *front = &binder->edit.front;
+    SPIRV_PUT(&binder->edit, front, SpvOpCapability, capability);
+    if (binder->edit.failed)
+        return;
+    memmove(front->data + SPIRV_HEADER + 2, front->data + SPIRV_HEADER,
+            (front->count - SPIRV_HEADER - 2) * sizeof *front->data);
+    front->data[SPIRV_HEADER] = 2u << 16 | SpvOpCapability;
+    front->data[SPIRV_HEADER + 1] = capability;
+}
+
+static bool can_convert(const struct spirv *module, uint32_t to, uint32_t from)
+{
+    const uint32_t *narrow = spirv_definition(module, to), *wide = spirv_definition(module, from);
+    bool whole = spirv_is(wide, SpvOpTypeInt), real = spirv_is(wide, SpvOpTypeFloat);
+    return (whole || real) && spirv_opcode(narrow) == spirv_opcode(wide) && narrow[2] < wide[2] &&
+           (real || narrow[3] == wide[3]);
+}
+
 /* Stores a leaf's value, and those of arrays around it one by one. In memory a bool is a uint. False: the types differ. */
 static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint32_t depth,
                      uint32_t pointer, uint32_t value, uint32_t value_type)
@@ -135,12 +157,22 @@ static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint3
                 from[2]);
         return good;
     }
+    uint32_t parts = spirv_is(to, SpvOpTypeVector) ? to[3] : 0;
+    bool vectors = parts && spirv_is(from, SpvOpTypeVector) && parts == from[3];
+    uint32_t scalar = vectors ? to[2] : type;
     if (spirv_is(from, SpvOpTypeBool) && spirv_is(to, SpvOpTypeInt)) {
         uint32_t one = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
         uint32_t zero = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
         value = put_typed(binder, SpvOpSelect, type, (uint32_t[]){value, one, zero}, 3);
-    } else if (type != value_type) {
-        return false;
+    } else if (type != value_type) { /* numbers of 8 and 16 bits */
+        const uint32_t *number = spirv_definition(module, scalar);
+        uint32_t whole = spirv_is(number, SpvOpTypeInt) ? SpvOpUConvert + number[3] : 0;
+        if (!can_convert(module, scalar, vectors ? from[2] : value_type))
+            return false;
+        value = put_typed(binder, whole ? whole : SpvOpFConvert, type, &value, 1);
+        put_capability(binder, number[2] == 8 ? SpvCapabilityInt8
+                               : whole        ? SpvCapabilityInt16
+                                              : SpvCapabilityFloat16);
     }
     SPIRV_PUT(&binder->edit, &binder->begin, SpvOpStore, pointer, value);
     return true;
@@ -183,6 +215,11 @@ static bool move_variable(struct binder *binder, const uint32_t *variable)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
+static const char *number_word(char letter)
+{
+    return letter == 'f' ? "floats" : letter == 'i' ? "ints" : "uints";
+}
+
 /* Whether the shader declares what the pass binds; drivers crash where it does not. */
 static bool check_kind(struct binder *binder, const uint32_t *variable, const uint32_t *type,
                        const struct bind_slot *slot)
@@ -198,6 +235,18 @@ static bool check_kind(struct binder *binder, const uint32_t *variable, const ui
                               : "`%s` is a sampler, but the pass takes it as an image: add "
                                 "`sampler` to what it reads, or declare image2D",
                       slot->name);
+    const uint32_t *shape = sampler ? spirv_definition(binder->module, type[2]) : type;
+    char declared[32];
+    if (sampler || image) {
+        spirv_image_name(binder->module, shape, sampler, declared, sizeof declared);
+        if (strcmp(declared, slot->declared) != 0)
+            return refuse(binder, "`%s` is %s, but the pass binds what is %s", slot->name, declared,
+                          slot->declared);
+        if (image && shape[8] && slot->format &&
+            strcmp(spirv_image_format(shape[8]), slot->format) != 0)
+            return refuse(binder, "`%s` has the format %s, but the pass binds one of %s",
+                          slot->name, spirv_image_format(shape[8]), slot->format);
+    }
     const uint32_t *depth = sampler ? spirv_definition(binder->module, type[2]) : NULL;
     if (depth && depth[4] < 2 && slot->compare != depth[4])
         return refuse(binder,
@@ -243,6 +292,26 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
                          name, name);
 }
 
+/* Whether a fragment shader's output holds the numbers of its target. */
+static bool check_target_number(struct binder *binder, const uint32_t *variable)
+{
+    const struct spirv *module = binder->module;
+    uint32_t location = spirv_decoration(module, variable[2], SpvDecorationLocation);
+    const uint32_t *type = spirv_definition(module, spirv_pointee(module, variable));
+    char own =
+        spirv_letter(spirv_is(type, SpvOpTypeVector) ? spirv_definition(module, type[2]) : type);
+    char target =
+        location < sizeof binder->request->targets ? binder->request->targets[location] : 0;
+    return !own || !target || own == target ||
+           refuse(binder, "`%s` holds %s, but its target %s", spirv_variable_name(module, variable),
+                  number_word(own), number_word(target));
+}
+
+static bool is_output(const struct binder *binder, const uint32_t *variable)
+{
+    return !is_generators(binder, variable) && variable[3] == SpvStorageClassOutput;
+}
+
 static void copy_annotations(struct binder *binder)
 {
     const struct spirv *module = binder->module;
@@ -281,10 +350,18 @@ static void copy_code(struct binder *binder)
 {
     const struct spirv *module = binder->module;
     struct spirv_edit *edit = &binder->edit;
+    uint32_t glsl = spirv_glsl(module);
     SPIRV_EACH(module, at, module->code, module->count)
     {
         const uint32_t *i = module->words + at;
         size_t start = edit->code.count;
+        bool within = spirv_is(i, SpvOpExtInst) && i[3] == glsl &&
+                      i[4] >= GLSLstd450InterpolateAtCentroid &&
+                      i[4] <= GLSLstd450InterpolateAtOffset && binder->moved[i[5]];
+        if (within) { /* an input that nothing interpolates */
+            SPIRV_PUT(edit, &edit->code, SpvOpLoad, i[1], i[2], binder->moved[i[5]]);
+            continue;
+        }
         bool points = spirv_is(i, SpvOpAccessChain) || spirv_is(i, SpvOpInBoundsAccessChain) ||
                       spirv_is(i, SpvOpCopyObject);
         spirv_copy(edit, &edit->code, i);
@@ -321,20 +398,31 @@ static bool check_capabilities(struct binder *binder)
 {
     static const struct {
         uint32_t capability;
-        const char *what;
-    } missing[] = {{SpvCapabilityPhysicalStorageBufferAddresses, "addresses of buffers"},
-                   {SpvCapabilityRayQueryKHR, "ray queries"},
-                   {SpvCapabilityFragmentShadingRateKHR, "shading rates"},
-                   {SpvCapabilityFragmentBarycentricKHR, "barycentric coordinates"},
-                   {SpvCapabilityFragmentDensityEXT, "densities of fragments"},
-                   {SpvCapabilitySparseResidency, "sparse textures"}};
+        const char *what, *who;
+    } missing[] = {
+        {SpvCapabilityPhysicalStorageBufferAddresses, "addresses of buffers", "OpenGL does"},
+        {SpvCapabilityRayQueryKHR, "ray queries", "OpenGL does"},
+        {SpvCapabilityFragmentShadingRateKHR, "shading rates", "OpenGL does"},
+        {SpvCapabilityFragmentBarycentricKHR, "barycentric coordinates", "OpenGL does"},
+        {SpvCapabilityFragmentDensityEXT, "densities of fragments", "OpenGL does"},
+        {SpvCapabilitySparseResidency, "sparse textures", "OpenGL does"},
+        {SpvCapabilityDemoteToHelperInvocation, "demotion of invocations", "OpenGL does"},
+        {SpvCapabilityMultiView, "views", "passes do"},
+        {SpvCapabilityStencilExportEXT, "stencil references", "passes do"},
+        {SpvCapabilityFragmentShaderPixelInterlockEXT, "interlocks", "passes do"},
+        {SpvCapabilityFragmentShaderSampleInterlockEXT, "interlocks", "passes do"}};
     const struct spirv *module = binder->module;
     SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    for (size_t k = 0; k < DT_ARRAY_COUNT(missing); k++)
-        if (spirv_is(module->words + at, SpvOpCapability) &&
-            module->words[at + 1] == missing[k].capability)
-            return refuse(binder, "the shader uses %s, which OpenGL does not have",
-                          missing[k].what);
+    {
+        const uint32_t *i = module->words + at;
+        for (size_t k = 0; k < DT_ARRAY_COUNT(missing); k++)
+            if (spirv_is(i, SpvOpCapability) && i[1] == missing[k].capability)
+                return refuse(binder, "the shader uses %s, which %s not have", missing[k].what,
+                              missing[k].who);
+        if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModePixelCenterInteger)
+            return refuse(binder,
+                          "the shader uses pixel_center_integer, which Vulkan does not have");
+    }
     return true;
 }
 
@@ -403,6 +491,7 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
         each_variable(&binder, stays, mark_kept);
         good = check_capabilities(&binder) && check_local(&binder) &&
                each_variable(&binder, is_resource, bind_variable) &&
+               each_variable(&binder, is_output, check_target_number) &&
                each_variable(&binder, has_values, move_variable);
     }
     if (good) {

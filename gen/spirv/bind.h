@@ -7,13 +7,16 @@
 struct bind_slot {
     const char *name; /* of the shader's variable, or of its block if that has no instance name */
     int binding;
-    unsigned kind; /* mask of enum dt_access: how the pass binds it */
-    bool compare;  /* its sampler compares depths */
+    unsigned kind;      /* mask of enum dt_access: how the pass binds it */
+    bool compare;       /* its sampler compares depths */
+    char declared[32];  /* of an image: as GLSL declares it, "usampler2D" */
+    const char *format; /* of a storage image, in GLSL; NULL: another */
 };
 
 struct bind_request {
     const struct bind_slot *slots;
     uint32_t slot_count;
+    char targets[8];       /* of a draw: letters of what they hold, as in mangled names; 0: none */
     bool inputs;           /* the stage's inputs get values, too */
     uint32_t first;        /* of the generator's ids: see join.h */
     const uint32_t *local; /* size of a workgroup; NULL: no compute stage */

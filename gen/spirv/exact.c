@@ -244,20 +244,26 @@ static bool is_shift(const uint32_t *instruction)
            spirv_is(instruction, SpvOpShiftLeftLogical);
 }
 
-/* Shifts take the low five bits of their count; GLSL leaves the others' effect open. */
+static const uint32_t *number_type(const struct exact *exact, uint32_t type)
+{
+    const uint32_t *declared = spirv_definition(exact->from, type);
+    return spirv_is(declared, SpvOpTypeVector) ? spirv_definition(exact->from, declared[2])
+                                               : declared;
+}
+
+/* Shifts take the low bits of their count, five for 32 bits; GLSL leaves the others' effect open. */
 static bool put_shift(struct exact *exact, const uint32_t *shift)
 {
     uint32_t bits;
-    if (!is_shift(shift) || (constant_bits(exact, shift[4], &bits) && bits < 32))
+    if (!is_shift(shift))
         return false;
     uint32_t type = spirv_definition(exact->from, shift[4])[1];
-    const uint32_t *declared = spirv_definition(exact->from, type);
-    const uint32_t *scalar =
-        spirv_is(declared, SpvOpTypeVector) ? spirv_definition(exact->from, declared[2]) : declared;
-    if (!spirv_letter(scalar))
+    uint32_t width = number_type(exact, shift[1])[2];
+    if ((constant_bits(exact, shift[4], &bits) && bits < width) ||
+        !spirv_letter(number_type(exact, type)))
         return false;
     struct spirv_edit *edit = &exact->edit;
-    uint32_t mask = declare_constant(exact, type, 31), count = edit->bound++;
+    uint32_t mask = declare_constant(exact, type, width - 1), count = edit->bound++;
     SPIRV_PUT(edit, &edit->code, SpvOpBitwiseAnd, type, count, shift[4], mask);
     SPIRV_PUT(edit, &edit->code, spirv_opcode(shift), shift[1], shift[2], shift[3], count);
     return true;
@@ -338,12 +344,14 @@ static bool put_extremes(struct exact *exact, const uint32_t *i)
     return true;
 }
 
-/* Whether a conversion takes a number that the integers have. */
+/* Whether a conversion takes a number that the integers have; those of other widths stay as well. */
 static bool is_inside(struct exact *exact, const uint32_t *i)
 {
     bool sign = spirv_is(i, SpvOpConvertFToS);
     if (!sign && !spirv_is(i, SpvOpConvertFToU))
         return false;
+    if (!spirv_letter(number_type(exact, i[1])))
+        return true;
     struct bounds a = range_of(&exact->ranges, i[3]);
     return !a.nan && a.low >= (sign ? -2147483648.0F : 0) &&
            a.high < (sign ? 2147483648.0F : 4294967296.0F);

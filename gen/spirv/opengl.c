@@ -103,6 +103,8 @@ static void copy_function(struct functions *functions, uint32_t id)
             put_instance(edit, instruction, functions->base);
         else
             spirv_copy(edit, &edit->code, instruction);
+        if (spirv_is(instruction, SpvOpTerminateInvocation) && !edit->failed) /* Mesa ignores it */
+            edit->code.data[edit->code.count - 1] = 1u << 16 | SpvOpKill;
     }
 }
 

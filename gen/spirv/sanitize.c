@@ -277,7 +277,8 @@ static bool find_check(const struct sanitizer *s, const uint32_t *instruction, s
     for (size_t i = 0; i < count; i++)
         if (list[i].number == number) {
             *check = list[i];
-            return true;
+            return extended ||
+                   spirv_letter(scalar_of(s->from, spirv_type(s->from, instruction[2])));
         }
     for (size_t i = 0; extended && i < DT_ARRAY_COUNT(finite_functions); i++)
         if (finite_functions[i] == number)

@@ -11,11 +11,11 @@
 
 enum { NOWHERE = -1, MOST_LOCATIONS = 1024 };
 
-struct between { /* a variable between two stages */
-    uint32_t id, type;
-    const char *name; /* of a block, the block's; NULL: none */
-    int location;     /* NOWHERE: none yet */
-    int count;        /* of locations */
+struct between {              /* a variable between two stages */
+    uint32_t id, type, block; /* block: 0: none */
+    const char *name;         /* of a block, the block's; NULL: none */
+    int location;             /* NOWHERE: none yet */
+    int count;                /* of locations */
     uint32_t component;
     bool given, used;
 };
@@ -80,6 +80,7 @@ static void add_between(struct side *side, const uint32_t *variable)
     side->list[side->count++] =
         (struct between){.id = id,
                          .type = type,
+                         .block = block,
                          .name = spirv_name(module, block ? block : id),
                          .location = location < MOST_LOCATIONS ? (int)location : NOWHERE,
                          .count = locations_of(module, type),
@@ -151,6 +152,41 @@ static bool types_match(const struct spirv *from, uint32_t a, const struct spirv
     return true;
 }
 
+/* Whether it, or a member of its block, has the decoration. */
+static bool says(const struct side *side, const struct between *own, uint32_t what)
+{
+    const uint32_t *block = own->block ? spirv_definition(side->module, own->block) : NULL;
+    bool found = spirv_decoration(side->module, own->id, what) != UINT32_MAX;
+    for (uint32_t m = 0; block && m < spirv_parts(side->module, block); m++)
+        found |= spirv_member_decoration(side->module, own->block, m, what) != UINT32_MAX;
+    return found;
+}
+
+/* The first number of a type is whole: a fragment shader reads it flat, however it was written. */
+static bool is_whole(const struct spirv *module, uint32_t type)
+{
+    const uint32_t *own = spirv_definition(module, type);
+    while (spirv_parts(module, own))
+        own = spirv_definition(module, spirv_part(own, 0));
+    return spirv_is(own, SpvOpTypeInt);
+}
+
+/* Whether both are interpolated alike, which OpenGL demands before GLSL 4.40. */
+static bool check_interpolation(const struct side *reader, const struct between *input,
+                                const struct side *writer, const struct between *output,
+                                struct stage_fault *fault)
+{
+    for (uint32_t what = SpvDecorationNoPerspective; what <= SpvDecorationFlat; what++) {
+        bool flat = what == SpvDecorationFlat, reads = says(reader, input, what);
+        if (reads != says(writer, output, what) && !(flat && is_whole(reader->module, input->type)))
+            return set_fault(fault, input->name,
+                             "the %s stage alone has `%s` %s: before GLSL 4.40 both say the same",
+                             reads ? "fragment" : "vertex", input->name,
+                             flat ? "flat" : "noperspective");
+    }
+    return true;
+}
+
 /* By location, else by name. Of several at one location that with the same first component. */
 static const struct between *find_writer(const struct side *writer, const struct between *input)
 {
@@ -166,7 +202,8 @@ static const struct between *find_writer(const struct side *writer, const struct
     return found;
 }
 
-static bool match(struct side *reader, const struct side *writer, struct stage_fault *fault)
+static bool match(struct side *reader, const struct side *writer, unsigned version,
+                  struct stage_fault *fault)
 {
     for (uint32_t i = 0; i < reader->count; i++) {
         struct between *input = &reader->list[i];
@@ -193,6 +230,8 @@ static bool match(struct side *reader, const struct side *writer, struct stage_f
                 "the fragment stage reads `%s` with another type than the vertex stage "
                 "writes `%s`",
                 name, output->name ? output->name : name);
+        if (version && version < 440 && !check_interpolation(reader, input, writer, output, fault))
+            return false;
         if (!input->given)
             input->location = output->location;
     }
@@ -235,7 +274,7 @@ bool spirv_locate(struct spirv *module, uint32_t class)
     return good;
 }
 
-bool spirv_locate_inputs(struct spirv *module, const struct spirv *before,
+bool spirv_locate_inputs(struct spirv *module, const struct spirv *before, unsigned version,
                          struct stage_fault *fault)
 {
     struct side reader, writer = {0};
@@ -243,7 +282,7 @@ bool spirv_locate_inputs(struct spirv *module, const struct spirv *before,
     bool good = read_side(&reader, module, SpvStorageClassInput) &&
                 read_side(&writer, before, SpvStorageClassOutput);
     if (good)
-        good = match(&reader, &writer, fault) && write_side(module, &reader);
+        good = match(&reader, &writer, version, fault) && write_side(module, &reader);
     free(reader.list);
     free(writer.list);
     return good;

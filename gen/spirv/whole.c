@@ -8,10 +8,12 @@
 
 #include "bind.h"
 #include "compile.h"
-#include "passes.h"
+#include "formats.h"
+#include "glsl/glsl.h"
 #include "model/foreign.h"
 #include "model/leaves.h"
 #include "model/spirv_check.h"
+#include "passes.h"
 #include "plan/plan.h"
 #include "read/body_files.h"
 #include "stages.h"
@@ -191,7 +193,7 @@ bool whole_read(const struct model *model, const struct pass *pass, const struct
     if (!good || !shader->before)
         return good;
     good = read_stage(model, pass, shader->before, false, &before, log);
-    if (good && !spirv_locate_inputs(module, &before, &fault)) {
+    if (good && !spirv_locate_inputs(module, &before, shader->files->version, &fault)) {
         tell_fault(shader, &fault, log);
         good = false;
     }
@@ -208,11 +210,22 @@ bool whole_bind(const struct pass *pass, const struct shader *shader, const stru
                                        shader->stage == STAGE_IS_VERTEX || !pass->own_vertices,
                                    .first = module->words[3],
                                    .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
-    for (uint32_t i = 0; slots && i < pass->access_count; i++)
-        if (pass->accesses[i].binding >= 0 && pass->accesses[i].resource)
-            slots[request.slot_count++] = (struct bind_slot){
-                access_word(&pass->accesses[i]), pass->accesses[i].binding, pass->accesses[i].kind,
-                pass->accesses[i].filter && pass->accesses[i].filter->compare};
+    for (uint32_t i = 0; slots && i < pass->access_count; i++) {
+        const struct access *access = &pass->accesses[i];
+        const struct resource *resource = access->resource;
+        bool image = resource && resource->kind == DT_IMAGE;
+        struct bind_slot slot = {.name = access_word(access),
+                                 .binding = access->binding,
+                                 .kind = access->kind,
+                                 .compare = access->filter && access->filter->compare,
+                                 .format = image ? format_info(resource->format)->qualifier : NULL};
+        if (image)
+            glsl_declared(access, slot.declared, sizeof slot.declared);
+        if (image && access->attachment >= 0 && shader->stage == STAGE_IS_FRAGMENT)
+            request.targets[access->attachment] = *slot.declared == 's' ? 'f' : *slot.declared;
+        if (access->binding >= 0 && resource)
+            slots[request.slot_count++] = slot;
+    }
     bool good = slots && spirv_join(module, more) && spirv_bind(module, &request, log);
     free(slots);
     return good;

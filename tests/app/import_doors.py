@@ -64,13 +64,25 @@ case("a sparse texture", {"a.frag": fragment("#extension GL_ARB_sparse_texture2 
 
 case("an array of outputs", {"a.frag": fragment("", "vec4(1)", "layout(location = 0) out vec4 shown[2];").replace("shown =", "shown[1] =")}, 1,
      "a.frag:3:31: error: the output `shown` is an array")
-case("an output at location 8", {"a.frag": fragment("", output="layout(location = 8) out vec4 shown;")}, 1, "a.frag:3:31: error: the output `shown` has a location above 7")
+for layout, words in (("location = 8", "has a location above 7"), ("location = 1", "has location 1, but no output has 0"), ("location = 0, index = 1", "or is a second source of blending")):
+    case(f"an output at {layout}", {"a.frag": fragment("", output=f"layout({layout}) out vec4 shown;")}, 1, f": error: the output `shown` {words}" if "index" not in layout else words)
 case("an input that is a struct", {"a.frag": fragment("struct S { vec4 a; };\nlayout(location = 0) in S given;", "given.a")}, 0, 'given_a: "vec4(gl_FragCoord')
 case("... a block", {"a.frag": fragment("layout(location = 0) in S { vec4 a; } given;", "given.a")}, 0, '  a: "vec4(gl_FragCoord')
 case("a draw of depth alone", {"a.frag": "#version 450\nvoid main() { gl_FragDepth = 0.5; }\n"}, 0, "depth: {format: d32f, size: frame}")
 case("an image that a fragment shader stores in", {"a.frag": fragment("layout(binding = 0, r32ui) uniform uimage2D i;", "vec4(imageAtomicAdd(i, ivec2(0), 1u))")}, 1, "a.frag:2:45: error: a fragment shader stores in `i`")
-case("an array of 17 textures", {"a.frag": fragment("layout(binding = 0) uniform sampler2D t[17];", "texture(t[int(gl_FragCoord.x)], vec2(0))")}, 1, "a.frag:2:39: error: `t` has a shape that images do not have, or is an array")
+case("an array of 17 textures", {"a.frag": fragment("layout(binding = 0) uniform sampler2D t[17];", "texture(t[int(gl_FragCoord.x)], vec2(0))")}, 1, "a.frag:2:39: error: `t` is an array of more than 16, or by an index")
 case("a length by a constant", {"a.comp": "#version 450\nlayout(constant_id = 0) const int N = 5;\nlayout(binding = 0) buffer B { uint sums[N + 1]; };\nvoid main() { sums[0] = N; }\n"}, 0, "updates: [B]")
+for shape, words in (("samplerCubeArray", "size: [64, 64], cube: true, layers: 6"), ("sampler1D", "a.frag:2:19: error: `t` is sampler1D, which specs do not have"), ("samplerBuffer", "error: `t` is samplerBuffer")):
+    case(f"a {shape}", {"a.frag": fragment(f"uniform {shape} t;", "vec4(textureSize(t" + ", 0" * (shape[7] != "B") + ").x)")}, int("error" in words), words)
+for name, lines in (("demotion of invocations", "GL_EXT_demote_to_helper_invocation : require\nvoid f() { demote; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
+                    ("stencil references", "GL_ARB_shader_stencil_export : require\nvoid f() { gl_FragStencilRefARB = 1; }"), ("interlocks", "GL_ARB_fragment_shader_interlock : require\n"
+                    "layout(pixel_interlock_ordered) in;\nvoid f() {}"), ("pixel_center_integer", "all : warn\nlayout(pixel_center_integer) in vec4 gl_FragCoord;\nvec4 f() { return gl_FragCoord; }")):
+    case(f"what passes have not: {name}", {"a.frag": fragment(f"#extension {lines}").replace("main() {", "main() { f();")}, 1, f"the shader uses {name}, which ")
+case("an input that is interpolated elsewhere", {"a.frag": fragment("layout(location = 0) in vec4 at;", "interpolateAtOffset(at, vec2(0.25))")}, 0, "at: ")
+for version in ("# version 450", "/* #version 120 */ #version 450"):
+    case(f"a shader that begins with {version}", {"a.frag": fragment("").replace("#version 450", version)}, 0)
+case("... without it", {"a.frag": fragment("").replace("#version 450", "")}, 1, "a.frag:1:1: error: a shader begins with #version")
+case("... with a byte of 0", {"a.frag": fragment("") + "\0"}, 1, "a.frag: has a byte of 0")
 case("a double in a struct of a block", {"a.frag": fragment("struct S { vec4 a; double d; };\nlayout(binding = 0) uniform B { S own; };", "own.a + float(own.d)")}, 1, "`own_d` has no value in a spec: its type")
 case("... an array", {"a.frag": fragment("layout(location = 0) in vec2 given[3];", "vec4(given[2], 0, 1)")}, 0, "vec2[3](vec2(1), vec2(1), vec2(1))")
 case("... a whole number", {"a.frag": fragment("layout(location = 0) flat in uvec3 given;", "vec4(given, 1)")}, 0, "uvec3(1)")
@@ -148,8 +160,8 @@ case("... of those that no parameter can be", {"a.frag": fragment("uniform mat2 
      "vec4(a[1], b[1], c)")}, 0, "  c: {value: 1, type: uint, live: true}")
 case("... of the members of a struct", {"a.frag": fragment("struct T { int k; };\nstruct S { vec2 a; T b; };\nuniform S s = S(vec2(0.5, 2), T(7));", "vec4(s.a, s.b.k, 1)")}, 0,
      "  s_a: {value: [0.5, 2], type: vec2, live: true}\n  s_b_k: {value: 7, type: int, live: true}")
-case("a uniform that is named like a size", {"a.frag": fragment("uniform vec3 iResolution;\nuniform vec2 u_screen_size;", "vec4(iResolution / u_screen_size.xyy, 1)")}, 0,
-     'iResolution: "vec3(frame.width, frame.height, 1)"  # a guess\n  u_screen_size: "vec2(frame.width, frame.height)"')
+case("a uniform that is named like a size", {"a.frag": fragment("uniform vec3 iResolution;\nuniform vec2 u_screen_size, texelSize;", "vec4(iResolution / u_screen_size.xyy, texelSize)")}, 0,
+     'iResolution: "vec3(frame.width, frame.height, 1)"  # a guess\n  u_screen_size: "vec2(frame.width, frame.height)"  # a guess\n  texelSize: "vec2(1.0 / frame.width, 1.0 / frame.height)"')
 case("a texture that is compared", {"a.frag": fragment("uniform sampler2DShadow shadow;", "vec4(texture(shadow, vec3(0.5)))")}, 0, "shadow: {format: d32f")
 case("... its sampler", {"a.frag": fragment("uniform sampler2DShadow shadow;", "vec4(texture(shadow, vec3(0.5)))")}, 0, "shadow_: {kind: filter, filter: linear, compare: true,")
 case("a texture that one sampler compares, another reads", {"a.frag": fragment("uniform texture2D near;\nuniform samplerShadow by;\nuniform sampler plain;",
@@ -175,6 +187,9 @@ case("a plain texture by a sampler that compares", spec(fragment("uniform sample
      "`near` is read by a sampler that compares depths")
 case("a uniform without a parameter, but an initializer", spec(fragment("uniform sampler2D near;\nuniform float gain = 0.5;", "gain * texture(near, vec2(0.5))")), 0, "1 passes")
 case("... without either", spec(fragment("uniform sampler2D near;\nuniform float gain;", "gain * texture(near, vec2(0.5))")), 1, "the shader reads `gain`, which has no value")
+for image, shape, words in (("rgba8", "usampler2D", "sampler2D"), ("r32ui", "sampler2D", "usampler2D"), ("rgba8", "sampler2DArray", "sampler2D"), ("rgba8, cube: true", "sampler2D", "samplerCube")):
+    case(f"an image of {image} as {shape}", spec(fragment(f"uniform {shape} near;", f"vec4(texture(near, vec{2 + ('Array' in shape)}(0.5)))"), image), 1, f"`near` is {shape}, but the pass binds what is {words}")
+case("a target of other numbers", spec(fragment("uniform sampler2D near;", "uvec4(texture(near, vec2(0.5)))", "layout(location = 0) out uvec4 shown;"), "rgba8"), 1, "`shown` holds uints, but its target floats")
 many = "".join(f"uniform float u{i};\n" for i in range(1500))
 values = "values:\n" + "".join(f'  u{i}: "float(1)"\n' for i in range(1500))
 case("a whole shader of 1,500 uniforms", {name: text + values * (name == "a.yaml") for name, text in

@@ -52,24 +52,9 @@ check "no finding in its first frames, which have no history" "$diptych" compare
 check "history in the third frame, and a live parameter" holds chain chain/chain.yaml 16x6 3 0.5 3
 sets=()
 
-cat >both.hlsl <<'END'
-struct Corner { float4 place : SV_Position; float2 uv : TEXCOORD0; };
-Corner VSMain(uint id : SV_VertexID)
-{
-    Corner c;
-    c.uv = float2(id << 1 & 2, id & 2);
-    c.place = float4(2 * c.uv - 1, 0, 1);
-    return c;
-}
-float4 PSMain(Corner c) : SV_Target
-{
-    float list[4] = {1, 2, 3, 4};
-    return list[int(c.uv.x * 3) + 1];
-}
-END
-check "HLSL with an entry point for each stage becomes a spec" "$diptych" import both.hlsl -o both
+check "HLSL with an entry point for each stage becomes a spec" "$diptych" import in/both.hlsl -o both
 check "it runs at once" runs both/both.yaml 8x6 1
-sed -i 's/+ 1/+ 9/' both.hlsl
+sed 's/+ 1/+ 9/' in/both.hlsl >both.hlsl
 check "lines of HLSL" bash -c '"$0" import both.hlsl -o nine && ! "$0" compare --spec nine/both.yaml --size 8x6 --sanitize >told 2>&1 &&
     grep -q "both.hlsl:12:.*index 9 of an array of 4 elements" told' "$diptych"
 check "doors that are held" /usr/bin/python3 "$root/tests/app/import_doors.py" "$diptych" "$build/diptych-gen" "$root/templates" "$work/doors"

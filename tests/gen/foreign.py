@@ -16,6 +16,7 @@ import tempfile
 import bodies
 import corpus
 
+FILES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "foreign")
 BUILD = os.path.abspath(os.environ.get("DIPTYCH_BUILD", "build"))
 COMPUTE = """pipeline: tried
 {head}
@@ -64,9 +65,9 @@ def told(words, *options):
     return [] if done.returncode and words in done.stdout else [done.stdout]
 
 
-def draw(vertex, fragment):
-    put("a.vert", "#version 450\n" + vertex)
-    put("a.frag", "#version 450\n" + fragment)
+def draw(vertex, fragment, version=450):
+    put("a.vert", f"#version {version}\n" + vertex)
+    put("a.frag", f"#version {version}\n" + fragment)
     put("a.yaml", DRAW.format(files="a.vert, a.frag"))
 
 
@@ -96,6 +97,11 @@ def stages(tap):
     tap.result("an input that nobody writes", told("a.frag:4:9: error: 'far' : the fragment stage reads `far`, which the") + told("does not write; the vertex stage is /"))
     draw(near, FRAGMENT.format("in vec3 near;", "near.xyzz"))
     tap.result("... or with another type", told("another type than the vertex stage writes"))
+    draw(VERTEX.format("noperspective out vec2 near;", "near = vec2(1);"), FRAGMENT.format("in vec2 near;", "near.xyxy"), 430)
+    tap.result("... or interpolated otherwise, before GLSL 4.40", told("the vertex stage alone has `near` noperspective"))
+    draw(near, "#extension GL_EXT_terminate_invocation : require\nin vec2 near; out vec4 color;\n"
+         "void main() { color = near.xyxy; if (gl_FragCoord.x < 1) terminateInvocation; }\n")
+    tap.result("a terminated invocation stores nothing", agrees([0, 0, 0, 0]))
     put("a.frag", "#version 450\nout vec4 color; uniform float width; uniform vec2 size;\n"
         "void main() { color.rg = size; if (gl_FragCoord.x < 4) color.b = width; else color = vec4(9); }\n")
     with open("a.yaml", "a", encoding="utf-8") as spec:
@@ -136,6 +142,31 @@ def modules(tap):
     with open("named.txt", encoding="utf-8") as file:
         places = [f"named.spv:{number}:" for number, line in enumerate(file, 1) if "OpAccessChain %_ptr_Uniform_float" in line]
     tap.result("a finding has the line of spirv-dis", told(f"{places[0]}", "--sanitize"))
+
+
+WIDTHS = """#extension GL_EXT_shader_explicit_arithmetic_types : require
+layout(local_size_x = 8) in;
+struct Light { bvec2 on; vec2 at[2]; };
+uniform Light lights[2] = Light[](Light(bvec2(true, false), vec2[](vec2(1), vec2(2))), Light(bvec2(false, true), vec2[](vec2(3), vec2(4, 5))));
+layout(std140, binding = 3) uniform Push { f16vec2 half_; int8_t byte; u16vec2 both; } push;
+layout(std430) buffer Sums { uint sums[]; };
+void main()
+{
+    uint i = min(gl_GlobalInvocationID.x, 3u);
+    uint64_t three = uint64_t(0xffffffffu) * 3ul, half_ = uint64_t(float(three) / 4.0);
+    uint all[4] = uint[](uint(three), uint(half_ >> 30), uint(lights[1].at[1].y) * 100u + uint(lights[1].on.y && !lights[0].on.y), uint(int(push.byte) + int(push.both.y)));
+    sums[gl_GlobalInvocationID.x] = all[i] + uint(three >> (i * 16u)) + uint(push.half_.y * 4.0hf);
+}
+"""
+
+
+def widths(tap):
+    """Numbers of 8, 16 and 64 bits, and initializers of structs. With `three` = 0x2fffffffd."""
+    compute(WIDTHS, head='params: {half_: {value: [0, 0.25], live: true}}\nvalues: {byte: int(-3), both: "uvec2(1, 40000)"}')
+    tap.result("shifts of 64 bits, conversions, values of 16 and 8 bits, initializers of arrays of structs",
+               agrees([0xfffffffb, 0x30003, 504, 39998], "I"))
+    done = diptych("compare", "--spec", "a.yaml", "--sanitize")
+    tap.result("... sanitized", [] if not done.returncode else [done.stdout])
 
 
 LOOPS = """layout(local_size_x = 8) in;
@@ -204,22 +235,6 @@ def members(tap):
         tap.result(f"members of structs and arrays in blocks, {file}", agrees([12, 20.125, 345, 18]))
 
 
-SHAPES = """#version 450
-layout(input_attachment_index = 0, binding = 0) uniform subpassInput under;
-layout(binding = 1) uniform sampler2DMS many;
-layout(binding = 2) uniform sampler2D maps[3];
-layout(binding = 3) uniform texture2D loose[2];
-layout(binding = 4) uniform sampler nearest[2];
-layout(binding = 5, rgba32f) uniform image2D kept;
-layout(location = 0) out vec4 color;
-void main()
-{
-    ivec2 p = ivec2(gl_FragCoord.xy);
-    int k = p.x + 1;
-    color = vec4(subpassLoad(under).x + 8 * textureSamples(many), texelFetch(many, p, 3).y + textureSize(many).x,
-                 texelFetch(maps[k], p, 0).x * 16 + imageLoad(kept, p).x, texture(sampler2D(loose[k], nearest[p.y]), vec2(0.2)).x + textureSize(maps[2], 0).x);
-}
-"""
 SHAPES_SPEC = """pipeline: tried
 images:
   one: {format: rgba32f, size: [8, 8]}
@@ -240,10 +255,9 @@ FILL = "void main() { ivec2 p = invocation().xy; if (p.x < 8) one_store(p, vec4(
 def shapes(tap):
     """Input attachments, samples, arrays of textures and samplers, images that a fragment shader only reads."""
     put("fill.glsl", FILL)
-    put("a.frag", SHAPES)
-    bodies.run("glslangValidator", "-V", "a.frag", "-o", "a.spv")
+    bodies.run("glslangValidator", "-V", "shapes.frag", "-o", "a.spv")
     pairs = ", ".join(f"{{name: {'two' if t else 'one'}, sampler: hard, as: loose_{t}_nearest_{s}}}" for t in (0, 1) for s in (0, 1))
-    for file in ("a.frag", "a.spv"):
+    for file in ("shapes.frag", "a.spv"):
         put("a.yaml", SHAPES_SPEC.replace("PAIRS", pairs).replace("FILE", file))
         tap.result(f"shapes of textures, {file}", agrees([9, 20, 49, 22]))
     done = diptych("compare", "--spec", "a.yaml", "--sanitize")
@@ -345,26 +359,6 @@ def forms(tap):
     tap.result("some of them agree when sanitized", [] if f"resources of {min(len(drawn), 10)} passes agree" in done.stdout else [done.stdout])
 
 
-HLSL_VERTEX = """struct Out { float4 place : SV_Position; float2 uv : TEXCOORD0; };
-Out main(uint id : SV_VertexID)
-{
-    Out o;
-    o.uv = float2(id << 1 & 2, id & 2);
-    o.place = float4(2 * o.uv - 1, 0, 1);
-    return o;
-}
-"""
-HLSL_FRAGMENT = """Texture2D photo : register(t0);
-SamplerState soft : register(s1);
-SamplerState hard : register(s2);
-struct Room { float4 tint; float2x3 turn; };
-cbuffer Values : register(b3) { Room room; };
-float4 take(Texture2D from, SamplerState by, float2 uv) { return from.Sample(by, uv); }
-float4 main(float4 place : SV_Position, float2 uv : TEXCOORD0) : SV_Target
-{
-    return room.tint * room.turn[1][2] + take(photo, soft, uv) * 2 + photo.Sample(hard, uv) * 4 + photo.Load(int3(0, 0, 0)) * 8 + float4(uv, 0, 0);
-}
-"""
 HLSL_SPEC = """pipeline: tried
 params: {room_tint: {value: [0.5, 0.5, 0.5, 0.5], live: true}}
 images:
@@ -383,8 +377,6 @@ passes:
 
 
 def hlsl(tap):
-    put("v.hlsl", HLSL_VERTEX)
-    put("f.hlsl", HLSL_FRAGMENT)
     put("fill.glsl", "void main() { if (invocation().x < 4 && invocation().y < 4) white_store(invocation().xy, vec4(1)); }\n")
     put("a.yaml", HLSL_SPEC)
     for stage in ("vert", "frag"):
@@ -397,6 +389,7 @@ def main():
     tap = bodies.Tap()
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
+        shutil.copytree(FILES, ".", dirs_exist_ok=True)
         if shutil.which("spirv-opt"):
             forms(tap)
             hlsl(tap)
@@ -406,6 +399,7 @@ def main():
         else:
             tap.skip("forms of modules", "spirv-opt is not installed")
         stages(tap)
+        widths(tap)
         sanitized(tap)
         large(tap)
         os.chdir("/")
