@@ -129,7 +129,9 @@ char *difference_list_flips(const struct difference *difference, const struct dt
 /* The share of the bound that is used, "12 %", rounded up; "-" without one. */
 void difference_write_used(const struct difference *difference, char text[16]);
 
-/* Adds to an object: contract, elements, differing, beyond, not_finite, size_differs, verdict, worst,
+/* Adds to an object: contract, tolerance, outliers. */
+void contract_json(struct cJSON *root, const struct dt_contract *contract);
+/* Adds to an object: those, elements, differing, beyond, not_finite, size_differs, verdict, worst,
  * and with the contract `flips` the list of them. */
 void difference_json(struct cJSON *root, const struct difference *difference,
                      const struct dt_resource *resource, const char *const labels[2]);

@@ -228,7 +228,7 @@ static cJSON *flip_json(const struct difference *difference, const struct dt_res
     return root;
 }
 
-static void add_contract(cJSON *root, const struct dt_contract *contract)
+void contract_json(cJSON *root, const struct dt_contract *contract)
 {
     static const char *const kinds[] = {"exact", "ulp",   "abs",    "rel",
                                         "image", "flips", "raster", "of_exact"};
@@ -243,7 +243,7 @@ void difference_json(cJSON *root, const struct difference *difference,
                      const struct dt_resource *resource, const char *const labels[2])
 {
     const struct number_pair *worst = &difference->worst;
-    add_contract(root, &difference->contract);
+    contract_json(root, &difference->contract);
     cJSON_AddNumberToObject(root, "elements", (double)difference->elements);
     cJSON_AddNumberToObject(root, "differing", (double)difference->differing);
     cJSON_AddNumberToObject(root, "beyond", (double)difference->beyond);

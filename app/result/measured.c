@@ -175,10 +175,13 @@ void measured_print(const struct sheet *sheet)
     for (uint32_t i = 0; i < sheet->count; i++)
         if (sheet->rows[i].errors)
             print_row(sheet, &sheet->rows[i], &columns);
-    for (uint32_t i = 0; i < sheet->count; i++)
-        if (breaks(&sheet->rows[i]))
-            printf("%s, %s: breaks its contract in some runs\n", sheet->rows[i].pass,
-                   sheet->rows[i].name);
+    for (uint32_t i = 0; i < sheet->count; i++) {
+        const struct sheet_row *row = &sheet->rows[i];
+        bool missing = row->errors && row->errors->between.missing;
+        if (breaks(row))
+            printf("%s, %s: %s in some runs\n", row->pass, row->name,
+                   missing ? "missing" : "breaks its contract");
+    }
 }
 
 /* ---- JSON -------------------------------------------------------------------------------------- */

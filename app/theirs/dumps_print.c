@@ -37,6 +37,8 @@ void dumps_conclude(struct dumps *dumps)
         cJSON *loud = cJSON_AddObjectToObject(sheet->guilty.more, "beyond_noise");
         cJSON_AddStringToObject(loud, "pass", dumps->loud->sides[0]->pass);
         cJSON_AddStringToObject(loud, "resource", dumps->loud->sides[0]->resource);
+        cJSON_AddItemReferenceToObject(loud, "size",
+                                       cJSON_GetObjectItem(dumps->loud->row->why, "size"));
     }
     if (dumps->guilty->row->own)
         cJSON_AddBoolToObject(sheet->guilty.more, "ran_again", true);

@@ -9,6 +9,7 @@
 
 #include "base/temporary.h"
 #include "console/python.h"
+#include "result/difference.h"
 
 /* Where the content stands in the file: offset, size. */
 static cJSON *add_content(struct why_batch *batch, const void *data, size_t size)
@@ -25,7 +26,7 @@ static cJSON *extent_json(const uint32_t extent[3])
     return cJSON_CreateIntArray(numbers, 3);
 }
 
-/* why.py has the kinds of numbers and of contracts in the order of both enums. */
+/* why.py has the kinds of numbers in the order of their enum. */
 static cJSON *components_json(const struct dt_resource *resource)
 {
     struct component *list = NULL;
@@ -37,12 +38,6 @@ static cJSON *components_json(const struct dt_resource *resource)
     }
     free(list);
     return root;
-}
-
-static cJSON *contract_json(const struct dt_contract *contract)
-{
-    const double numbers[3] = {contract->kind, contract->tolerance, contract->outliers};
-    return cJSON_CreateDoubleArray(numbers, 3);
 }
 
 static void hand_relatives(struct why_batch *batch, const struct why_question *question,
@@ -79,7 +74,7 @@ void why_add(struct why_batch *batch, const struct why_question *question)
     cJSON_AddNumberToObject(root, "stride", resource_stride(resource));
     cJSON_AddItemToObject(root, "extent", extent_json(copies[0].extent));
     cJSON_AddItemToObject(root, "components", components_json(resource));
-    cJSON_AddItemToObject(root, "contract", contract_json(&resource->contract));
+    contract_json(root, &resource->contract);
     cJSON_AddItemToObject(root, "labels", cJSON_CreateStringArray(question->labels, 2));
     cJSON *files = cJSON_AddArrayToObject(root, "files");
     for (int i = 0; i < 2; i++)

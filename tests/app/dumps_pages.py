@@ -18,5 +18,5 @@ assert sorted(os.path.basename(name) for name in glob.glob("strips/*")) == ["00.
 agree, differ = xml.etree.ElementTree.parse("xml").getroot().findall("testsuite")
 assert (agree.get("name"), agree.get("tests"), agree.get("failures")) == ("ulp against plain", "3", "0")
 assert (differ.get("name"), differ.get("tests"), differ.get("failures")) == ("late against plain", "3", "2")
-failed = [case.get("name") for case in differ.findall("testcase") if case.find("failure") is not None]
-assert failed == ["radiance", "bins"], failed
+failed = {case.get("name"): case.find("failure").get("message") for case in differ.findall("testcase") if case.find("failure") is not None}
+assert list(failed) == ["radiance", "bins"] and "; equal after a flip in y" in failed["radiance"], failed

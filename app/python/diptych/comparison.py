@@ -54,7 +54,7 @@ def row_view(rows: list[Json], number: int) -> Json:
 
 def pair_view(pair: Json, number: int, spec: str) -> Json:
     """Reasons are those of all resources of the guilty pass, with their names; of a spec, of the guilty one alone."""
-    rows = pair["rows"][pair["early"]:len(pair["rows"]) - pair["alone"]]
+    rows = pair["rows"][pair["early"]:]
     reasons = [("" if spec else row["page"]["name"] + ": ") + reason["text"] for row in pair["rows"] for reason in row.get("why", [])]
     return {**pair, "pair": number, "first": pair["devices"][0]["label"], "second": pair["devices"][1]["label"],
             "why": [{"text": reason} for reason in reasons], "results": [row_view(rows, index) for index in range(len(rows))]}
@@ -73,10 +73,11 @@ def page_data(request: Json) -> Json:
 def row_case(row: Json) -> Json:
     case, more = {"pass": row["page"]["title"], "name": row["page"]["name"]}, row["page"]
     if row["verdict"] not in ("DIFFERS", "not finite"):
-        return case
+        return {**case, "skipped": more["largest"]} if row["verdict"] == "alone" else case
     differ = f"{row['differing']} of {row['elements']} differ; " if "elements" in row else ""
     count = "both agree; " if row["verdict"] == "not finite" else differ
-    return {**case, "failure": count + more["largest"] + (more["remark"] and f"; {more['remark']}")}
+    reasons = [reason["text"] for reason in row.get("why", [])]
+    return {**case, "failure": "; ".join([count + more["largest"], *filter(None, [more["remark"]]), *reasons])}
 
 
 def suites(request: Json) -> list[Json]:

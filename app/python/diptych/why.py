@@ -16,22 +16,21 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from .console import Console
-from .why_faults import CHANNELS, MAPS, PLACES, SHOWN, Array, Fault, Point, most_of, phrase, rows_of
+from .why_faults import AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, TRAITS, Array, Fault, Point, most_of, phrase, rows_of
 
 MOST_SAMPLES, MOST_COUNTED, CHUNK, FEW = 1500, 4 << 20, 1 << 16, 8
 NAME_BITS, NUMBER_BITS, DOUBT_BITS = 9, 20, 16  # of a fault's name, of a number that is measured; what must be earned above both
 BEYOND = 50  # times the range: errors that are larger, and NaN
 ULP_NOISE = {"float": 64, "half": 8}
+FRACTION = {"float": 23, "half": 10, "b10f": 5}  # bits, of other packed floats 6
 KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bits, code of 1.0
     "unorm8": ("<u1", 0, 8, 255), "unorm16": ("<u2", 0, 16, 65535), "unorm24": ("<u4", 0, 24, (1 << 24) - 1),
     "snorm16": ("<i2", 0, 16, 32767),
-    "half": ("<f2", 0, 16, 0), "float": ("<f4", 0, 32, 0), "r11f": ("<u4", 0, 11, 0), "g11f": ("<u4", 11, 11, 0), "b10f": ("<u4", 22, 10,
-                                                                                                                           0),
+    "half": ("<f2", 0, 16, 0), "float": ("<f4", 0, 32, 0), "r11f": ("<u4", 0, 11, 0), "g11f": ("<u4", 11, 11, 0),
+    "b10f": ("<u4", 22, 10, 0),
     "r10": ("<u4", 0, 10, 1023), "g10": ("<u4", 10, 10, 1023), "b10": ("<u4", 20, 10, 1023), "a2": ("<u4", 30, 2, 3),
     "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
     "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}  # as enum number_kind
-CONTRACTS = ("exact", "ulp", "abs", "rel", "image", "flips", "raster", "of_exact")  # as enum dt_contract_kind
-
 
 Box = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]  # from and to of layers, rows, columns
 
@@ -49,6 +48,7 @@ class Copy:
     def __init__(self, raw: Array, extent: list[int], stride: int, components: list[dict[str, Any]], is_image: bool):
         self.raw, self.stride, self.components, self.c = raw, stride, components, len(components)
         self.w, self.h, self.d = extent if is_image else [extent[0], 1, 1]
+        self.turn: tuple[float, ...] = (0, 0)  # whether x and y run backwards
         kinds, places = [component["kind"] for component in components], [component["offset"] for component in components]
         types = [KINDS[kind][0] for kind in kinds]
         self.table = np.frombuffer(raw, np.dtype({"names": [f"f{i}" for i in range(self.c)], "formats": types, "offsets": places,
@@ -76,6 +76,7 @@ class Copy:
 
     def get(self, z: Array, y: Array, x: Array) -> Array:
         """A row of numbers for each point; outside the copy NaN."""
+        x, y = (size - 1 - at if turn else at for size, at, turn in zip((self.w, self.h), (x, y), self.turn))
         inside = (x >= 0) & (x < self.w) & (y >= 0) & (y < self.h) & (z >= 0) & (z < self.d)
         if inside.all():
             return self.values((z * self.h + y) * self.w + x)
@@ -102,6 +103,20 @@ class Pair:
 
     def other(self) -> Copy:
         return self.target
+
+    def turned(self, turn: tuple[float, ...]) -> Pair:
+        """The same with its source turned."""
+        pair = copy_of(self)
+        pair.source = copy_of(self.source)
+        pair.source.turn, pair.get = turn, pair.source.get
+        return pair
+
+    def has(self, trait: str) -> bool:
+        return bool(TRAITS[trait](self))
+
+    def near(self, a: Array, b: Array) -> Array:
+        """Whether rows are the same but for noise in both."""
+        return ~self.question.loud(a, b) | (self.question.error(a, b).max(1) * self.one < 2.5 if self.one else False)
 
     def byte(self, x: Array) -> Array:
         return (x * self.stride)[:, None] + np.array([component["offset"] for component in self.target.components[:self.c]])
@@ -168,6 +183,7 @@ class Question:
                  edges: Array | None):
         components, stride, self.image = request["components"], request["stride"], request["image"]
         self.contract, self.labels, self.kind = request["contract"], request["labels"], components[0]["kind"]
+        self.bound, self.outliers = request.get("tolerance", 0), request.get("outliers", 0)
         self.one, self.integers = KINDS[self.kind][3], np.array([is_integer(component["kind"]) for component in components])
         self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
         w, h, d = self.extent = self.copies[0].w, self.copies[0].h, self.copies[0].d
@@ -241,7 +257,7 @@ class Question:
 
     def beyond(self, want: Array, got: Array) -> Array:
         """The same yardstick before and after: whether a number of each row breaks the contract."""
-        kind, bound = self.contract["kind"], self.contract["tolerance"]
+        kind, bound = self.contract, self.bound
         apart, size = np.abs(want - got), np.fmax(np.abs(want), np.abs(got))
         wrong = ~(apart <= 0) & ~(want == got) & ~(np.isnan(want) & np.isnan(got))
         if kind == "ulp":
@@ -259,8 +275,8 @@ class Question:
 
     def allowed(self) -> float:
         """How many elements may break the contract."""
-        kind, outliers = self.contract["kind"], self.contract.get("outliers", 0) * self.elements
-        return float({"flips": self.contract["tolerance"], "image": outliers, "of_exact": 2 * outliers}.get(kind, 0))
+        outliers = self.outliers * self.elements
+        return float({"flips": self.bound, "image": outliers, "of_exact": 2 * outliers}.get(self.contract, 0))
 
     def loud(self, want: Array, got: Array) -> Array:
         """Where noise lies on all, a fault of a part is still more than that."""
@@ -272,7 +288,7 @@ class Question:
     def ulp(self, want: Array, got: Array) -> Array:
         """Of the larger one, or of a hundredth of the range."""
         _, exponent = np.frexp(np.fmax(np.fmax(np.abs(want), np.abs(got)), 0.01 * self.range))
-        return np.ldexp(1., exponent - 1 - {"half": 10, "float": 23}.get(self.kind, 6))
+        return np.ldexp(1., exponent - 1 - FRACTION.get(self.kind, 6))
 
     def ulps(self, want: Array, got: Array) -> Array:
         """Floats between both; of integers, their distance."""
@@ -283,14 +299,14 @@ class Question:
             a, b = (v.astype(float_type).view(integer).astype(np.int64) for v in (want, got))
             return np.abs(np.where(a < 0, -(a + top), a) - np.where(b < 0, -(b + top), b)).astype(float)
         _, exponent = np.frexp(np.fmax(np.abs(want), np.abs(got)))
-        return np.abs(want - got) / np.ldexp(1., np.maximum(exponent - 1, -14) - (5 if self.kind == "b10f" else 6))
+        return np.abs(want - got) / np.ldexp(1., np.maximum(exponent - 1, -14) - FRACTION.get(self.kind, 6))
 
     def rounded(self, values: Array) -> Array:
         """As far as the format holds them."""
         if self.one:
             return np.rint(np.clip(values, -1 if self.kind == "snorm16" else 0, 1) * self.one) / self.one
-        return values.astype(np.float16 if self.kind == "half" else np.float32).astype(np.float64) if self.kind in ("half",
-                                                                                                                    "float") else values
+        kinds = {"half": np.float16, "float": np.float32}
+        return values.astype(kinds[self.kind]).astype(np.float64) if self.kind in kinds else values
 
     def hits(self, source: Array, want: Array, got: Array) -> Array:
         """Where a fault makes the error a tenth, or less than a code."""
@@ -300,9 +316,7 @@ class Question:
     def bits(self, error: Array, got: Array) -> Array:
         """What it takes to write the errors of each row down, in the smallest steps of its numbers."""
         size = np.fmax(np.abs(np.nan_to_num(got)), 1e-3 * self.range)
-        unit = 1 / self.one if self.one else 1. if is_integer(self.kind) else size * 2. ** (-11 if self.kind == "half"
-                                                                                            else -6 if self.kind in ("r11f", "g11f",
-                                                                                                                     "b10f") else -24)
+        unit = 1 / self.one if self.one else 1. if is_integer(self.kind) else size * 2. ** (-1 - FRACTION.get(self.kind, 6))
         return np.where(error <= 2 * unit, 0, np.log2(1 + error / unit)).sum(1)
 
     def chunks(self, step: int) -> Iterator[tuple[Array, Array, Array]]:
@@ -336,6 +350,19 @@ class Question:
 # ---- Rules of evidence ---------------------------------------------------------------------------
 
 
+def placed_values(faults: list[tuple[Fault, tuple[float, ...]]], pair: Pair, points: Point) -> Array:
+    """What a fault of place makes, if the first one is such. Outside a picture that was drawn smaller lies one colour."""
+    fault, p = faults[0] if faults else (None, ())
+    if not fault or not fault.at:
+        return pair.get(*points)
+    values = fault.at(pair, p, *points)
+    unknown = np.isnan(values).all(1)
+    if fault.fills and unknown.sum() > 8:
+        colour, share = most_of(pair.target.get(*points)[unknown])
+        values = np.where(unknown[:, None], colour, values) if share > 0.95 else values
+    return values
+
+
 @dataclass
 class Trial:
     """Faults in a row that may explain the pair: of place, of channels, of numbers; and what they leave."""
@@ -350,16 +377,11 @@ class Trial:
     after: int = 0
 
     def model_bits(self) -> float:
-        return sum(NAME_BITS + NUMBER_BITS * fault.found for fault, _ in self.faults) + math.log2(self.choices) + len(self.only)
+        bits = sum(NAME_BITS * fault.names + NUMBER_BITS * fault.found for fault, _ in self.faults)
+        return bits + math.log2(self.choices) + len(self.only)
 
     def predict(self, pair: Pair, points: Point) -> Array:
-        faults = list(self.faults)
-        if faults and faults[0][0].at:
-            fault, p = faults.pop(0)
-            values = fault.at(pair, p, *points)  # type: ignore[misc]
-        else:
-            values = pair.get(*points)
-        return self.rest(pair, values, faults)
+        return self.rest(pair, placed_values(self.faults, pair, points), self.faults)
 
     def rest(self, pair: Pair, values: Array, faults: list[tuple[Fault, tuple[float, ...]]]) -> Array:
         known = np.isfinite(values).all(1)
@@ -376,9 +398,9 @@ class Trial:
         return values
 
 
-def explains(left: float, before: Array, after: Array, fall: float) -> bool:
-    """Nine tenths are within the contract, or the whole distribution of errors falls: below that of one value for all, too."""
-    return left <= 0.1 or bool(fall and all(np.quantile(after, share) <= np.quantile(before, share) / fall for share in (0.5, 0.99)))
+def falls(before: Array, after: Array, fall: float) -> bool:
+    """The whole distribution of errors is so much less, than that of one value for all, too; none if `before` is empty."""
+    return bool(fall and len(before) and all(np.quantile(after, share) <= np.quantile(before, share) / fall for share in (0.5, 0.99)))
 
 
 def least_fall(question: Question, trial: Trial) -> float:
@@ -404,9 +426,11 @@ def distinct(trial: Trial, pair: Pair, points: Point, target: Array, chosen: Arr
     return np.flatnonzero(chosen)[first]
 
 
-def is_no_luck(trial: Trial, gain: float, bits: float) -> bool:
-    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it; in a part, four times."""
-    return gain >= (trial.model_bits() + DOUBT_BITS + bits) * (4 if bits else 1)
+def is_no_luck(trial: Trial, saved: Array, bits: float, few: int) -> bool:
+    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it; in a part, four times.
+    A few kinds of elements prove nothing."""
+    least = (trial.model_bits() + DOUBT_BITS + bits) * (4 if bits else 1)
+    return bool(np.count_nonzero(saved > 0) >= (2 * FEW if bits else few) and saved.sum() >= least)
 
 
 def is_promising(pair: Pair, want: Array) -> bool:
@@ -434,13 +458,14 @@ def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     before, after = question.error(pair.differing_from, got), question.error(want, got)
     wrong = question.beyond(want, got) & ~unknown
     worst = [error.max(1) for error in (before, after)]
-    constant = np.fmin(worst[0], question.error(np.median(got, 0), got).max(1))
-    for half in (question.first_half, ~question.first_half):
-        known = half & ~unknown
-        if not known.any() or not explains(wrong[known].mean(), constant[known], worst[1][known], least_fall(question, trial)):
+    middle = np.median(got, 0)
+    constant, varied = np.fmin(worst[0], question.error(middle, got).max(1)), question.loud(middle + 0 * got, got)
+    for rows in (question.first_half & ~unknown, ~question.first_half & ~unknown, ~unknown):
+        if not rows.any():
             return False
-    trial.left, trial.falls = float(wrong[~unknown].mean()), explains(1, constant[~unknown], worst[1][~unknown],
-                                                                      least_fall(question, trial))
+        trial.left, trial.falls = float(wrong[rows].mean()), falls(constant[rows & varied], worst[1][rows], least_fall(question, trial))
+        if trial.left > 0.1 and not trial.falls:  # at least nine tenths are within the contract, or the errors fall
+            return False
     lost = np.isnan(want_all).any(1)
     broken = question.beyond(want_all, pair.all_to) & ~question.broken_before & ~lost
     if trial.left > 0.1:  # nearer, not equal: what was equal may be off by rounding, too
@@ -449,12 +474,17 @@ def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     if broken.mean() > 0.1 * question.share:
         return False
     chosen = distinct(trial, pair, pair.differing, got, ~question.first_half & ~unknown)
-    gain = float((question.bits(before, got) - question.bits(after, got))[chosen].sum())
+    saved = (question.bits(before, got) - question.bits(after, got))[chosen]
     fitted = sum(fault.found for fault, _ in trial.faults)
     residual = float(question.bits(np.where(unknown[:, None], before, after), got).sum())
     trial.bits = residual * (1 + 0.1 * fitted) + trial.model_bits() + 100 * broken.sum()
     trial.errors = float(np.median(worst[0][~unknown])), float(np.median(worst[1][~unknown]))
-    return is_no_luck(trial, gain, question.box_bits) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
+    if trial.faults[0][0].at and (question.box_bits or trial.faults[0][0].names > 1) and varied[~unknown].mean() < 0.5:
+        return False  # one value in most of it: any place of the other copy may have it
+    few = FEW if pair.image else 3
+    if any(fault.map and not fault.loses for fault, _ in trial.faults) and len(np.unique(rows_of(got[chosen]))) < few:
+        return False  # a map is not proved by neighbourhoods
+    return is_no_luck(trial, saved, question.box_bits, few) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
 
 
 def noise_of(question: Question) -> str | None:
@@ -511,44 +541,27 @@ def related(values: Array, target: Array) -> tuple[float, tuple[float, ...]]:
     return float(np.mean([tie[i, best[i]] for i in range(c)])), tuple(float(i) for i in best)
 
 
-def fill_beyond(values: Array, target: Array) -> Array:
-    """Outside a picture that was drawn smaller lies one colour."""
-    unknown = np.isnan(values).all(1)
-    if unknown.sum() > 8:
-        colour, share = most_of(target[unknown])
-        if share > 0.95:
-            values = np.where(unknown[:, None], colour, values)
-    return values
-
-
 class Placed:
     """A fault of place, or none, with its numbers at samples: at a few of those that differ, at all of them, at others."""
 
     def __init__(self, faults: list[tuple[Fault, tuple[float, ...]]], pair: Pair, side: int, choices: int = 1):
         self.faults, self.pair, self.side, self.choices = faults, pair, side, choices
-        self.glance = self.at(tuple(axis[pair.question.glance] for axis in pair.differing), pair.differing_to[pair.question.glance])
-
-    def at(self, points: Any, target: Array) -> Array:
-        if not self.faults:
-            return self.pair.get(*points)
-        fault, p = self.faults[0]
-        values = fault.at(self.pair, p, *points)  # type: ignore[misc]
-        return fill_beyond(values, target) if fault.name == "scale" else values
+        z, y, x = pair.differing
+        self.glance = placed_values(faults, pair, (z[pair.question.glance], y[pair.question.glance], x[pair.question.glance]))
 
     @cached_property
     def differing(self) -> Array:
-        return self.at(self.pair.differing, self.pair.differing_to)
+        return placed_values(self.faults, self.pair, self.pair.differing)
 
     @cached_property
     def others(self) -> Array:
-        return self.at(self.pair.all, self.pair.all_to)
+        return placed_values(self.faults, self.pair, self.pair.all)
 
 
-def places(question: Question) -> Iterator[Placed]:
+def places(question: Question, faults: list[Fault]) -> Iterator[Placed]:
     for side, pair in enumerate(question.pairs):
-        yield Placed([], pair, side)
-        for fault in PLACES:
-            if not fault.applies(pair) or (side and not fault.sided):
+        for fault in faults:
+            if not pair.has(fault.applies) or (side and not fault.sided):
                 continue
             choices = fault.fit(pair, pair.differing, pair.differing_to) if fault.fit else [fault.p]
             for p in choices:
@@ -581,7 +594,7 @@ class Search:
         for side, pair in enumerate(self.question.pairs):
             self.maps_on(Placed([], pair, side), [], True)
             for fault in PLACES:
-                if fault.name in LOCAL and fault.applies(pair) and fault.fit:
+                if fault.name in LOCAL and pair.has(fault.applies) and fault.fit:
                     for p in fault.fit(pair, pair.differing, pair.differing_to):
                         self.attempt(Placed([(fault, p)], pair, side), [])
         return self.best
@@ -596,31 +609,32 @@ class Search:
             count = list(only) or list(range(min(3, pair.c) if pair.image else pair.c))
             v, target = values[rows][:, count].ravel(), pair.differing_to[rows][:, count].ravel()
             for fault in MAPS:
-                if fault.applies(pair) and (fault.fit or not fitted):
+                if pair.has(fault.applies) and (fault.fit or not fitted):
                     for p in fault.fit(pair, v, target) if fault.fit else [fault.p]:
                         self.attempt(placed, [*before, (fault, p)], only)
 
     def run(self) -> Trial | None:
         """First one fault of each kind, then faults of numbers and channels where those of place come nearest."""
         kept: list[tuple[float, tuple[float, ...], Placed]] = []
-        for placed in places(self.question):
+        for placed in [*(Placed([], pair, side) for side, pair in enumerate(self.question.pairs)), *places(self.question, PLACES)]:
             self.attempt(placed, [])
-            score, order = related(placed.glance, placed.pair.differing_to[self.question.glance])
-            kept.append((score, order, placed))
-        plain = [item for item in kept if not item[2].faults]
+            kept.append((*related(placed.glance, placed.pair.differing_to[self.question.glance]), placed))
+        plain = kept[:2]
         for _, _, placed in plain:
             self.channels_on(placed, ())
             self.maps_on(placed, [])
         if self.best and self.best.left <= 0.1:
             return self.best
-        kept.sort(key=lambda item: -item[0])
-        near = [item for item in kept if item[2].faults and item[0] > 0.7][:8]
+        near = [item for item in sorted(kept[2:], key=lambda item: -item[0]) if item[0] > 0.7][:8]
         for _, order, placed in [*plain, *near]:
             if placed.faults:
                 self.channels_on(placed, order)
                 self.maps_on(placed, [])
             for before in self.orders(placed, order):
                 self.maps_on(placed, before)
+        if not self.best and self.question.image:
+            for placed in places(self.question, AFTER_TURN):
+                self.attempt(placed, [])
         return self.best
 
     def orders(self, placed: Placed, order: tuple[float, ...]) -> Iterator[list[tuple[Fault, tuple[float, ...]]]]:
@@ -628,14 +642,14 @@ class Search:
         pair, target = placed.pair, placed.pair.differing_to[placed.pair.question.glance]
         least = 0.1 + 0.9 * follows(placed.glance, target)
         for fault in CHANNELS:
-            same = order and fault.map is CHANNELS[0].map and fault.p[:pair.c] == order
-            if fault.applies(pair) and (same or not placed.faults and fault.map is not CHANNELS[0].map
-                                        and follows(fault.map(fault.p, placed.glance), target) > least):  # type: ignore[misc]
+            is_order = fault.map is CHANNELS[0].map
+            if pair.has(fault.applies) and (order and fault.p[:pair.c] == order if is_order else not placed.faults
+                                            and follows(fault.map(fault.p, placed.glance), target) > least):  # type: ignore[misc]
                 yield [(fault, fault.p)]
 
     def channels_on(self, placed: Placed, order: tuple[float, ...]) -> None:
         for fault in CHANNELS:
-            if fault.applies(placed.pair):
+            if placed.pair.has(fault.applies):
                 self.attempt(placed, [(fault, fault.p)])
 
 
@@ -653,8 +667,6 @@ def count_left(question: Question, trial: Trial) -> int:
     for start in range(0, question.elements, CHUNK * step):
         points = question.points(np.arange(start, min(start + CHUNK * step, question.elements), step))
         want, got = trial.predict(pair, points), pair.target.get(*points)
-        if trial.faults[0][0].name == "scale":
-            want = fill_beyond(want, got)
         unknown = np.isnan(want)
         left += int(question.beyond(np.where(unknown, got, want), got).sum())
     return min(left * step, question.elements)
@@ -665,7 +677,7 @@ def describe(question: Question, trial: Trial) -> dict[str, Any]:
     words = ", and ".join(phrase(fault, p, labels) for fault, p in trial.faults)
     if trial.only and trial.only != (0, 1, 2):
         words += f", in {' and '.join(CHANNEL_NAMES[i] for i in trial.only)} alone"
-    exact = question.contract["kind"] in ("exact", "flips", "raster")
+    exact = question.contract in ("exact", "flips", "raster")
     head = "far nearer"
     if trial.after == 0:
         head = "equal (to a code)" if question.one and not exact else "equal"
@@ -692,14 +704,14 @@ def shown(question: Question, names: tuple[str, ...] = ()) -> dict[str, Any] | N
     best: tuple[float, dict[str, Any]] | None = None
     for fault in SHOWN:
         for pair in question.pairs[:2 if fault.sided else 1]:
-            if not fault.applies(pair) or (names and fault.name not in names) or (not names and fault.name in FIRST):
+            if not pair.has(fault.applies) or (names and fault.name not in names) or (not names and fault.name in FIRST):
                 continue
             pair.told = ()
             if fault.mark:
                 left, cost = fault.mark(pair, fault.p), VAGUE.get(fault.name, 0.05)
             else:
                 left, cost = is_place(question, pair, fault)
-            if left is None or left > (0.05 if fault.mark else 0.02):
+            if left is None or left > (fault.leaves if fault.mark else 0.02):
                 continue
             if best is None or left + cost < best[0]:
                 labels = {"from": question.labels[question.pairs.index(pair)], "to": question.labels[1 - question.pairs.index(pair)]}
@@ -715,7 +727,9 @@ def is_place(question: Question, pair: Pair, fault: Fault) -> tuple[float | None
     inside = fault.where(pair, fault.p, *pair.differing)  # type: ignore[misc]
     share = max(float(fault.where(pair, fault.p, *pair.all).mean()), 1 / question.elements)  # type: ignore[misc]
     filled = question.share * float(inside.mean()) / share
-    if share > 0.6 or filled < (0.1 if fault.name == "tile_edges" else 0.3) or len(inside) * -math.log2(share) < NAME_BITS + DOUBT_BITS:
+    lost = fault.loses is None or fault.loses(pair, fault.p, pair.differing_from, pair.differing_to)
+    if (share > 0.6 or filled < (0.1 if fault.name == "tile_edges" else 0.3) or not lost
+            or len(inside) * -math.log2(share) < NAME_BITS + DOUBT_BITS):
         return None, 0
     return float(1 - inside.mean()), 0.3 * share
 
@@ -724,7 +738,7 @@ CHANNEL_NAMES = ("red", "green", "blue", "alpha")
 LOOKS, LEAST_SHARE, LEAST_PIECE = 50, 0.01, 32  # of pieces: boxes that are tried, and what is told
 LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
 FIRST = ("nan", "uninitialised", "dither")
-VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.05}  # places that fit much
+VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.05, "layer_alone": 0.05}  # places that fit much
 
 
 def percent(share: float) -> str:
@@ -845,8 +859,8 @@ class Piece:
         return all(low < other_high and other_low < high for (low, high), (other_low, other_high) in zip(self.part.box, other.part.box))
 
     def told(self, whole: Question) -> dict[str, Any]:
-        names = [f"{name} {low} to {high - 1}" for name, (low, high), size in zip(("layer", "y", "x"), self.part.box, whole.extent[::-1])
-                 if size > 1]
+        names = [f"{name} {low}" + f" to {high - 1}" * (high - 1 > low)
+                 for name, (low, high), size in zip(("layer", "y", "x"), self.part.box, whole.extent[::-1]) if size > 1]
         reason = describe(self.part, self.trial)
         share = self.share(whole)
         return {**reason, "share": share, "text": f"{percent(share)}, in {', '.join(names)}: {reason['text']}"}
@@ -919,8 +933,6 @@ def main(console: Console, request: dict[str, Any]) -> tuple[int, dict[str, Any]
 
     for question in request["questions"]:
         question["components"] = [{"kind": kinds[kind], "offset": offset} for kind, offset in question["components"]]
-        kind, tolerance, outliers = question["contract"]
-        question["contract"] = {"kind": CONTRACTS[int(kind)], "tolerance": tolerance, "outliers": outliers}
         relatives = {(item["side"], item["which"]): (taken(item["file"]), item["extent"]) for item in question["relatives"]}
         edges = taken(question["edges"]) > 0 if "edges" in question else None
         answers.append(ask(question, [taken(place) for place in question["files"]], relatives, edges))

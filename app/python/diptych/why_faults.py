@@ -4,7 +4,7 @@ A fault predicts one copy, `to`, from the other, `from`, at points of the pictur
 number that it cannot know is NaN."""
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from typing import Any, Callable
 
 import numpy as np
@@ -26,61 +26,34 @@ class Fault:
     mark: Callable[..., float | None] | None = None
     p: tuple[float, ...] = ()
     fit: Callable[..., list[tuple[float, ...]]] | None = None  # all parameters to try
-    applies: Callable[[Any], bool] = lambda pair: True
+    applies: str = ""  # a key of TRAITS
     loses: Callable[..., bool] | None = None  # whether what it throws away is what `to` truly lacks
     sided: bool = True  # not the same from either copy
-    found: int = field(default=0)  # numbers of p that are measured, not chosen
+    found: int = 0  # numbers of p that are measured, not chosen
+    names: int = 1  # of faults in it
+    fills: bool = False  # outside of `from` lies one colour
+    leaves: float = 0.05  # of the differing elements, the share that may be elsewhere
 
 
-# ---- Where a fault applies -----------------------------------------------------------------------
-
-
-def image(pair: Any) -> bool:
-    return bool(pair.image and pair.h > 1)
-
-
-def buffer(pair: Any) -> bool:
-    return not pair.image
-
-
-def square(pair: Any) -> bool:
-    return image(pair) and pair.w == pair.h
-
-
-def layers(pair: Any) -> bool:
-    return bool(pair.image and pair.d > 1)
-
-
-def cube(pair: Any) -> bool:
-    return bool(pair.image and pair.d % 6 == 0)
-
-
-def colour(pair: Any) -> bool:
-    return bool(pair.image and 3 <= pair.c <= 4)
-
-
-def alpha(pair: Any) -> bool:
-    return bool(pair.image and pair.c == 4)
-
-
-def two(pair: Any) -> bool:
-    return bool(pair.c == 2)
-
-
-def several(pair: Any) -> bool:
-    return bool(1 < pair.c <= 4)
-
-
-def three(pair: Any) -> bool:
-    return bool(3 <= pair.c <= 4)
-
-
-def reals(pair: Any) -> bool:
-    return not pair.integer
-
-
-def has_depth(pair: Any) -> bool:
-    return bool(pair.image and pair.c == 1 and not pair.integer)
+TRAITS: dict[str, Callable[[Any], bool]] = {  # of a pair, without which a fault makes no sense
+    "": lambda pair: True,
+    "image": lambda pair: pair.image and pair.h > 1,
+    "buffer": lambda pair: not pair.image,
+    "square": lambda pair: pair.image and pair.w == pair.h > 1,
+    "layers": lambda pair: pair.image and pair.d > 1,
+    "cube": lambda pair: pair.image and pair.d % 6 == 0,
+    "colour": lambda pair: pair.image and 3 <= pair.c <= 4,
+    "alpha": lambda pair: pair.image and pair.c == 4,
+    "two": lambda pair: pair.c == 2,
+    "several": lambda pair: 1 < pair.c <= 4,
+    "three": lambda pair: 3 <= pair.c <= 4,
+    "reals": lambda pair: not pair.integer,
+    "depth": lambda pair: pair.image and pair.c == 1 and not pair.integer,
+    "matrices": lambda pair: pair.c > 2 and pair.w == pair.c if pair.image else bool((pair.transposed() != np.arange(pair.c)).any()),
+    "matrices4": lambda pair: not pair.image and pair.c % 16 == 0,
+    "long": lambda pair: not pair.image and pair.stride > 4,
+    "odd": lambda pair: not pair.image and 16 % pair.stride,
+    **{f"relative{which}": lambda pair, which=which: which in pair.relatives for which in range(4)}}  # type: ignore[misc]
 
 
 # ---- Places: numbers of another texel ------------------------------------------------------------
@@ -99,10 +72,6 @@ def shifted(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return pair.get(z + int(p[2]), y + int(p[1]), x + int(p[0]))
 
 
-def rolled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    return pair.get(z, (y + int(p[1])) % pair.h, (x + int(p[0])) % pair.w)
-
-
 def shifts(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
     """The steps at the peaks of the phase correlation, over the edge and not; of a buffer, all short ones."""
     if not pair.image:
@@ -110,24 +79,10 @@ def shifts(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
     return [(x, y, 0.) for x, y in pair.peaks()]
 
 
-def halves(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
-    return [(x, y, 0.) for x, y in ((pair.w // 2, 0), (0, pair.h // 2), (pair.w // 2, pair.h // 2))]
-
-
-def between(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    """The mean of the texels between which half a texel lies; of a border, the last one."""
-    dx, dy = int(p[0]), int(p[1])
-    return sum(pair.get(z, y + j * dy, x + i * dx) for i in (0, 1) for j in (0, 1)) / 4
-
-
-def filtered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    """A box of 3 by 3, or a tent."""
-    total, weights = 0., 0.
-    for j in (-1, 0, 1):
-        for i in (-1, 0, 1):
-            weight = (2 - abs(i)) * (2 - abs(j)) if p[0] else 1
-            total, weights = total + weight * pair.get(z, y + j, x + i), weights + weight
-    return total / weights
+def mean_of(columns: tuple[int, ...], rows: tuple[int, ...], tent: bool = False) -> Callable[..., Array]:
+    """Of the neighbours at those steps; of a border, NaN."""
+    steps = [(i, j, (2 - abs(i)) * (2 - abs(j)) if tent else 1) for j in rows for i in columns]
+    return lambda pair, p, z, y, x: sum(w * pair.get(z, y + j, x + i) for i, j, w in steps) / sum(w for *_, w in steps)
 
 
 def coarse(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
@@ -227,8 +182,8 @@ def pitches(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
     lines = min(pair.h, 8)
     y, x = (a.ravel() for a in np.mgrid[0:lines, 0:pair.w])
     flat, sought = pair.get(0 * x, y, x).ravel(), pair.other().get(0 * x, y, x).ravel()
-    for line in (1, 2, 3):
-        start = sought[line * row:line * row + 16] if lines > 3 else sought[:0]
+    for line in range(1, lines):
+        start = sought[line * row:line * row + 16]
         if len(start) < 16 or np.ptp(start) == 0:
             continue
         windows = np.lib.stride_tricks.sliding_window_view(flat, 16)
@@ -245,32 +200,12 @@ def repacked(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return pair.words(np.where(byte % into < out, byte // into * out + byte % into, -1))
 
 
-def restrided(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    return pair.words(pair.byte(0 * x) + (x * int(p[0]))[:, None])
-
-
-def strides(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
-    return [(float(stride), float(pair.stride)) for stride in range(4, 4 * pair.stride + 1, 4) if stride != pair.stride]
-
-
-def moved(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    return pair.words(pair.byte(x) + int(p[0]))
-
-
 def transposed(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     if not pair.image:
         return pair.get(z, y, x)[:, pair.transposed()]
     channels = [pair.get(z, y, np.full_like(x, channel)) for channel in range(pair.c)]
     rows = np.minimum(x, pair.c - 1)
     return np.stack([channel[np.arange(len(x)), rows] for channel in channels], -1)
-
-
-def matrices(pair: Any) -> bool:
-    return bool(pair.c > 2 and pair.w == pair.c) if pair.image else bool((pair.transposed() != np.arange(pair.c)).any())
-
-
-def matrices4(pair: Any) -> bool:
-    return bool(not pair.image and pair.c % 16 == 0 and matrices(pair))
 
 
 def matrix_row(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
@@ -294,10 +229,6 @@ def ordered(p: Any, v: Array) -> Array:
 def grey(p: Any, v: Array) -> Array:
     one = v[:, :3] @ np.array([0.2126, 0.7152, 0.0722]) if p[0] else v[:, 0]
     return np.concatenate([np.repeat(one[:, None], 3, 1), v[:, 3:]], 1)
-
-
-def premultiplied(p: Any, v: Array) -> Array:
-    return np.concatenate([v[:, :3] * v[:, 3:], v[:, 3:]], 1)
 
 
 def one_channel(p: Any, v: Array) -> Array:
@@ -350,16 +281,8 @@ def line(p: Any, v: Array) -> Array:
     return p[0] * v + p[1]
 
 
-def inverse_line(p: Any, v: Array) -> Array:
-    return 1 / (p[0] * v + p[1])
-
-
 def limited(p: Any, v: Array) -> Array:
     return np.clip(v, p[0], p[1])
-
-
-def wrapped(p: Any, v: Array) -> Array:
-    return v - np.floor(v / p[0]) * p[0]
 
 
 def stored(p: Any, v: Array) -> Array:
@@ -386,20 +309,13 @@ def out_of_range(pair: Any, p: Any, value: Array, target: Array) -> bool:
     return bool(((target >= p[0]) & (target <= p[1])).all() and ((value < p[0]) | (value > p[1])).mean() > 0.01)
 
 
-def no_sign(pair: Any, p: Any, value: Array, target: Array) -> bool:
-    return bool((target >= 0).all() and (value < 0).mean() > 0.01)
-
-
 def on_grid(call: Callable[..., Array]) -> Callable[..., bool]:
     """All numbers of `to` are on the coarser grid, and few of `from` are."""
     def check(pair: Any, p: Any, value: Array, target: Array) -> bool:
         exact, other = (np.abs(call((*p[:1], 0., *p[2:]), v) - v) <= 2e-7 * np.abs(v) for v in (target, value))
-        return bool(exact.mean() > 0.995 and other.mean() < 0.5)
+        others = other[~(value == target)]
+        return bool(exact.mean() > 0.995 and others.mean() < 0.5 and len(np.unique(target[~(value == target)])) > 8)
     return check
-
-
-def below(pair: Any, p: Any, value: Array, target: Array) -> bool:
-    return bool(((target >= 0) & (target < p[0])).all() and (value >= p[0]).mean() > 0.01)
 
 
 # Fits take numbers of `from` and of `to` that differ.
@@ -443,10 +359,6 @@ def fit_line(pair: Any, v: Array, target: Array, inverse: bool = False) -> list[
     return [(slope, offset)] if np.isfinite(slope + offset) and abs(slope) > 1e-6 else []
 
 
-def fit_inverse(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    return fit_line(pair, v, target, True)
-
-
 def fit_factor(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
     v, target = usable(pair, v, target)
     large = np.abs(v) > 0.1 * pair.range
@@ -485,7 +397,8 @@ def slope_of(pair: Any, z: Array, y: Array, x: Array) -> Array:
 
 
 def biased(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    return pair.get(z, y, x) + p[0] * slope_of(pair, z, y, x) + p[1]
+    depth = pair.get(z, y, x)
+    return np.where((depth == 0) | (depth == 1), depth, depth + p[0] * slope_of(pair, z, y, x) + p[1])  # a clear is not biased
 
 
 def fit_bias(pair: Any, points: Point, target: Array) -> list[tuple[float, ...]]:
@@ -510,22 +423,21 @@ def border(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 def behind_tiles(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     tile = int(p[0])
     inside = x < pair.w // tile * tile
-    return ~(inside & (y < pair.h // tile * tile)) if image(pair) else ~inside
+    return ~(inside & (y < pair.h // tile * tile)) if pair.has("image") else ~inside
+
+
+def ends_with_tiles(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    """`to` has one value there, from the very end of the last tile on, along x and y each."""
+    places = [(at, size, size // p[0] * p[0]) for at, size in zip(pair.differing[:0:-1], (pair.w, pair.h))]
+    firsts = [at[np.all([other < end for other, _, end in places if other is not at and pair.h > 1], 0)].min(initial=size) == end
+              for at, size, end in places if size % p[0]]
+    return all(firsts) and most_of(target)[1] > 0.9
 
 
 def tile_edge(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     tile = int(p[0])
     edges = (x % tile == 0) | (x % tile == tile - 1)
-    return edges | (y % tile == 0) | (y % tile == tile - 1) if image(pair) else edges
-
-
-def in_layer(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    return z == (pair.d - 1 if p[0] else 0)
-
-
-def half_covered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    value = pair.get(z, y, x)[:, 3]
-    return (value > 1e-3) & (value < 0.999)
+    return edges | (y % tile == 0) | (y % tile == tile - 1) if pair.has("image") else edges
 
 
 # ---- What both copies show together ---------------------------------------------------------------
@@ -542,10 +454,6 @@ def most_of(values: Array) -> tuple[Array, float]:
     return values[index[best]], float(counts[best] / len(values))
 
 
-def not_nan(pair: Any, p: Any) -> float:
-    return float(np.isfinite(pair.differing_to).all(1).mean())
-
-
 PATTERNS = [bytes.fromhex(word) for word in ("efbeadde", "0df0adba", "bebafeca", "0df0feca")]
 FILLS = bytes.fromhex("cdccfeabaaa55a55ddfdbd7fba")
 
@@ -559,6 +467,12 @@ def no_pattern(pair: Any, p: Any) -> float | None:
         for word in PATTERNS:
             same |= (raw.reshape(len(raw), -1, 4) == np.frombuffer(word, np.uint8)).all((1, 2))
     return float(1 - same.mean())
+
+
+def not_in_layer(pair: Any, p: Any) -> float:
+    layer = np.bincount(pair.differing[0]).argmax()
+    pair.told = (layer,)
+    return float((pair.differing[0] != layer).mean())
 
 
 def cleared(pair: Any, p: Any) -> float | None:
@@ -598,31 +512,58 @@ def not_tiles(pair: Any, p: Any) -> float | None:
     return float(1 - full.mean()) if 3 <= touched.sum() <= 0.8 * touched.size else None
 
 
-def not_smeared(pair: Any, p: Any) -> float | None:
-    """From a column or row on, `to` repeats its texel. p: along x; from the other end; `from` goes on with its other end there."""
-    axis, size = (2, pair.w) if p[0] else (1, pair.h)
-    along = pair.differing[axis]
-    step = -1 if p[1] else 1
-    order = np.sort(step * along)
-    together = order[8:] - order[:-8] <= 0.1 * size  # noise may differ alone
-    first = step * int(order[together.argmax()] if together.any() else order[0])
-    share = (first + 1 if p[1] else size - first) / size
-    if pair.w * pair.h > 1 << 24 or not 0 <= first - step < size or share > 0.9 or share * size < 3:
+def lines_of(pair: Any, side: Any, axis: int) -> Array:
+    """Some columns (axis 0) or rows (1) of the layer that differs most, from end to end: which, where, channel."""
+    size, others = (pair.h, pair.w) if axis == 0 else (pair.w, pair.h)
+    across, along = np.meshgrid(np.linspace(0, others - 1, min(others, 48)).astype(int), np.arange(size), indexing="ij")
+    y, x = (along, across) if axis == 0 else (across, along)
+    z = np.full(y.size, np.bincount(pair.differing[0]).argmax())
+    return side.get(z, y.ravel(), x.ravel()).reshape(*y.shape, -1)
+
+
+def still_ends(pair: Any, axis: int) -> tuple[int, int]:
+    """The last lines at both ends of `to` behind which it repeats them; an end is at least three texels."""
+    lines = lines_of(pair, pair.other(), axis)
+    size = lines.shape[1]
+    steps = pair.near(lines[:, 1:].reshape(-1, pair.c), lines[:, :-1].reshape(-1, pair.c)).reshape(len(lines), -1).mean(0)
+    moves = np.flatnonzero(steps < 0.85)
+    low, high = (int(moves[0]), int(moves[-1]) + 1) if len(moves) else (0, size - 1)
+    return low if low > 2 else 0, high if high < size - 3 else size - 1
+
+
+def goes_round(lines: Array, edge: int) -> bool:
+    """Behind the edge they come again, or there is a seam alone there, and their start follows on their end."""
+    flat, first = np.nan_to_num(lines.mean(2)), edge + 1
+    count, behind = flat.shape[1] - first, flat[:, first:]
+    same = np.array([np.corrcoef(behind.ravel(), flat[:, first - lag:][:, :count].ravel())[0, 1] for lag in range(1, first)])
+    if ((same > 0.85) & (same > np.minimum.accumulate(np.fmin(same, 1)) + 0.3)).any():
+        return True
+
+    steps = np.abs(np.diff(lines, axis=1)).mean((0, 2))
+    again = min(np.abs(lines[:, 0] - lines[:, other]).mean() for other in (-1, first))
+    return bool(steps[edge] > 1.5 * np.quantile(steps, 0.9) and again <= 0.6 * steps[edge])
+
+
+def not_clamped(pair: Any, p: Any) -> float | None:
+    """Behind lines of x or y, `to` repeats its texels, and most of it differs there. p: `from` wraps."""
+    if not len(pair.differing_to) or most_of(pair.differing_to)[1] >= 0.5 or pair.w * pair.h > 1 << 24:
         return None
-
-    def at(side: Any, place: int) -> Array:
-        return side.get(*(np.full_like(along, place) if i == axis else other for i, other in enumerate(pair.differing)))
-
-    def apart(one: int, other: int) -> float:
-        return float(np.nanmean(np.abs(at(pair, one) - at(pair, other))))
-
-    start = size - 1 if p[1] else 0
-    near = min(apart(start, start + step), apart(first, first + step))
-    seam = apart(first - step, first)
-    joined = seam >= 2.5 * near and min(apart(start, size - 1 - start), apart(start, first)) <= 0.6 * seam
-    pair.told = (first - step,)
-    return float(pair.question.loud(at(pair.other(), first), pair.differing_to).mean()) if (
-        most_of(pair.differing_to)[1] < 0.5 and joined >= p[2]) else None
+    inner, beyond, words, wraps, here = list(pair.differing), 0, [], False, 0
+    for axis, texts in ((1, ("left of column", "right of column")), (0, ("before row", "behind row"))):
+        low, high = still_ends(pair, axis)
+        at, every = pair.differing[1 + (axis == 1)], pair.all[1 + (axis == 1)]
+        inner[1 + (axis == 1)] = np.clip(at, low, high)
+        beyond, here = beyond | (at < low) | (at > high), here | (every < low) | (every > high)
+        lines = lines_of(pair, pair, axis)
+        for text, edge, there, seen in zip(texts, (low, high), (at < low, at > high), (lines[:, ::-1], lines)):
+            if there.mean() > 0.02:
+                words.append(f"{text} {edge}")
+                wraps |= goes_round(seen, len(lines[0]) - 1 - edge if edge == low else edge)
+    pair.told = (" and ".join(words),)
+    share = np.mean(here)
+    if not words or share > 0.9 or pair.question.share * np.mean(beyond) < 0.5 * share or wraps < p[0]:
+        return None
+    return float(1 - (beyond & pair.near(pair.other().get(*inner), pair.differing_to)).mean())
 
 
 def not_dithered(pair: Any, p: Any) -> float | None:
@@ -640,19 +581,35 @@ def not_dithered(pair: Any, p: Any) -> float | None:
     return 0. if least < -0.42 and least < -12 * noise else None
 
 
-def not_antialiased(pair: Any, p: Any) -> float | None:
-    """Differences at few edges alone, where `to` lies between neighbours in `from`, and `from` is as one of its neighbours."""
-    z, y, x = pair.differing
-    if not image(pair) or len(x) < 16 or pair.share > 0.2:
+def not_tested(pair: Any, p: Any) -> float | None:
+    """Alpha of `to` is 0 or 1, by a threshold of that of `from`."""
+    a, b = pair.differing_from[:, 3], pair.differing_to[:, 3]
+    end = 2 * pair.step + 1e-3
+    part, covered = (a > end) & (a < 1 - end) & ((b < end) | (b > 1 - end)), b > 0.5
+    if not part.any() or not 0.05 < covered[part].mean() < 0.95:
         return None
+    least, most = np.quantile(a[part & covered], 0.05), np.quantile(a[part & ~covered], 0.95)
+    return float(1 - part.mean()) if least >= most - 0.05 else None
+
+
+def between_neighbours(pair: Any) -> float:
+    """How many of `to` lie between neighbours in `from`, where `from` is as one of its neighbours."""
+    z, y, x = pair.differing
     ring = np.stack([pair.get(z, y + j, x + i) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)])
     low, high = np.nanmin(ring, 0), np.nanmax(ring, 0)
     near = np.nanmin(np.abs(ring - pair.differing_from), 0)
     steep = (high - low).max(1) > 0.1 * pair.range
     inside = ((pair.differing_to >= low - pair.step) & (pair.differing_to <= high + pair.step)).all(1)
     sharp = (near <= 0.1 * (high - low) + pair.step).all(1)
-    between_ = (np.abs(pair.differing_to - pair.differing_from).max(1) < 0.95 * (high - low).max(1))
-    return float(1 - (steep & inside & sharp & between_).mean())
+    return float((steep & inside & sharp & (np.abs(pair.differing_to - pair.differing_from).max(1) < 0.95 * (high - low).max(1))).mean())
+
+
+def not_antialiased(pair: Any, p: Any) -> float | None:
+    """Differences at few edges alone, which `to` has softer, and not `from`."""
+    if len(pair.differing[0]) < 16 or pair.share > 0.2:
+        return None
+    softer, sharper = (between_neighbours(side) for side in sorted(pair.question.pairs, key=lambda other: other is not pair))
+    return 1 - softer if softer > sharper + 0.1 else None
 
 
 # ---- The table -----------------------------------------------------------------------------------
@@ -660,11 +617,23 @@ def not_antialiased(pair: Any, p: Any) -> float | None:
 
 def channels(name: str, words: str, *order: float) -> Fault:
     lost = constant_there if max(order) > 3 else None
-    return Fault(name, words, map=ordered, p=order, applies=colour if order[3] == 3 else alpha, loses=lost)
+    return Fault(name, words, map=ordered, p=order, applies="colour" if order[3] == 3 else "alpha", loses=lost)
+
+
+def after_turn(turn: Fault, fault: Fault) -> Fault:
+    """Two faults of place in a row; an image's alone."""
+    def at(pair: Any, p: Any, *points: Array) -> Array:
+        return fault.at(pair.turned(turn.p), p, *points)  # type: ignore[misc]
+
+    def fit(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
+        return fault.fit(pair.turned(turn.p), points, target) if fault.fit else [fault.p]
+
+    return replace(fault, name=turn.name, words=f"{turn.words}, and {fault.words}", at=at, fit=fit, applies="image", names=2,
+                   loses=fault.loses and (lambda pair, p, *both: fault.loses(pair.turned(turn.p), p, *both)))  # type: ignore[misc]
 
 
 def grid(name: str, words: str, *p: float) -> Fault:
-    return Fault(name, "if {from} is " + words, map=stored, p=p, applies=reals, loses=on_grid(stored))
+    return Fault(name, "if {from} is " + words, map=stored, p=p, applies="reals", loses=on_grid(stored))
 
 
 FLIP_NAMES = {(0, 1): ("flip_y", "a flip in y: OpenGL's row 0 is the bottom"), (1, 0): ("mirror_x", "a mirror in x"),
@@ -676,59 +645,63 @@ ENDS = {(0, 0, 0, 1): "in the last row alone", (0, 1, 0, 0): "in the first row a
         (0, 0, 1, 1): "in the last row and column alone: an odd size is rounded down",
         (1, 1, 1, 1): "at the border alone: clamp, wrap or border colour",
         (2, 2, 2, 2): "in the two texels at the border: clamp, wrap or border colour"}
-SMEARS = {(1, 0): "right of column {0}", (1, 1): "left of column {0}", (0, 0): "behind row {0}", (0, 1): "before row {0}"}
-WRAPS = (("wrap", ", where {to} repeats its texel (clamped) and {from} goes on with its other end (wrapped)"),
-         ("smear", " alone, where {to} repeats its texel there: clamped to an edge inside"))
 
 PLACES = [
-    *(Fault(name, "after " + words, at=turned, p=p, applies=image, sided=False) for p, (name, words) in FLIP_NAMES.items()),
-    Fault("reversed", "with the elements in reverse order", at=turned, p=(1, 0), applies=buffer, sided=False),
-    Fault("axes", "with x and y in each other's place", at=swapped, p=(0, 0), applies=square, sided=False),
-    Fault("quarter_turn", "after a quarter turn of {from}", at=swapped, p=(1, 0), applies=square),
-    Fault("frame", "one frame late: {to} has the frame before of {from}", at=of_relative, p=(0,), applies=lambda pair: 0 in pair.relatives),
-    Fault("frame", "one frame early: {to} has the frame after of {from}", at=of_relative, p=(1,), applies=lambda pair: 1 in pair.relatives),
-    Fault("layer", "one layer off: {to} has the layer after of {from}", at=shifted, p=(0, 0, 1), applies=layers),
-    Fault("layers_reversed", "with the layers in reverse order", at=reordered, p=(-1,), applies=layers, sided=False),
-    *(Fault("faces", f"with {words} swapped", at=reordered, p=(axis,), applies=cube, sided=False)
+    *(Fault(name, "after " + words, at=turned, p=p, applies="image", sided=False) for p, (name, words) in FLIP_NAMES.items()),
+    Fault("reversed", "with the elements in reverse order", at=turned, p=(1, 0), applies="buffer", sided=False),
+    Fault("axes", "with x and y in each other's place", at=swapped, p=(0, 0), applies="square", sided=False),
+    Fault("quarter_turn", "after a quarter turn of {from}", at=swapped, p=(1, 0), applies="square"),
+    Fault("frame", "one frame late: {to} has the frame before of {from}", at=of_relative, p=(0,), applies="relative0"),
+    Fault("frame", "one frame early: {to} has the frame after of {from}", at=of_relative, p=(1,), applies="relative1"),
+    Fault("layer", "with another layer: {to} has in each that of {from} which is {2} behind", at=shifted, applies="layers",
+          fit=lambda pair, *_: [(0, 0, step) for step in range(max(1 - pair.d, -8), min(pair.d, 9)) if step]),
+    Fault("layers_reversed", "with the layers in reverse order", at=reordered, p=(-1,), applies="layers", sided=False),
+    *(Fault("faces", f"with {words} swapped", at=reordered, p=(axis,), applies="cube", sided=False)
       for axis, words in enumerate(("the faces +x and -x", "the faces +y and -y", "the faces +z and -z", "opposite faces of the cube"))),
-    Fault("mip", "one mip off: {to} has the finer mip of {from}", at=of_relative, p=(2,), applies=lambda pair: 2 in pair.relatives),
-    Fault("mip", "one mip off: {to} has the coarser mip of {from}", at=of_relative, p=(3,), applies=lambda pair: 3 in pair.relatives),
+    Fault("mip", "one mip off: {to} has the finer mip of {from}", at=of_relative, p=(2,), applies="relative2"),
+    Fault("mip", "one mip off: {to} has the coarser mip of {from}", at=of_relative, p=(3,), applies="relative3"),
     Fault("shift", "after a shift of {0} texels (or elements) in x and {1} in y", at=shifted, fit=shifts, found=2),
-    Fault("roll", "after {0} texels in x and {1} in y, round the edge", at=rolled, fit=halves, applies=image),
+    Fault("roll", "after {0} texels in x and {1} in y, round the edge", applies="image",
+          fit=lambda pair, *_: [(pair.w // 2, 0), (0, pair.h // 2), (pair.w // 2, pair.h // 2)],
+          at=lambda pair, p, z, y, x: pair.get(z, (y + p[1]) % pair.h, (x + p[0]) % pair.w)),
     *(Fault("half_texel_" + ("x" if x and not y else "y" if y and not x else "xy"),
             "after half a texel in " + ("x" if not y else "y" if not x else "x and y") + ": centres are at .5",
-            at=between, p=(x, y), applies=image) for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))),
+            at=mean_of((0, x) if x else (0,), (0, y) if y else (0,)), applies="image")
+      for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))),
     Fault("pitch", "if rows of a pitch of {0} texels were read as {1}: {from} has the padding of rows in it", at=pitched, fit=pitches,
-          found=1, applies=image),
-    Fault("scale", "at {0} times the scale of {from} about {1}", at=scaled, fit=scales, applies=image, found=1),
+          found=1, applies="image"),
+    Fault("scale", "at {0} times the scale of {from} about {1}", at=scaled, fit=scales, applies="image", found=1, fills=True),
     *(Fault("nearest", f"where {{to}} filters and {{from}} repeats {words}: nearest against linear", at=smooth, p=(*size, 1),
-            applies=image) for size, words in BLOCKS.items()),
-    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies=image,
+            applies="image") for size, words in BLOCKS.items()),
+    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies="image",
             loses=varied_in_blocks) for size, words in BLOCKS.items()),
-    *(Fault("half_rate", f"if {{to}} repeats one texel of {words}: nearest, lower resolution", at=coarse, p=(*size, last), applies=image)
+    *(Fault("half_rate", f"if {{to}} repeats one texel of {words}: nearest, lower resolution", at=coarse, p=(*size, last), applies="image")
       for size, words in BLOCKS.items() for last in (1, 2)),
     *(Fault("half_rate", f"if {{to}} has means of {words}, filtered: lower resolution, or a coarser mip", at=smooth, p=(*size, 0),
-            applies=image, loses=varied_in_blocks) for size, words in BLOCKS.items()),
-    Fault("blurred", "if {from} is filtered by 3x3 texels, as {to} is", at=filtered, p=(0,), applies=image),
-    Fault("blurred", "if {from} is filtered by a 3x3 tent, as {to} is", at=filtered, p=(1,), applies=image),
-    Fault("transposed", "after each matrix is transposed (rows against columns)", at=transposed, applies=matrices, sided=False),
-    Fault("matrix_y", "with the y row of each matrix negated (Vulkan's y points down)", at=matrix_row, p=(1, 1, 1), applies=matrices4,
+            applies="image", loses=varied_in_blocks) for size, words in BLOCKS.items()),
+    Fault("blurred", "if {from} is filtered by 3x3 texels, as {to} is", at=mean_of((-1, 0, 1), (-1, 0, 1)), applies="image"),
+    Fault("blurred", "if {from} is filtered by a 3x3 tent, as {to} is", at=mean_of((-1, 0, 1), (-1, 0, 1), True), applies="image"),
+    Fault("transposed", "after each matrix is transposed (rows against columns)", at=transposed, applies="matrices", sided=False),
+    Fault("matrix_y", "with the y row of each matrix negated (Vulkan's y points down)", at=matrix_row, p=(1, 1, 1), applies="matrices4",
           sided=False),
-    Fault("matrix_y", "with the y row of each matrix negated (by rows)", at=matrix_row, p=(4, 1, 1), applies=matrices4, sided=False),
-    Fault("matrix_z", "if the z row of each matrix of {from} goes from -1..1 to 0..1", at=matrix_row, p=(1, 2, 0), applies=matrices4),
+    Fault("matrix_y", "with the y row of each matrix negated (by rows)", at=matrix_row, p=(4, 1, 1), applies="matrices4", sided=False),
+    Fault("matrix_z", "if the z row of each matrix of {from} goes from -1..1 to 0..1", at=matrix_row, p=(1, 2, 0), applies="matrices4"),
     Fault("matrix_z", "if the z row of each matrix (by rows) of {from} goes from -1..1 to 0..1", at=matrix_row, p=(4, 2, 0),
-          applies=matrices4),
+          applies="matrices4"),
     *(Fault("layout", f"with {words} (std140, std430 or packed): {into} bytes each in {{to}}, {out} in {{from}}", at=repacked,
-            p=(into, out), applies=buffer) for into, out, words in (
+            p=(into, out), applies="buffer") for into, out, words in (
         (12, 16, "vec3 of 12 against 16 bytes"), (4, 16, "numbers of 4 against 16 bytes"), (8, 16, "vec2 of 8 against 16 bytes"),
         (16, 12, "vec3 of 16 against 12 bytes"), (16, 4, "numbers of 16 against 4 bytes"), (16, 8, "vec2 of 16 against 8 bytes"))),
-    Fault("stride", "with elements of {0} bytes against {1} (std140, std430 or packed)", at=restrided, fit=strides, found=1,
-          applies=buffer),
-    Fault("moved", "if all lies one number (4 bytes) later", at=moved, p=(4,), applies=lambda pair: not pair.image and pair.stride > 4),
-    Fault("moved", "if all lies 16 bytes later", at=moved, p=(16,), applies=lambda pair: not pair.image and 16 % pair.stride),
+    Fault("stride", "with elements of {1} bytes against {0} (std140, std430 or packed)", at=repacked, found=1, applies="buffer",
+          fit=lambda pair, *_: [(pair.stride, stride) for stride in range(4, 4 * pair.stride + 1, 4) if stride != pair.stride]),
+    Fault("moved", "if all lies one number (4 bytes) later", at=lambda pair, p, z, y, x: pair.words(pair.byte(x) + 4), applies="long"),
+    Fault("moved", "if all lies 16 bytes later", at=lambda pair, p, z, y, x: pair.words(pair.byte(x) + 16), applies="odd"),
     Fault("depth_bias", "with an error in proportion to the slope of depth: {0} slope + {1} (depth bias)", at=biased, fit=fit_bias,
-          found=2, applies=has_depth),
+          found=2, applies="depth"),
 ]
+
+AFTER_TURN = [after_turn(turn, fault) for turn in PLACES[:3] for fault in PLACES
+              if fault.name in ("shift", "scale", "half_rate") or fault.name.startswith("half_texel")]
 
 CHANNELS = [
     channels("red_blue", "with red and blue swapped (RGBA against BGRA)", 2, 1, 0, 3),
@@ -739,21 +712,23 @@ CHANNELS = [
     channels("channels", "with the channels in the order a, r, g, b", 3, 0, 1, 2),
     channels("channels", "with the channels in the order a, b, g, r", 3, 2, 1, 0),
     channels("channels", "with the channels in the order g, b, a, r", 1, 2, 3, 0),
-    Fault("channels", "with both channels swapped", map=ordered, p=(1, 0), applies=two, sided=False),
-    Fault("grey", "if {to} has the first channel of {from} in all", map=grey, p=(0,), applies=colour, loses=is_grey),
-    Fault("grey", "if {to} has the luminance of {from} in all channels", map=grey, p=(1,), applies=colour, loses=is_grey),
+    Fault("channels", "with both channels swapped", map=ordered, p=(1, 0), applies="two", sided=False),
+    Fault("grey", "if {to} has the first channel of {from} in all", map=grey, p=(0,), applies="colour", loses=is_grey),
+    Fault("grey", "if {to} has the luminance of {from} in all channels", map=grey, p=(1,), applies="colour", loses=is_grey),
     channels("alpha_lost", "if alpha is 1 in {to}", 0, 1, 2, 5),
     channels("alpha_lost", "if alpha is 0 in {to}", 0, 1, 2, 4),
-    channels("channel_lost", "if blue is 0 in {to}", 0, 1, 4, 3),
-    channels("channel_lost", "if green and blue are 0 in {to}", 0, 4, 4, 3),
-    Fault("premultiplied", "if {from} is multiplied by alpha, as {to} is", map=premultiplied, applies=alpha),
-    Fault("alpha_inverted", "with alpha inverted", map=one_channel, p=(3, 0), applies=alpha, sided=False),
-    Fault("channel_inverted", "with green as 1 - g (normal maps)", map=one_channel, p=(1, 0), applies=colour, sided=False),
-    Fault("channel_inverted", "with red as 1 - r", map=one_channel, p=(0, 0), applies=colour, sided=False),
-    Fault("channel_negated", "with x (red) negated", map=one_channel, p=(0, 1), applies=several, sided=False),
-    Fault("channel_negated", "with y (green) negated", map=one_channel, p=(1, 1), applies=several, sided=False),
-    Fault("channel_negated", "with z (blue) negated: the other handedness", map=one_channel, p=(2, 1), applies=three, sided=False),
-    *(Fault("matrix", words, map=matrix, p=p, applies=colour) for words, p in (
+    *(channels("channel_lost", f"if {words} 0 in {{to}}", *order, 3) for words, order in (
+        ("red is", (4, 1, 2)), ("green is", (0, 4, 2)), ("blue is", (0, 1, 4)), ("green and blue are", (0, 4, 4)),
+        ("red and blue are", (4, 1, 4)), ("red and green are", (4, 4, 2)))),
+    Fault("premultiplied", "if {from} is multiplied by alpha, as {to} is", applies="alpha",
+          map=lambda p, v: np.concatenate([v[:, :3] * v[:, 3:], v[:, 3:]], 1)),
+    Fault("alpha_inverted", "with alpha inverted", map=one_channel, p=(3, 0), applies="alpha", sided=False),
+    *(Fault("channel_inverted", words, map=one_channel, p=(i, 0), applies="colour", sided=False)
+      for i, words in enumerate(("with red as 1 - r", "with green as 1 - g (normal maps)", "with blue as 1 - b"))),
+    Fault("channel_negated", "with x (red) negated", map=one_channel, p=(0, 1), applies="several", sided=False),
+    Fault("channel_negated", "with y (green) negated", map=one_channel, p=(1, 1), applies="several", sided=False),
+    Fault("channel_negated", "with z (blue) negated: the other handedness", map=one_channel, p=(2, 1), applies="three", sided=False),
+    *(Fault("matrix", words, map=matrix, p=p, applies="colour") for words, p in (
         ("as if {to} was encoded with BT.601 and decoded with BT.709, {from} not",
          (0, 0.)), ("as if {to} was encoded with BT.709 and decoded with BT.601, {from} not", (1, 0.)),
         ("if {to} has the limited range of video in BT.601", (2, 16 / 255)), ("if {to} has the limited range of video in BT.709",
@@ -761,34 +736,35 @@ CHANNELS = [
 ]
 
 MAPS = [
-    Fault("srgb", "if {to} is decoded from sRGB once: {from} has one encoding less", map=to_srgb, applies=reals),
-    Fault("srgb", "if {from} is decoded from sRGB once: {to} has one encoding less", map=to_light, applies=reals),
-    Fault("gamma", "if {to} is decoded from a gamma of 2.2", map=power, p=(1 / 2.2,), applies=reals),
-    Fault("gamma", "if {from} is decoded from a gamma of 2.2", map=power, p=(2.2,), applies=reals),
-    Fault("srgb_gamma", "with a gamma of 2.2 in {to} against sRGB in {from}", map=lambda p, v: to_light(p, v) ** (1 / 2.2), applies=reals),
-    Fault("square", "if {from} is squared, as {to} is", map=power, p=(2,), applies=reals),
-    Fault("depth_range", "after z * 2 - 1 of {from} (0..1 against -1..1)", map=line, p=(2, -1), applies=reals),
-    Fault("depth_range", "after (z + 1) / 2 of {from} (-1..1 against 0..1)", map=line, p=(0.5, 0.5), applies=reals),
-    Fault("depth_reversed", "after 1 - z (reversed depth, or inverted)", map=line, p=(-1, 1), applies=reals, sided=False),
-    Fault("depth_reversed", "after 1 - 2 z of {from} (reversed, 0..1 against -1..1)", map=line, p=(-2, 1), applies=reals),
+    Fault("srgb", "if {to} is decoded from sRGB once: {from} has one encoding less", map=to_srgb, applies="reals"),
+    Fault("srgb", "if {from} is decoded from sRGB once: {to} has one encoding less", map=to_light, applies="reals"),
+    Fault("gamma", "if {to} is decoded from a gamma of 2.2", map=power, p=(1 / 2.2,), applies="reals"),
+    Fault("gamma", "if {from} is decoded from a gamma of 2.2", map=power, p=(2.2,), applies="reals"),
+    Fault("srgb_gamma", "with a gamma of 2.2 in {to} against sRGB in {from}", applies="reals",
+          map=lambda p, v: to_light(p, v) ** (1 / 2.2)),
+    Fault("square", "if {from} is squared, as {to} is", map=power, p=(2,), applies="reals"),
+    Fault("depth_range", "after z * 2 - 1 of {from} (0..1 against -1..1)", map=line, p=(2, -1), applies="reals"),
+    Fault("depth_range", "after (z + 1) / 2 of {from} (-1..1 against 0..1)", map=line, p=(0.5, 0.5), applies="reals"),
+    Fault("depth_reversed", "after 1 - z (reversed depth, or inverted)", map=line, p=(-1, 1), applies="reals", sided=False),
+    Fault("depth_reversed", "after 1 - 2 z of {from} (reversed, 0..1 against -1..1)", map=line, p=(-2, 1), applies="reals"),
     Fault("negated", "with the sign turned", map=line, p=(-1, 0), sided=False),
     Fault("byte_codes", "if {to} has codes of 0..255 for 0..1", map=line, p=(255, 0)),
-    Fault("limited_range", "if {to} has the limited range of video (16..235)", map=line, p=(219 / 255, 16 / 255), applies=reals),
-    Fault("limited_range", "if {from} has the limited range of video (16..235)", map=line, p=(255 / 219, -16 / 219), applies=reals),
-    Fault("clamped", "if {from} is clamped to 0..1, as {to} is", map=limited, p=(0, 1), applies=reals, loses=out_of_range),
+    Fault("limited_range", "if {to} has the limited range of video (16..235)", map=line, p=(219 / 255, 16 / 255), applies="reals"),
+    Fault("limited_range", "if {from} has the limited range of video (16..235)", map=line, p=(255 / 219, -16 / 219), applies="reals"),
+    Fault("clamped", "if {from} is clamped to 0..1, as {to} is", map=limited, p=(0, 1), applies="reals", loses=out_of_range),
     Fault("clamped", "if what is negative in {from} is 0, as in {to}", map=limited, p=(0, np.inf), loses=out_of_range),
-    Fault("absolute", "if {to} has magnitudes without the sign", map=lambda p, v: np.abs(v), loses=no_sign),
-    Fault("reciprocal", "after 1 / v", map=lambda p, v: 1 / v, applies=reals, sided=False),
-    Fault("tone", "if {to} has v / (1 + v) (tone mapped)", map=lambda p, v: v / (1 + v), applies=reals),
-    Fault("logarithm", "if {to} has log2 of {from}", map=lambda p, v: np.log2(v), applies=reals),
-    Fault("logarithm", "if {to} has ln of {from}", map=lambda p, v: np.log(v), applies=reals),
-    Fault("depth_linear", "if {from} is hyperbolic depth and {to} linear: 1 / {to} is {0} {from} + {1}", map=inverse_line,
-          fit=fit_inverse, found=2, applies=reals),
+    Fault("absolute", "if {to} has magnitudes without the sign", map=lambda p, v: np.abs(v), p=(0, np.inf), loses=out_of_range),
+    Fault("reciprocal", "after 1 / v", map=lambda p, v: 1 / v, applies="reals", sided=False),
+    Fault("tone", "if {to} has v / (1 + v) (tone mapped)", map=lambda p, v: v / (1 + v), applies="reals"),
+    Fault("logarithm", "if {to} has log2 of {from}", map=lambda p, v: np.log2(v), applies="reals"),
+    Fault("logarithm", "if {to} has ln of {from}", map=lambda p, v: np.log(v), applies="reals"),
+    Fault("depth_linear", "if {from} is hyperbolic depth and {to} linear: 1 / {to} is {0} {from} + {1}",
+          map=lambda p, v: 1 / line(p, v), fit=lambda pair, v, target: fit_line(pair, v, target, True), found=2, applies="reals"),
     Fault("byte_order", "with the bytes of each number in the other order", map=other_bytes, fit=fit_bytes),
-    Fault("integer", "if {from} is rounded to whole numbers", map=whole, p=(0,), applies=reals, loses=on_grid(whole)),
-    Fault("integer", "if {from} is rounded down to whole numbers", map=whole, p=(1,), applies=reals, loses=on_grid(whole)),
-    Fault("wrapped", "if {to} keeps 8 bits of {from}", map=wrapped, p=(256,), loses=below),
-    Fault("wrapped", "if {to} keeps 16 bits of {from}", map=wrapped, p=(65536,), loses=below),
+    Fault("integer", "if {from} is rounded to whole numbers", map=whole, p=(0,), applies="reals", loses=on_grid(whole)),
+    Fault("integer", "if {from} is rounded down to whole numbers", map=whole, p=(1,), applies="reals", loses=on_grid(whole)),
+    *(Fault("wrapped", f"if {{to}} keeps {bits} bits of {{from}}", map=lambda p, v: v % (p[1] + 1), p=(0, 2 ** bits - 1),
+            loses=out_of_range) for bits in (8, 16)),
     grid("half", "rounded to half floats", 10, 0, -14),
     grid("half", "cut to half floats", 10, 1, -14),
     *(grid(f"unorm{bits}", f"{words} to {bits}-bit codes{more}", 2. ** bits - 1, cut)
@@ -801,8 +777,8 @@ MAPS = [
     grid("float19", "rounded to 10 bits of fraction (TF32)", 10, 0, -126),
     Fault("factor", "with a factor of {0} on {from}", map=line, fit=fit_factor, found=1),
     Fault("offset", "with {1} added to {from}", map=line, fit=fit_offset, found=1),
-    Fault("affine", "with {0} v + {1} of {from}", map=line, fit=fit_line, found=2, applies=reals),
-    Fault("power", "with {from} to the power of {0}", map=power, fit=fit_power, found=1, applies=reals),
+    Fault("affine", "with {0} v + {1} of {from}", map=line, fit=fit_line, found=2, applies="reals"),
+    Fault("power", "with {from} to the power of {0}", map=power, fit=fit_power, found=1, applies="reals"),
 ]
 
 SHOWN = [
@@ -811,22 +787,25 @@ SHOWN = [
     Fault("dither", "by 1 code, as dithering does; the pattern is turned in x", mark=not_dithered, p=(1, 0), sided=False),
     Fault("dither", "by 1 code, as dithering does; the pattern is turned in x and y", mark=not_dithered, p=(1, 1), sided=False),
     Fault("dither", "by 1 code, as dithering does; the pattern is moved", mark=not_dithered, p=(0, 0), sided=False),
-    Fault("nan", "where {to} is NaN or infinite", mark=not_nan),
+    Fault("nan", "where {to} is NaN or infinite", mark=lambda pair, p: np.isfinite(pair.differing_to).all(1).mean()),
     Fault("uninitialised", "where {to} has the pattern of memory that nothing has written", mark=no_pattern),
     Fault("coverage", "by coverage: what is background in one is drawn in the other (winding, culling or depth test)", mark=not_inverted),
-    *(Fault(name, where + words, mark=not_smeared, p=(*p, name == "wrap"), applies=image) for name, words in WRAPS
-      for p, where in SMEARS.items()),
+    Fault("wrap", "{0}, where {to} repeats its texels (clamped) and {from} goes on with its other end (wrapped)", mark=not_clamped, p=(1,),
+          applies="image"),
+    Fault("smear", "{0} alone, where {to} repeats its texels: clamped inside, or at the end of a texture that {from} wraps",
+          applies="image", mark=not_clamped, p=(0,)),
     *(Fault("border", words, where=border, p=p, sided=False) for p, words in ENDS.items()),
-    *(Fault("rest", f"behind the last whole {'group' if tile == 64 else 'tile'} of {tile}: the dispatch is too small", where=behind_tiles,
-            p=(tile,), sided=False) for tile in (8, 16, 32, 64)),
+    *(Fault("rest", f"behind the last whole {word}, where {{to}} has one value: the dispatch is too small", where=behind_tiles, p=(tile,),
+            loses=ends_with_tiles)
+      for tile, word in ((8, "tile of 8"), (16, "tile of 16"), (32, "tile of 32"), (64, "group of 64"))),
     *(Fault("tile_edges", f"at the edges of tiles of {tile} alone", where=tile_edge, p=(tile,), sided=False) for tile in (64, 32, 16, 8)),
-    *(Fault("tiles", f"in whole tiles of {tile}x{tile}", mark=not_tiles, p=(tile,), sided=False, applies=image) for tile in (32, 16, 8)),
-    Fault("clear", "where {from} has one value: {to} lacks a clear, or {from} a draw", mark=cleared),
-    Fault("layer_alone", "in the first layer alone", where=in_layer, p=(0,), applies=layers, sided=False),
-    Fault("layer_alone", "in the last layer alone", where=in_layer, p=(1,), applies=layers, sided=False),
+    *(Fault("tiles", f"in whole tiles of {tile}x{tile}", mark=not_tiles, p=(tile,), sided=False, applies="image") for tile in (32, 16, 8)),
+    Fault("clear", "where {from} has one value, as a clear leaves it: {to} has more drawn there, or lacks the clear", mark=cleared),
+    Fault("layer_alone", "in layer {0} alone", mark=not_in_layer, applies="layers", sided=False),
     Fault("edges", "at edges alone, where {to} lies between its neighbours: {to} is multisampled or filtered, {from} is not",
-          mark=not_antialiased),
-    Fault("alpha_edges", "only where alpha lies between 0 and 1: alpha to coverage, or blending", where=half_covered, applies=alpha),
+          mark=not_antialiased, leaves=0.25, applies="image"),
+    Fault("alpha_edges", "only where alpha lies between 0 and 1 in {from}, and is one of both in {to}: alpha to coverage, or blending",
+          mark=not_tested, applies="alpha"),
 ]
 
 
@@ -837,8 +816,8 @@ def phrase(fault: Fault, p: Any, labels: dict[str, str]) -> str:
                  else f"{abs(step):g} texel{'s' if abs(step) > 1 else ''} in y"
                  for step, axis in zip(p, "xy") if step]
         return "after a shift of " + " and ".join(steps)
-    numbers: list[Any] = [f"{number:.6g}" for number in p]
-    if fault.name == "scale":
+    numbers: list[Any] = [number if isinstance(number, str) else f"{number:.6g}" for number in p]
+    if fault.fills:
         numbers[1] = "the centre" if p[1] else "the corner of " + ("the last row" if p[2] else "row 0")
     text = fault.words
     for key, value in [*labels.items(), *((str(i), number) for i, number in enumerate(numbers))]:
