@@ -31,24 +31,37 @@ says() { # status, or statuses, pattern, arguments...
 
 # ---- Planted faults ---------------------------------------------------------------------------------------------------
 
-for fault in none cull offset uniform clock shader rows; do
-    captured $fault.rdc 3 /usr/bin/python3 -B "$root/tests/app/capture_scene.py" $fault >"$work/output" 2>&1
-    tap_result $? "a program in OpenGL is captured: $fault"
-done
+scene=$root/tests/app/capture_scene.py
+frames() { # folder variable of the driver... -- names of frames
+    mkdir -p "$1" && cd "$1" && env "${@:2}" >"$work/output" 2>&1 && cd ..
+}
 pair() { # number from 0, condition in Python on p, its part of the JSON, and t, which state differs
     cat "$work/said"
-    json_holds all.json "(lambda p: (lambda t: $2)(str(p['captures']['state'])))(d['pairs'][$1])"
+    json_holds all.json "(lambda p: (lambda t, b: ${2%|*})(str(p['captures']['state']), {r['pass'].split('_', 1)[0] + '.' + r['resource']
+        for r in p['results'] if r['verdict'] == 'DIFFERS'}))(d.get('pairs', [d])[$1])"
 }
-says 1 . none.rdc none.rdc cull.rdc offset.rdc uniform.rdc clock.rdc shader.rdc rows.rdc --json all.json >"$work/output"
-tap_result $? "seven captures are compared with the first"
-check "a program agrees with itself" pair 0 'p["agree"] and t == "{}"'
-check "culling is told as state" pair 1 '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"'
-check "... a swapped polygon offset" pair 2 '"against factor 1, units 0.1: factor and units are swapped" in t'
-check "... a uniform, by its name" pair 3 '"exposure: 1 against 1.25" in t and p["guilty"]["pass"] == "02_draw_96x96"'
-check "another moment is told" pair 4 'p["captures"]["moments"]["01_draw_96x96"] == ["iTime: 0.22 against 0.49"]'
-check "... before the passes" grep -Pzq 'not the same moment: iTime: 0.22 .*\n.*\npass ' "$work/said"
-check "a shifted filter is told as a shift" pair 5 '"shift of " in str(p["results"][2]["why"])'
-check "a target that is turned alone is a fault" pair 6 'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in str(p["results"][2]["why"])'
+judged() { # folder of captures, both APIs, "condition|name of the fault"...
+    local i files=("${@:3}")
+    files=("${files[@]/#*|/$1/}")
+    says 1 . none.rdc "${files[@]/%/.rdc}" --json all.json >"$work/output"
+    for i in "${!files[@]}"; do check "$2: ${files[i]##*/}" pair "$i" "${@:i+3:1}"; done
+}
+check "a program in OpenGL is captured" captured once.rdc 3 /usr/bin/python3 -B "$scene"
+check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
+    none cull offset uniform clock shader rows cover covered
+mv gl/*.rdc .
+faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"|cull'
+    '"against factor 0, units 0.5: factor and units are swapped" in t|offset'
+    '"exposure: 1 against 1.25" in t and p["guilty"]["pass"] == "02_draw_96x96"|uniform'
+    'p["captures"]["moments"]["01_draw_96x96"] == ["iTime: 0.22 against 0.49"]|clock' '"shift of " in str(p["results"][2]["why"])|shader'
+    'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in str(p["results"][2]["why"])|rows')
+judged . "OpenGL against OpenGL" "${faults[@]}"
+check "another moment is told before the passes" grep -Pzq 'not the same moment: iTime: 0.22 .*\n.*\npass ' "$work/said"
+says 1 'draw 96x96 first half .* draw 96x96 first half' cover.rdc covered.rdc --json all.json >"$work/output"
+check "targets of all kinds differ where they are wrong: samples, a layer, all layers, a face, a mip, a slice, shared memory" pair 0 \
+    '{"01.color0", "03.color0", "05.color0", "09.color0", "14.color0", "19.color0", "22.color0"} <= b and not b & {"21.color0", "23.color0"}'
+check "... mips that are made, a resolve, an image, buffers that a shader reads and writes" pair 0 \
+    '{"24.color0", "25.color0", "26.picture", "26.Sums", "26.Keys"} <= b and not b & {"02.color0", "08.color0", "13.color0", "18.color0"}'
 check "state stands beside the first difference" says 1 '^beside it, in the state of 00_.*: cull: nocull against back$' \
     none.rdc cull.rdc --save saved --html page
 check "... and on the page" grep -q 'cull: nocull against back' page/index.html
@@ -68,63 +81,33 @@ check "noise of runs is measured" says 1 'depth: breaks its contract in some run
 
 # ---- The same across APIs: Zink draws OpenGL with Vulkan --------------------------------------------------------------
 
-cat >planted.yaml <<'END'
-pipeline: planted
-params: {moved: 0, turned: 0, twice: {value: 1, live: true}}
-images:
-  solid: {format: rgba8, size: [96, 96]}
-  depth: {format: d32f, size: [96, 96]}
-  soft:  {format: rgba8, size: [96, 96]}
-  toned: {format: rgba8, size: [96, 96]}
-samplers: {around: {kind: filter, filter: linear}}
-passes:
-  - {name: base, draw: {vertices: 6}, writes: [solid, depth], shader: base.glsl, blend: over, depth_bias: {slope: 0.5}}
-  - {name: blur, draw: fullscreen, reads: [{name: solid, sampler: around}], writes: [soft], shader: blur.glsl}
-  - {name: tone, draw: fullscreen, reads: [{name: soft, sampler: around}], writes: [toned], shader: tone.glsl, when: twice}
-END
-cat >base.glsl <<'END'
-#ifdef VERTEX
-layout(location = 0) out vec3 colour;
-const vec2 at[6] = vec2[](vec2(-.8, -.7), vec2(.7, -.8), vec2(.1, .8), vec2(-.5, .6), vec2(.4, .5), vec2(.6, -.4));
-void main() { colour = vec3(at[gl_VertexIndex] * .5 + .5, .3); gl_Position = vec4(at[gl_VertexIndex], .4 + .2 * colour.x, 1.0); }
-#else
-layout(location = 0) in vec3 colour;
-void main() { solid = vec4(colour, 0.75); }
-#endif
-END
-place='vec2(gl_FragCoord.x, turned == 1 ? 96.0 - gl_FragCoord.y : gl_FragCoord.y) / 96.0'
-echo "void main() { soft = solid_sample($place + vec2(.3 + float(moved) * 2.0, 20.3) / 96.0); }" >blur.glsl
-echo "void main() { toned = sqrt(soft_sample($place)); }" >tone.glsl
-taken() { # backend file sets...
-    ENABLE_VULKAN_RENDERDOC_CAPTURE=1 "$diptych" render --spec planted.yaml --backend "$1" --capture "$2.rdc" "${@:3}" >>"$work/output" 2>&1
-}
-faults=('p["agree"] and t == "{}"|moved=0' '"depth test: less against greater" in t|passes.base.depth=greater' '"blend: " in t|passes.base.blend=add'
-    '"cull: nocull against back" in t|passes.base.cull=back' '"units 0 against factor 2.5, units 0" in t|passes.base.depth_bias.slope=2.5'
-    '"scissor: whole against (0, 0, 50, 96)" in t|passes.base.scissor=[0,0,50,96]' '"viewport: (0, 0, 96, 96) against (8" in t|passes.base.viewport=[8,0,88,96]'
-    '"linear, clampedge/clampedge against point/point" in t|samplers.around.filter=nearest' '"clampedge against linear/linear, wrap" in t|samplers.around.wrap=repeat'
-    '"8 bits unorm against 16 bits float" in t|images.soft.format=rgba16f' '"shift of 2 texels" in str(p["results"][2]["why"])|moved=1'
-    '"flip in y" in str(p["results"][2]["why"])|turned=1' 'len(p["captures"]["matched"]) == 2|twice=0')
-seed=${SEED:-$RANDOM} most=${DIPTYCH_LONG:+99} # none and a depth test are always drawn, four others by the seed, all in long runs
-mapfile -t drawn < <(RANDOM=$seed; for i in "${!faults[@]}"; do echo "$((i < 2 ? 0 : RANDOM)) $i"; done | sort -n | head -n "${most:-6}" | cut -d' ' -f2)
-if taken gl across && taken zink 0; then
-    echo "# SEED=$seed: faults ${drawn[*]}"
-    for i in "${drawn[@]}"; do taken zink "$i" --set "${faults[i]#*|}"; done
-    says 1 . across.rdc "${drawn[@]/%/.rdc}" --json all.json >"$work/output"
-    for i in "${!drawn[@]}"; do check "OpenGL against Vulkan: ${faults[drawn[i]]#*|}" pair "$i" "${faults[drawn[i]]%|*}"; done
-    check "... a depth test is no shader's fault" says 1 '^alone, .* gl and vk: .* outside the shader; what differs: depth test$' across.rdc 1.rdc
+across=('p["agree"] and t == "{}"|none' '"depth test: less against greater" in t|depth' '"blend: " in t|blend'
+    '"cull: nocull against back" in t|cull' '"factor 0.5, units 0 against factor 0, units 1" in t|offset' '"scissor: whole against (0, 0, 50, 96)" in t|scissor'
+    '"viewport: (0, 0, 96, 96) against (8" in t|viewport' '"clampedge/clampedge against linear/linear, wrap" in t|wrap'
+    '"8 bits unorm against 16 bits float" in t|format' '"shift of 2 texels" in str(p["results"][2]["why"])|shader'
+    '"flip in y" in str(p["results"][2]["why"])|rows' 'len(p["captures"]["matched"]) == 3|pass')
+seed=${SEED:-$RANDOM} most=${DIPTYCH_LONG:+99} # the first two are always drawn, four others by the seed, all in long runs
+mapfile -t drawn < <(RANDOM=$seed; for i in "${!across[@]}"; do echo "$((i < 2 ? 0 : RANDOM)) ${across[i]}"; done | sort -n | head -n "${most:-6}" | cut -d' ' -f2-)
+if frames vk ENABLE_VULKAN_RENDERDOC_CAPTURE=1 GALLIUM_DRIVER=zink /usr/bin/python3 -B "$scene" "${drawn[@]##*|}" cover covered; then
+    echo "# SEED=$seed: faults ${drawn[*]##*|}"
+    judged vk "OpenGL against Vulkan" "${drawn[@]}"
+    says 1 'first half to second half .* draw 96x96 ' cover.rdc vk/cover.rdc vk/covered.rdc --json all.json >"$work/output"
+    tap_result $? "... labels of one side alone part no run"
+    check "... targets of all kinds are equal, but cubes, of which Zink makes 36 layers, and slices before all are drawn" \
+        pair 0 'b <= {"16.color0", "17.color0", "18.color0"} and len(p["captures"]["matched"]) == 24'
+    check "... or differ; the state of draw 38 of 100 is told" pair 1 '"blend: off" in t and "(draw 38 of 100)" in t and
+        {"02.color0", "04.color0", "13.color0", "21.color0", "23.color0", "24.color0", "25.picture", "25.Sums", "25.Keys"} <= b'
+    check "... samples that RenderDoc cannot read are told" grep -q 'vk/cover.rdc: of 1 passes, single samples, .* left out' said
+    check "... a depth test is no shader's fault" says 1 '^alone, .* outside the shader; what differs: depth test$' none.rdc vk/depth.rdc
 else
+    cd "$work" || exit 1
     skip "faults across APIs" "no Zink that RenderDoc captures"
 fi
 
 # ---- What is wrong ----------------------------------------------------------------------------------------------------
 
-head -c 30000 none.rdc >cut.rdc
-/usr/bin/python3 -c '
-import random
-data, pick = bytearray(open("none.rdc", "rb").read()), random.Random(1)
-for _ in range(60):
-    data[pick.randrange(3000, len(data))] ^= pick.randrange(1, 256)
-open("damaged.rdc", "wb").write(data)'
+head -c 30000 once.rdc >cut.rdc
+{ head -c 9000 once.rdc && seq 2000 | head -c 5000 && tail -c +14001 once.rdc; } >damaged.rdc
 check "a capture that is cut off ends with a message" says 2 'error: cut.rdc: ' none.rdc cut.rdc
 check "... and a damaged one" says 2 'error: damaged.rdc: ' none.rdc damaged.rdc
 check "... and a folder beside it" says 2 'captures are compared with captures' none.rdc .
@@ -152,7 +135,10 @@ for name in ("/etc/passwd", "../none.rdc", "below", "below/../own", "./own", "li
 check "a replay that shows another picture proves nothing; one backend alone is blamed" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
 import numpy as np
 from types import SimpleNamespace
+from diptych.rdc.differ import aligned
 from diptych.rdc.guilty import verdict
+assert aligned([[18, 1], [9, 1], [30, 1], [60, 1], [9, 1]], [[9, 2], [9, 1], [60, 1], [30, 1]]) == [(0, 0), (1, 1)]
+assert aligned([[9, 1], [9, 1], [30, 1], [6, 1]], [[18, 1], [30, 1], [6, 1]]) == [(0, 0), (2, 1)]
 ramp = np.linspace(0, 1, 256, dtype="f4").reshape(8, 8, 4)
 def told(gl, vk):  # what both backends leave, of sides that are .2 apart
     sides = [SimpleNamespace(label=label, why="", own=[ramp + own], ours={"gl": [ramp + own + gl], "vk": [ramp + own + vk]},
@@ -165,17 +151,12 @@ for words, gl, vk in (("outside the shader; what differs: cull", 0, 0.001), ("do
 
 # ---- Programs of packages ---------------------------------------------------------------------------------------------
 
-/usr/bin/python3 -c '
-import struct, zlib
-def chunk(kind, data): return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-rows = b"".join(b"\0" + bytes(v for x in range(160) for v in (x, 2 * y, x ^ y)) for y in range(96))
-open("ramp.png", "wb").write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", 160, 96, 8, 2, 0, 0, 0)) +
-                             chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))'
+{ printf 'P6 160 96 255\n' && seq 20000 | head -c 46080; } >ramp.ppm
 film() { # api more...
     local api=$1
     shift
     captured "mpv_$api.rdc" 4 mpv --no-config --vo=gpu-next --gpu-sw --gpu-api="$api" "$@" --image-display-duration=0.2 --no-audio --osc=no \
-        --osd-level=0 --loop=inf --really-quiet --geometry=160x96 ramp.png
+        --osd-level=0 --loop=inf --really-quiet --geometry=160x96 ramp.ppm
 }
 device=$(mpv --vulkan-device=help 2>/dev/null | sed -n "s/^ *'\(llvmpipe[^']*\)'.*/\1/p" | head -n 1)
 if [ -n "$device" ]; then

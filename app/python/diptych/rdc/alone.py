@@ -223,6 +223,8 @@ def factors(item: Any) -> Json | None:
     for prefix, part in (("", item.colorBlend), ("alpha_", item.alphaBlend)):
         for key, value in (("src", part.source), ("dst", part.destination), ("op", part.operation)):
             text = word(value).replace("inv", "one_minus_").replace("alpha", "_alpha").replace("col", "_color")
+            if "factor" in text and item.enabled:
+                raise Untold("it blends with a constant")
             made[prefix + key] = {"reversedsubtract": "reverse_subtract", "minimum": "min", "maximum": "max"}.get(text, text)
         if made[prefix + "op"] in ("min", "max"):
             del made[prefix + "src"], made[prefix + "dst"]

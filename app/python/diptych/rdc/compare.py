@@ -25,6 +25,7 @@ from ..verbs import HERE
 Json = dict[str, Any]
 LIMITS = {resource.RLIMIT_AS: 16 << 30, resource.RLIMIT_CPU: 1800, resource.RLIMIT_FSIZE: 4 << 30}  # of a replay
 SECONDS = 900
+MOST_BESIDE = 8  # texts of state
 READ = ["/usr", "/lib", "/lib64", "/bin", "/etc/vulkan", "/etc/glvnd", "/etc/ld.so.cache", "/etc/alternatives", "/etc/drirc", "/sys"]
 LAVAPIPE = ["/usr/share/vulkan/icd.d/" + name for name in ("lvp_icd.x86_64.json", "lvp_icd.json", "lvp_icd.aarch64.json")]
 LABELS = {"OpenGL": "gl", "Vulkan": "vk"}
@@ -250,10 +251,10 @@ def dump_other(matched: "Matched", folder: str) -> None:
                 dump.add(entry, f"only_in_{dump.side.label}_{item['index']:02d}_{item['kind']}", entry["resource"], "top")
         elif pair.both:
             item, name = first.passes[pair.first], matched.names[pair.first]
-            for place, entries, found in ((f"{name}_inputs", item["inputs"], pair.inputs), (name, item["entries"], pair.contents)):
+            contents = [(*both, pair.turned) for both in pair.contents]
+            for place, entries, found in ((f"{name}_inputs", item["inputs"], pair.inputs), (name, item["entries"], contents)):
                 named = {id(entry): slot for entry, slot in zip(entries, slots(entries))}
-                for entry, other in found:
-                    turned = pair.turned if place == name else entry["turned"] == other["file"] != entry["file"]
+                for entry, other, turned in found:
                     dump.add(other, place, named[id(entry)], origins[turned])
     dump.end()
 
@@ -360,15 +361,18 @@ class Comparison:
         for folder in folders:
             os.mkdir(folder)
         with Replays(self.console, self.confined) as replays:
-            return replays.all(captures, folders, draws or [""] * len(captures))
+            sides = replays.all(captures, folders, draws or [""] * len(captures))
+        for side in sides if not draws else ():
+            side.join(set.intersection(*(other.labels() for other in sides)))
+        return sides
 
     def each_draw(self, sides: list[Side]) -> list[Side]:
         """Replays once more: the draws of one pass."""
         names = pass_names(sides[0].passes)
         for pair in Matcher(*sides).match():
             if pair.both and self.draws in (names[pair.first], names[pair.first].split("_")[0]):
-                wanted = [str(side.passes[at]["index"]) for side, at in zip(sides, (pair.first, pair.second))]
-                return self.replay(wanted, "draws")
+                wanted = [side.passes[at] for side, at in zip(sides, (pair.first, pair.second))]
+                return self.replay([f"{item['first']}-{item['last']}" for item in wanted], "draws")
         self.console.fail(f"--draws {self.draws}: no pass that both have is called so; there are {', '.join(names)}")
 
     def pair_sides(self, first: Side, second: Side, names: list[str]) -> list[Pair]:
@@ -449,8 +453,10 @@ class Comparison:
         with open(self.told, encoding="utf-8") as file:
             told = json.load(file)
         for matched, outcome in zip(self.matched, told.get("pairs", [told])):
-            pass_name = (outcome.get("guilty") or {}).get("pass", "").removesuffix("_inputs")
-            for text in matched.state.get(pass_name, []):
+            blamed = outcome.get("guilty") or {}
+            pass_name = (blamed.get("beyond_noise") or blamed).get("pass", "").removesuffix("_inputs")
+            beside = matched.state.get(pass_name, [])
+            for text in beside[:MOST_BESIDE] + ([f"{len(beside) - MOST_BESIDE} more, above"] if len(beside) > MOST_BESIDE else []):
                 print(f"beside it, in the state of {pass_name}: {printable(text)}")
             if self.save and pass_name in matched.names:
                 matched.save(pass_name, self.save)

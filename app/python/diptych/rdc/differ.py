@@ -3,13 +3,13 @@ the order of rows, and matrices that differ by clip space alone."""
 from __future__ import annotations
 
 import re
-from typing import Any
+from typing import Any, Iterator
 
 import numpy as np
 
 Json = dict[str, Any]
 MOST_TOLD = 6  # uniforms of a pass
-CLOCK = re.compile(r"time|clock|elapsed|ticks?$|frame_?(count|number|index|id)", re.I)
+CLOCK = re.compile(r"time|clock|cycle|elapsed|ticks?$|frame_?(count|number|index|id)", re.I)
 
 
 def number(value: Any) -> str:
@@ -42,6 +42,16 @@ def normal(state: Json, turned: bool, mirrored: bool) -> Json:
         found["front"] = {"ccw": "cw", "cw": "ccw"}[state["front"]]
     if state["cull"] == "nocull":
         del found["front"]
+    return found
+
+
+def other_front(state: Json) -> Json:
+    """The same state, of a program that calls the other side of triangles the front."""
+    found = dict(state)
+    if "front" in state:
+        cull = {"front": "back", "back": "front"}.get(state["cull"], state["cull"])
+        found.update(front={"ccw": "cw", "cw": "ccw"}[state["front"]], cull=cull)
+        found.update({"stencil front": state["stencil back"], "stencil back": state["stencil front"]})
     return found
 
 
@@ -122,30 +132,69 @@ def uniform_differences(first: dict[str, Any], second: dict[str, Any]) -> list[t
 # ---- A pass --------------------------------------------------------------------------------------
 
 
+def aligned(first: list[list[int]], second: list[list[int]]) -> list[tuple[int, int]]:
+    """Draws that belong together. Where one side draws several parts at once, those that begin after as many vertices, up to where the
+    sides are out of step. Quads are too alike to tell."""
+    if len(first) == len(second):
+        return [(at, at) for at in range(len(first))]
+    sizes = [np.prod(counts, 1) for counts in (first, second)]
+    starts = [{int(start): at for at, start in enumerate([0, *np.cumsum(size)])} for size in sizes]
+    places = [(at, starts[1][start]) for start, at in starts[0].items() if start in starts[1]]
+    found: list[tuple[int, int]] = []
+    for (at, other), after in zip(places, places[1:]):
+        if min(after[0] - at, after[1] - other) > 1:
+            break
+        found += [(at, other)] if sizes[0][at] > 6 else []
+    return found
+
+
+def steps(first: Json, second: Json) -> Iterator[tuple[int, Json, Json, bool]]:
+    """Draws with their state on both sides, and whether both were looked at, so that uniforms and samplers are theirs."""
+    sides = [{item["draw"]: item for item in side["states"]} for side in (first, second)]
+    if not all(sides):
+        return
+    for at, other in aligned(first["counts"], second["counts"]):
+        one, two = first["chosen"][at], second["chosen"][other]
+        if min(one, two) < 0:  # too many states
+            continue
+        both = (one, two) == (at, other) and first["counts"][at] == second["counts"][other]
+        yield at, sides[0][one], sides[1][two], both
+
+
 def differences(first: Json, second: Json, turned: bool, across: bool) -> tuple[list[str], list[str]]:
     """What differs, and which of it is a clock. `across`: the sides have different APIs."""
-    texts: dict[str, None] = {}
-    clocks: dict[str, None] = {}
+    texts: list[str] = []
+    moved: list[str] = []
     if first["kind"] != second["kind"]:
-        texts[f"{first['kind']} against {second['kind']}"] = None
+        texts.append(f"{first['kind']} against {second['kind']}")
+    elif first["kind"] == "mips":  # made by one call or by several
+        pass
     elif first["draws"] != second["draws"]:
-        texts[f"{first['draws']} against {second['draws']} draws"] = None
+        texts.append(f"{first['draws']} against {second['draws']} draws")
     elif first["counts"] != second["counts"]:
         at = next(index for index, pair in enumerate(zip(first["counts"], second["counts"])) if pair[0] != pair[1])
-        texts[f"draw {at + 1}: vertices and instances {text_of(first['counts'][at])} against {text_of(second['counts'][at])}"] = None
-    states = first["states"], second["states"]
-    steps = list(zip(*states)) if len(states[0]) == len(states[1]) else [(states[0][-1], states[1][-1])] if all(states) else []
-    told = 0
-    for one, other in steps:
-        found = state_texts(normal(one["state"], False, False), normal(other["state"], turned, across and not turned))
-        found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
-        for name, values in uniform_differences(one["uniforms"], other["uniforms"]):
-            told += f"{name}: {values}" not in texts
-            (clocks if CLOCK.search(name) else texts).setdefault(f"{name}: {values}" if told <= MOST_TOLD else "more uniforms")
-        texts.update(dict.fromkeys(found))
-    if across:
-        return list(texts), list(clocks)
-    for one, other in zip(first["shaders"], second["shaders"]):
+        texts.append(f"draw {at + 1}: vertices and instances {text_of(first['counts'][at])} against {text_of(second['counts'][at])}")
+    draws: dict[str, list[int]] = {}  # that a text is true of
+    clocks: set[str] = set()
+    told: set[str] = set()
+    looked = 0
+    for at, one, other, both in steps(first, second):
+        own, state = normal(one["state"], False, False), normal(other["state"], turned, across and not turned)
+        found = min(state_texts(own, state), state_texts(own, other_front(state)), key=len)
+        if both:
+            looked += 1
+            for name, values in uniform_differences(one["uniforms"], other["uniforms"]):
+                told.add(f"{name}: {values}")
+                found.append(f"{name}: {values}" if len(told) <= MOST_TOLD else "more uniforms")
+                clocks |= {found[-1]} if CLOCK.search(name) else set()
+            found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
+        for text in dict.fromkeys(found):
+            draws.setdefault(text, []).append(at)
+    for text, places in draws.items():
+        more = f" and {len(places) - 1} more" if len(places) > 1 else ""
+        part = f" (draw {places[0] + 1}{more} of {first['draws']})" if len(places) < looked else ""
+        (moved if text in clocks else texts).append(text + part)
+    for one, other in zip(first["shaders"], second["shaders"]) if not across else ():
         if one["file"] != other["file"]:
-            texts[f"{one['stage']} shader: other code, see --save"] = None
-    return list(texts), list(clocks)
+            texts.append(f"{one['stage']} shader: other code, see --save")
+    return texts, moved

@@ -31,9 +31,37 @@ class Side:
     def passes(self) -> list[Json]:
         return [item for item in self.frame["passes"] if item["entries"]]
 
+    def labels(self) -> set[str]:
+        return {name for item in self.frame["passes"] for name in item["where"]}
+
+    def join(self, labels: set[str]) -> None:
+        """Of a run of draws into the same targets, parts that other labels part become one pass."""
+        joined: list[Json] = []
+        before = None
+        for item in self.frame["passes"]:
+            place = item["run"], [name for name in item["where"] if name in labels]
+            if place == before:
+                add_part(joined[-1], item)
+            else:
+                joined.append(item)
+            before = place
+        self.frame["passes"] = joined
+
     def read_small(self) -> None:
         with np.load(os.path.join(self.folder, "small.npz")) as stored:
             self.small = dict(stored)
+
+
+def add_part(whole: Json, part: Json) -> None:
+    """The second is of the same run, and follows."""
+    for state in part["states"]:
+        state["draw"] += whole["draws"]
+    whole["chosen"] += [at + whole["draws"] if at >= 0 else -1 for at in part["chosen"]]
+    names = [item["where"][-1].split(" to ")[end] if item["where"] else "no label" for item, end in ((whole, 0), (part, -1))]
+    whole["where"] = [" to ".join(names)]
+    entries = {(entry["id"], entry.get("mip")): entry for item in (whole, part) for entry in item["entries"]}
+    whole.update({key: whole[key] + part[key] for key in ("draws", "counts", "states", "inputs", "left_out")},
+                 last=part["last"], shaders=part["shaders"], entries=list(entries.values()))
 
 
 @dataclass
@@ -43,7 +71,7 @@ class Pair:
     first: int
     second: int
     contents: list[tuple[Json, Json]] = field(default_factory=list)
-    inputs: list[tuple[Json, Json]] = field(default_factory=list)
+    inputs: list[tuple[Json, Json, bool]] = field(default_factory=list)  # and whether rows are in the opposite order
     turned: bool = False  # rows of the second are in the opposite order
 
     @property
@@ -120,7 +148,7 @@ class Matcher:
         apart = [min(self.distances(*pair)) for pair in pairs]
         colours = [gap for gap, pair in zip(apart, pairs) if numbers_of(pair[0]) == "colour"] or apart  # depth has conventions
         score = len(pairs) / max(map(len, entries)) + 4 * (1 - sum(colours) / len(colours))
-        score += 0.5 * (first["kind"] == second["kind"]) + 0.25 * (first["draws"] == second["draws"])
+        score += 0.5 * (first["kind"] == second["kind"]) + sum(0.25 * (first[key] == second[key]) for key in ("draws", "counts"))
         if first["where"] and second["where"]:
             score += 1.0 if first["where"][-1] == second["where"][-1] else -0.5
         if screens[0] != screens[1]:
@@ -218,5 +246,6 @@ class Matcher:
                 found += [other for one, other in pair_up([entry], second)]
                 taken = next((other for other in found if any(other is item for item in inputs[1])), None)
                 if taken:
-                    pair.inputs.append((entry, taken))
+                    same, turned = self.distances(entry, taken)
+                    pair.inputs.append((entry, taken, entry["kind"] == "image" and same - turned > TURNED))
                     inputs[1] = [other for other in inputs[1] if other is not taken]

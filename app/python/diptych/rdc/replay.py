@@ -1,11 +1,13 @@
-"""Replays a capture of RenderDoc: `python3 -m diptych.rdc.replay CAPTURE FOLDER DRAWS`, a process that `compare` starts, as a rule in a
-sandbox. Leaves FOLDER/frame.json, one raw file per content, and small.npz, small pictures that passes are matched by.
+"""Replays a capture of RenderDoc: `python3 -m diptych.rdc.replay CAPTURE FOLDER DRAWS`, a process that
+`compare` starts, as a rule in a sandbox. Leaves FOLDER/frame.json, one raw file per content, and small.npz,
+small pictures that passes are matched by.
 
-A pass is a run of draws into the same targets, a dispatch, a copy, or a chain of mips. DRAWS is the number of a pass whose draws
-are passes of their own, or empty. RenderDoc replays from the frame's start to each event that is asked for, so a child of this process
-(with a fourth argument) reads the state at each pass, where Mesa draws nothing, and this process stops only where contents are
-about to be overwritten. Cheap frames need no child. A failure is told on stderr; the process then ends with os._exit, since RenderDoc
-hangs in exit."""
+A pass is a run of draws into the same targets, a dispatch, a copy, or a chain of mips; labels of the program
+part a run. DRAWS, like 17-58, are the events of a pass whose draws are passes of their own, or empty.
+RenderDoc replays from the frame's start to each event that is asked for, so a child of this process (with a
+fourth argument) reads state, where Mesa draws nothing, and this process stops only where contents are about
+to be overwritten. Cheap frames need no child. A failure is told on stderr; the process then ends with
+os._exit, since RenderDoc hangs in exit."""
 from __future__ import annotations
 
 import hashlib
@@ -29,7 +31,7 @@ COPIES = FLAGS.Copy | FLAGS.Resolve | FLAGS.GenMips
 SHOWN = FLAGS.Drawcall | FLAGS.Dispatch | FLAGS.Clear | FLAGS.BeginPass | FLAGS.EndPass | COPIES
 NULL = int(rd.ResourceId.Null())
 MOST_BYTES = 1 << 30   # of one content
-MOST_ALL_DRAWS = 64    # draws of a frame, up to which state is read at each
+MOST_LOOKS = 64        # draws of a frame at which state is read, beside the last of each pass
 MOST_STOPS = 8         # with contents that are discarded
 SECONDS_OF_LOOKS = 4.0  # of a processor, above which a child looks
 SECONDS_OF_PROGRESS = 5.0
@@ -69,15 +71,17 @@ class Progress:
 
 
 class Pass:
-    """Events `first` to `last`; `targets`: ids of colours, and of depth at the end; 0: none."""
+    """Events `first` to `last`; `targets`: ids of colours, and of depth at the end; 0: none. `keys`: of each draw, what Calls tells."""
 
-    def __init__(self, number: int, kind: str, targets: tuple[int, ...], where: list[str], action: Any):
-        self.number, self.kind, self.targets, self.where = number, kind, targets, where
+    def __init__(self, run: int, kind: str, targets: tuple[int, ...], where: list[str], action: Any):
+        self.run, self.kind, self.targets, self.where = run, kind, targets, where
         self.first = self.last = action.eventId
         self.draws: list[Any] = []
+        self.keys: list[tuple[int, int]] = []
 
-    def add(self, action: Any) -> None:
+    def add(self, action: Any, keys: tuple[int, int]) -> None:
         self.draws.append(action)
+        self.keys.append(keys)
         self.last = action.eventId
 
 
@@ -85,6 +89,8 @@ def leaves(actions: Any, file: Any, where: list[str]) -> Iterator[tuple[Any, lis
     """Actions with the names of the markers around them."""
     inside = FLAGS.PassBoundary | FLAGS.CmdList | FLAGS.CommandBufferBoundary
     for action in actions:
+        if not action.flags & SHOWN:
+            yield action, where
         if action.children:
             marker = bool(action.flags & FLAGS.PushMarker) and not action.flags & inside
             name = [action.customName or action.GetName(file)] if marker else []
@@ -93,24 +99,64 @@ def leaves(actions: Any, file: Any, where: list[str]) -> Iterator[tuple[Any, lis
             yield action, where
 
 
-def binds_framebuffer(action: Any, file: Any) -> bool:
-    """Whether OpenGL's state of targets was changed since the action before: mips of one texture are passes of their own."""
-    names = (file.chunks[event.chunkIndex].name for event in action.events if event.chunkIndex != rd.APIEvent.NoChunk)
-    return any(name.startswith(("glBindFramebuffer", "glFramebufferTexture", "glNamedFramebufferTexture")) for name in names)
+BINDS_FRAMEBUFFER = ("glBindFramebuffer", "glFramebufferTexture", "glNamedFramebufferTexture")
+PLACES = {"cap", "index", "target", "buf", "drawbuffer", "face", "unit", "texunit", "pname", "sampler", "pipelineBindPoint", "firstSet"}
+# Calls that set no state, and those that set no more than samplers.
+NO_STATE = re.compile("Uniform|Data$|Storage|Image|Mipmap|Vertex|Draw|Clear|Marker|Debug|Label|IndexBuffer|PushConstants|Framebuffer|"
+                      "RenderPass|Barrier|Sync|Wait|Query|Flush|^(?!gl|vkCmd)")
+SAMPLING = re.compile("BindTexture|BindBuffer|DescriptorSets|Sampler|TexParameter|TextureParameter")
+
+
+def bits(item: Any) -> Any:
+    """The value of an argument, to be held against others."""
+    count = item.NumChildren()
+    return tuple(bits(item.GetChild(at)) for at in range(count)) if count else item.data.basic.u
+
+
+class Calls:
+    """What a frame's calls have set: draws of equal state are looked at once."""
+
+    def __init__(self, file: Any):
+        self.file, self.unit = file, 0
+        self.state: dict[Any, Any] = {}
+        self.sampling: dict[Any, Any] = {}
+
+    def add(self, action: Any) -> bool:
+        """Whether the targets of OpenGL were set anew."""
+        bound = False
+        for event in action.events:
+            if event.chunkIndex == rd.APIEvent.NoChunk:
+                continue
+            chunk = self.file.chunks[event.chunkIndex]
+            bound |= chunk.name.startswith(BINDS_FRAMEBUFFER)
+            if chunk.name == "glActiveTexture":
+                self.unit = bits(chunk)
+            elif not NO_STATE.search(chunk.name):
+                sampling = SAMPLING.search(chunk.name)
+                name = chunk.name.replace("Enable", "").replace("Disable", "")
+                arguments = [chunk.GetChild(at) for at in range(chunk.NumChildren())]
+                place = tuple(bits(item) for item in arguments if item.name in PLACES)
+                value = (chunk.name, *map(bits, arguments))
+                (self.sampling if sampling else self.state)[(name, place, sampling and self.unit)] = value
+        return bound
+
+    def keys(self) -> tuple[int, int]:
+        """Of the state, and of what is sampled with it."""
+        return hash(frozenset(self.state.items())), hash(frozenset(self.sampling.items()))
 
 
 class Grouping:
     """Makes passes of actions in order."""
 
-    def __init__(self, frame: "Frame", each_draw: int):
-        self.textures, self.buffers, self.file, self.each_draw = frame.textures, frame.buffers, frame.file, each_draw
+    def __init__(self, frame: "Frame", each_draw: range):
+        self.textures, self.buffers, self.calls, self.each_draw = frame.textures, frame.buffers, Calls(frame.file), each_draw
         # Targets that the action does not tell: of glGenerateMipmap, and what the end of a render pass resolves into.
         self.untold = {use.eventId: number for number, texture in frame.textures.items()
                        for use in frame.control.GetUsage(texture.resourceId)
                        if use.usage in (rd.ResourceUsage.GenMips, rd.ResourceUsage.ResolveDst)}
         self.passes: list[Pass] = []
         self.current: Pass | None = None
-        self.count = 0
+        self.runs = 0
         self.render_pass: tuple[int, ...] | None = None
         self.without_target = 0
         self.bound = False
@@ -120,11 +166,11 @@ class Grouping:
             self.passes.append(self.current)
         self.current = None
 
-    def alone(self, kind: str, targets: tuple[int, ...], where: list[str], action: Any) -> None:
+    def alone(self, kind: str, targets: tuple[int, ...], where: list[str], action: Any, same_run: bool = False) -> None:
         self.close()
-        self.current = Pass(self.count, kind, targets, where, action)
-        self.current.add(action)
-        self.count += 1
+        self.runs += not same_run
+        self.current = Pass(self.runs, kind, targets, where, action)
+        self.current.add(action, self.calls.keys())
 
     def draw(self, action: Any, where: list[str]) -> None:
         targets = (*map(int, action.outputs), int(action.depthOut))
@@ -134,14 +180,11 @@ class Grouping:
             self.without_target += 1
             return
         current = self.current
-        changed = self.bound or not current or (current.kind, current.targets, current.where) != ("draw", targets, where)
-        if changed:
-            self.alone("draw", targets, where, action)
-        elif current and current.number == self.each_draw:
-            self.count -= 1  # a pass of its own, with the number of the whole
-            self.alone("draw", targets, where, action)
-        elif current:
-            current.add(action)
+        same_run = not self.bound and current is not None and (current.kind, current.targets) == ("draw", targets)
+        if current and same_run and current.where == where and action.eventId not in self.each_draw:
+            current.add(action, self.calls.keys())
+        else:
+            self.alone("draw", targets, where, action, same_run)
         self.bound = False
 
     def copy(self, action: Any, where: list[str]) -> None:
@@ -151,7 +194,7 @@ class Grouping:
         mips = bool(action.flags & FLAGS.GenMips) or (source == target and self.textures[target].mips > 1)
         kind = "mips" if mips else "resolve" if action.flags & FLAGS.Resolve else "copy"
         if mips and self.current and (self.current.kind, self.current.targets) == ("mips", (target, NULL)):
-            self.current.add(action)
+            self.current.add(action, self.calls.keys())
         else:
             self.alone(kind, (target, NULL), where, action)
 
@@ -161,8 +204,7 @@ class Grouping:
             self.render_pass = (*map(int, action.outputs), int(action.depthOut))
         if flags & FLAGS.EndPass:
             self.render_pass = None
-        if self.current and self.current.kind == "draw" and binds_framebuffer(action, self.file):
-            self.bound = True
+        self.bound |= self.calls.add(action) and self.current is not None and self.current.kind == "draw"
         cleared = bool(flags & FLAGS.Clear) and self.current and int(action.copyDestination) in self.current.targets
         if flags & (FLAGS.BeginPass | FLAGS.EndPass) or cleared:
             self.close()
@@ -254,9 +296,8 @@ class Frame:
         with open(draft, "wb") as file:
             for raw in self.layers(texture, mip):
                 texels = texels_of(texture.format, raw, width, height, self.gl)
-                if texels is None:
-                    self.notes.append(f"{slot}: no content of the format {texture.format.Name()}, left out")
-                    return None
+                if texels is None:  # of blocks, say: bytes tell whether it is the same
+                    return self.words(b"".join(self.layers(texture, mip)), resource, slot)
                 first = first or texels
                 rows = np.ascontiguousarray(texels.rows)
                 file.write(rows.data)
@@ -278,6 +319,9 @@ class Frame:
     def buffer(self, resource: int, slot: str) -> Json | None:
         buffer = self.buffers[resource]
         data = bytes(self.control.GetBufferData(buffer.resourceId, 0, 0)) if buffer.length <= MOST_BYTES else b""
+        return self.words(data, resource, slot)
+
+    def words(self, data: bytes, resource: int, slot: str) -> Json | None:
         data = data[:len(data) & ~3]
         if not data:
             return None
@@ -358,37 +402,59 @@ class Frame:
                 slot = "depth" if at == len(made.targets) - 1 else f"color{at}"
                 yield slot, resource, mips.get(resource, 0)
 
-    def look(self, made: Pass, index: int, all_draws: bool, known: set[int]) -> Json:
-        """State of a pass, and which contents are to be read; `known`: resources that passes before wrote or read."""
-        states = []
-        for event in [action.eventId for action in made.draws] if all_draws else [made.last]:
-            self.control.SetFrameEvent(event, False)
+    def look(self, made: Pass, index: int, chosen: list[int], known: set[int]) -> Json:
+        """State of a pass, and which contents are to be read; `chosen`: of each draw, that one which is looked at for its state; `known`:
+        resources that passes before wrote or read."""
+        states, wanted, inputs = [], {}, {}  # type: list[Json], dict[tuple[int, int], str], dict[int, str]
+        for at in sorted(set(chosen) - {-1}):
+            self.control.SetFrameEvent(made.draws[at].eventId, False)
             if made.kind in ("draw", "dispatch"):
-                states.append(rdc_state.state_of(self.control, self.gl, made.kind, self.textures))
-        state = self.control.GetPipelineState()
-        bindings = list(rdc_state.bindings(self.control, state, made.kind, self.gl))
-        wanted: dict[tuple[int, int], str] = {}
-        for slot, resource, mip in [*self.targets(made, state), *((name, resource, 0) for name, resource, stores in bindings if stores)]:
-            wanted.setdefault((resource, mip), slot)
+                states.append({"draw": at, **rdc_state.state_of(self.control, self.gl, made.kind, self.textures)})
+            state = self.control.GetPipelineState()
+            bindings = list(rdc_state.bindings(self.control, state, made.kind, self.gl))
+            for slot, resource, mip in [*self.targets(made, state), *((name, item, 0) for name, item, stores in bindings if stores)]:
+                wanted.setdefault((resource, mip), slot)
+            for name, resource, stores in bindings:
+                if not stores and resource in {**self.textures, **self.buffers}:
+                    inputs.setdefault(resource, name)
         known |= {resource for resource, _ in wanted}
-        inputs = {resource: name for name, resource, stores in reversed(bindings)
-                  if not stores and resource not in known and resource in {**self.textures, **self.buffers}}
+        inputs = {resource: name for resource, name in inputs.items() if resource not in known}
         known |= inputs.keys()
         shaders = [{"stage": stage, "entry": entry, "file": self.keep(code, suffix)}
                    for stage, entry, code, suffix in rdc_state.shaders(state, made.kind)]
         counts = [[action.numIndices, action.numInstances] for action in made.draws]
-        return {"index": index, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
-                "draws": len(made.draws), "counts": counts, "states": states, "shaders": shaders, "left_out": [],
+        return {"index": index, "run": made.run, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
+                "draws": len(made.draws), "counts": counts, "states": states, "chosen": chosen, "shaders": shaders, "left_out": [],
                 "entries": [{"id": resource, "mip": mip, "slot": slot} for (resource, mip), slot in wanted.items()],
-                "inputs": [{"id": resource, "mip": 0, "slot": name} for resource, name in reversed(inputs.items())]}
+                "inputs": [{"id": resource, "mip": 0, "slot": name} for resource, name in inputs.items()]}
 
     def look_at(self, passes: list[Pass]) -> list[Json]:
-        all_draws = sum(len(made.draws) for made in passes) <= MOST_ALL_DRAWS
+        chosen = choose(passes)
         progress, known, looked = Progress("passes", len(passes)), set(), []  # type: Progress, set[int], list[Json]
         for index, made in enumerate(passes):
-            looked.append(self.look(made, index, all_draws, known))
+            looked.append(self.look(made, index, chosen[index], known))
             progress.step()
         return looked
+
+
+def choose(passes: list[Pass]) -> list[list[int]]:
+    """Of each draw of each pass, that draw of the pass which is looked at for its state, or -1: the last; then one of each state, then
+    those that sample with other textures, then others, in order."""
+    order, looked = [], [{len(made.draws) - 1} for made in passes]
+    for index, made in enumerate(passes):
+        seen: set[Any] = set()
+        for at, keys in enumerate(made.keys if made.kind in ("draw", "dispatch") else []):
+            order.append((2 - (keys not in seen) - (keys[0] not in seen), at & (at - 1) != 0, index, at))
+            seen |= {keys, keys[0]}
+    for *_, index, at in sorted(order)[:MOST_LOOKS]:
+        looked[index].add(at)
+    chosen = []
+    for made, own in zip(passes, looked):
+        first: dict[int, int] = {}
+        for at in sorted(own):
+            first.setdefault(made.keys[at][0], at)
+        chosen.append([at if at in own else first.get(keys[0], -1) for at, keys in enumerate(made.keys)])
+    return chosen
 
 
 # ---- The process ---------------------------------------------------------------------------------
@@ -429,12 +495,13 @@ def open_capture(path: str, level: Any = rd.ReplayOptimisationLevel.Balanced) ->
 
 def grouped(frame: Frame, each_draw: str) -> tuple[list[Pass], list[str]]:
     """Passes, and what is to be said of them."""
-    grouping = Grouping(frame, int(each_draw or -1))
+    first, last = map(int, each_draw.split("-")) if each_draw else (0, -1)
+    grouping = Grouping(frame, range(first, last + 1))
     for action, where in leaves(frame.control.GetRootActions(), frame.file, []):
         grouping.add(action, where)
     grouping.close()
     notes = [f"{grouping.without_target} draws without a target, left out"] if grouping.without_target else []
-    return [made for made in grouping.passes if not each_draw or made.number == int(each_draw)], notes
+    return [made for made in grouping.passes if not each_draw or first <= made.first <= made.last <= last], notes
 
 
 def look(path: str, folder: str, each_draw: str) -> None:
@@ -463,7 +530,7 @@ def main(path: str, folder: str, each_draw: str, child: str = "") -> None:
     passes, notes = grouped(frame, each_draw)
     begun = time.process_time()
     control.SetFrameEvent(passes[-1].last if passes else 0, False)
-    dear = (time.process_time() - begun) * len(passes) > SECONDS_OF_LOOKS
+    dear = (time.process_time() - begun) * sum(len(set(draws)) for draws in choose(passes)) > SECONDS_OF_LOOKS
     looked = looked_by_child([path, folder, each_draw]) if dear else frame.look_at(passes)
     frame.read(looked)
     np.savez(os.path.join(folder, "small.npz"), **frame.small)

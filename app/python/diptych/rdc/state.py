@@ -101,7 +101,8 @@ def blend(item: Any) -> str:
 
 def stencil(face: Any) -> str:
     operations = map(word, (face.failOperation, face.depthFailOperation, face.passOperation))
-    return f"{word(face.function)} {face.reference} & {face.compareMask:#x}, {'/'.join(operations)}, writes {face.writeMask:#x}"
+    masks = face.compareMask & 0xff, face.writeMask & 0xff
+    return f"{word(face.function)} {face.reference} & {masks[0]:#x}, {'/'.join(operations)}, writes {masks[1]:#x}"
 
 
 def sampler(item: Any, addresses: tuple[Any, ...], texture: Any) -> str:
@@ -121,7 +122,7 @@ def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[t
     for place, resource in placed(state.GetBindpointMapping(stage).readOnlyResources, read):
         if not place.used or not resource.isTexture:
             continue
-        if gl and place.bind < len(own.samplers):
+        if gl and place.bind < len(own.samplers) and int(own.textures[place.bind].resourceId):
             item, seen = own.samplers[place.bind], own.textures[place.bind]
             yield resource, place, int(seen.resourceId), seen, item, (item.addressS, item.addressT)
         elif not gl and place.bindset < len(sets) and place.bind < len(sets[place.bindset].bindings):
@@ -171,7 +172,7 @@ def channels(form: Any) -> str:
 def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Json:
     bound = [*state.GetOutputTargets(), state.GetDepthTarget()]
     sizes = [textures[int(item.resourceId)] for item in bound if int(item.resourceId) in textures]
-    height = max(1, sizes[0].height >> bound[0].firstMip) if sizes else 0
+    height = max(1, sizes[0].height >> max(0, next(item.firstMip for item in bound if int(item.resourceId)))) if sizes else 0
     viewport, scissor = state.GetViewport(0), state.GetScissor(0)
     return {**fixed(control, gl), "height": height, "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
             "scissor": rectangle(scissor) if scissor.enabled else [], "topology": word(state.GetPrimitiveTopology()),
