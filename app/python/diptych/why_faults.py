@@ -531,17 +531,18 @@ def still_ends(pair: Any, axis: int) -> tuple[int, int]:
     return low if low > 2 else 0, high if high < size - 3 else size - 1
 
 
-def goes_round(lines: Array, edge: int) -> bool:
-    """Behind the edge they come again, or there is a seam alone there, and their start follows on their end."""
+def goes_round(lines: Array, edge: int, width: int) -> bool:
+    """Behind the edge they come again after that width alone, or there is a seam, and their start follows on their end."""
     flat, first = np.nan_to_num(lines.mean(2)), edge + 1
     count, behind = flat.shape[1] - first, flat[:, first:]
     same = np.array([np.corrcoef(behind.ravel(), flat[:, first - lag:][:, :count].ravel())[0, 1] for lag in range(1, first)])
-    if ((same > 0.85) & (same > np.minimum.accumulate(np.fmin(same, 1)) + 0.3)).any():
+    again = 1 + np.flatnonzero((same > 0.85) & (same > np.minimum.accumulate(np.fmin(same, 1)) + 0.3))
+    if len(again) and np.abs(again - width).max() <= 2:
         return True
 
     steps = np.abs(np.diff(lines, axis=1)).mean((0, 2))
-    again = min(np.abs(lines[:, 0] - lines[:, other]).mean() for other in (-1, first))
-    return bool(steps[edge] > 1.5 * np.quantile(steps, 0.9) and again <= 0.6 * steps[edge])
+    joint = min(np.abs(lines[:, 0] - lines[:, other]).mean() for other in (-1, first))
+    return bool(steps[edge] > 1.5 * np.quantile(steps, 0.9) and joint <= 0.6 * steps[edge])
 
 
 def not_clamped(pair: Any, p: Any) -> float | None:
@@ -558,7 +559,7 @@ def not_clamped(pair: Any, p: Any) -> float | None:
         for text, edge, there, seen in zip(texts, (low, high), (at < low, at > high), (lines[:, ::-1], lines)):
             if there.mean() > 0.02:
                 words.append(f"{text} {edge}")
-                wraps |= goes_round(seen, len(lines[0]) - 1 - edge if edge == low else edge)
+                wraps |= goes_round(seen, len(lines[0]) - 1 - edge if edge == low else edge, high - low + 1)
     pair.told = (" and ".join(words),)
     share = np.mean(here)
     if not words or share > 0.9 or pair.question.share * np.mean(beyond) < 0.5 * share or wraps < p[0]:
