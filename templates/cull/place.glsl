@@ -1,6 +1,7 @@
 /* Prefix sums of triangle counts: the start of each list, and of each chunk within the list. Lists
  * follow each other as long as there is room; a layer whose lists find no room draws the whole
- * scene, in a separate pass. One invocation per list, then one per layer. */
+ * scene, in a separate pass. One invocation per list and slice of the chunks, then one per layer. */
+shared uint sums[gl_WorkGroupSize.x]; /* slice by slice */
 shared uint totals[128];
 
 uint total_of(int layer)
@@ -11,17 +12,37 @@ uint total_of(int layer)
     return sum;
 }
 
+/* Of the chunks before this slice. */
+uint earlier(int slice, int list)
+{
+    uint sum = 0u;
+    for (int k = 0; k < slice; k++)
+        sum += sums[k * lists + list];
+    return sum;
+}
+
 void main()
 {
+    /* CPU drivers gain nothing by slices, which are read twice. */
+    int slices = gl_WorkGroupSize.x > 128u ? int(gl_WorkGroupSize.x) / lists : 1;
     int lane = int(gl_LocalInvocationIndex);
+    int slice = lane / lists, list = lane % lists;
     uint chunks = groups[0];
-    uint total = 0u;
-    for (uint k = 0u; k < (lane < lists ? chunks : 0u); k++) {
-        uint at = k * uint(lists) + uint(lane);
+    uint share = (chunks + uint(slices) - 1u) / uint(slices);
+    uint begin = uint(slice) * share, end = slice < slices ? min(begin + share, chunks) : 0u;
+    uint sum = 0u;
+    for (uint k = begin; k < (slices > 1 ? end : 0u); k++)
+        sum += counts[k * uint(lists) + uint(list)];
+    sums[lane] = sum;
+    barrier();
+    uint total = earlier(min(slice, slices - 1), list);
+    for (uint k = begin; k < end; k++) {
+        uint at = k * uint(lists) + uint(list);
         places[at] = total;
         total += counts[at];
     }
-    totals[lane] = total;
+    if (slice == slices - 1)
+        totals[list] = total;
     barrier();
     if (lane >= cull_layers)
         return;
