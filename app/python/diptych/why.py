@@ -481,7 +481,8 @@ def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     trial.errors = float(np.median(worst[0][~unknown])), float(np.median(worst[1][~unknown]))
     if trial.faults[0][0].at and (question.box_bits or trial.faults[0][0].names > 1) and varied[~unknown].mean() < 0.5:
         return False  # one value in most of it: any place of the other copy may have it
-    few = FEW if pair.image and not any(fault.map and fault.sided for fault, _ in trial.faults) else 2  # others are their own inverse
+    fixed = any(fault.map and fault.sided and not fault.found for fault, _ in trial.faults)  # not measured, nor its own inverse
+    few = FEW if pair.image and not fixed else 2
     if any(fault.map and not fault.loses for fault, _ in trial.faults) and len(np.unique(rows_of(got[chosen]))) < few:
         return False  # a map is not proved by neighbourhoods
     return is_no_luck(trial, saved, question.box_bits, few) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
