@@ -17,12 +17,13 @@ bool vpls_read(struct vpl_set *set, const char *path, const struct dt_log *log)
     };
     struct npy array;
     const char *reason;
-    set->vpls = npy_read(path, &array, &reason);
-    if (set->vpls)
-        reason = npy_misfit(&array, fields, DT_ARRAY_COUNT(fields));
-    set->count = reason ? 0 : array.count;
-    const float *numbers = (const float *)set->vpls;
-    for (size_t i = 0; !reason && i < array.count * array.numbers; i++)
+    const float *numbers = npy_read(path, &array, &reason);
+    set->vpls = (struct vpl *)numbers;
+    if (!numbers)
+        return report_error(log, "--vpls %s: %s", path, reason);
+    set->count = array.count;
+    reason = npy_misfit(&array, fields, DT_ARRAY_COUNT(fields));
+    for (size_t i = 0; !reason && i < (size_t)array.count * array.numbers; i++)
         reason = isfinite(numbers[i]) ? NULL : "a number is not finite";
     return !reason || report_error(log, "--vpls %s: %s", path, reason);
 }
