@@ -23,7 +23,7 @@ captured() { # file frame command...
 says() { # status, or statuses, pattern, arguments...
     local want=$1 pattern=$2
     shift 2
-    timeout 300 "$diptych" compare "$@" >"$work/said" 2>&1
+    timeout 900 "$diptych" compare "$@" >"$work/said" 2>&1
     local got=$?
     cat "$work/said"
     [[ $want == *$got* ]] && grep -Eq -- "$pattern" "$work/said"
