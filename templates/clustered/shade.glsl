@@ -1,5 +1,4 @@
 /* Irradiance, W/m2, from the VPLs of a pixel's class, with soft visibility by cluster. */
-#include "../shared/estimate.glsl"
 #include "../ssvp/vpl.glsl"
 
 /* Whether the eye sees the receiver, with the map shifted by some texels. `apart`: how far the map's

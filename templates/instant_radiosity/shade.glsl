@@ -1,6 +1,5 @@
 /* Irradiance, W/m2, from all VPLs: sum of Phi / pi cos cos V / d^2. Background pixels have a zero
  * normal, so they get zero. */
-#include "../shared/estimate.glsl"
 #include "../ssvp/vpl.glsl"
 
 void main()

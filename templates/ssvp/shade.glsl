@@ -1,8 +1,6 @@
 /* Irradiance, W/m2, from the VPLs of a pixel's class; each class reads and writes its own pixels,
  * strided (Segovia et al. 2006). Formulae, "Shading": sum of Phi / pi (n_k . w)+ (n . -w)+ V / d^2,
  * times the number of classes. Background pixels have a zero normal, so they get zero. */
-#include "../shared/space.glsl"
-#include "../shared/shadow.glsl"
 #include "vpl.glsl"
 
 /* A receiver, and how it looks up maps. */
@@ -19,14 +17,12 @@ Sight sight_of(ClassVpl v, Receiver r)
 }
 
 /* Whether the map of a VPL's eye lets the receiver see it. `seen`: the map's reach in the direction of
- * the receiver. What hides the eye cannot hide a VPL that is nearer to the receiver than this; but
- * what stands beside it can, so only visibility_behind of that distance counts. And it says little
- * about a VPL that is nearer to the receiver than to its eye. */
+ * the receiver. What hides the eye cannot hide a VPL that is nearer to the receiver than this. And it
+ * says little about a VPL that is nearer to the receiver than to its eye. */
 bool is_open(ClassVpl v, Receiver r, Sight s, float seen)
 {
     vec3 d = r.x - v.position;
-    float behind = visibility_behind * square_to_surface(s, seen);
-    float near = visibility_near > 0.0 ? approximate_max(behind, v.near_square) : 0.0;
+    float near = visibility_near > 0.0 ? approximate_max(square_to_surface(s, seen), v.near_square) : 0.0;
     return is_seen(s, v.tangent, v.bitangent, v.axis, r.n, seen, r.bias) || dot(d, d) < near;
 }
 
@@ -65,7 +61,4 @@ void main()
     /* Half floats end at 65504. */
     if (all(equal(p / pattern_tile, invocation().xy))) /* others repeat the last pixel of the class */
         irradiance_store(p, vec4(min(sum * (float(class_count) / PI), 60000.0), 1.0));
-    vec3 direct = unshadowed_irradiance(r.x, r.n) * light_visibility(r.x, r.n) * (1.0 / PI);
-    if (all(equal(p / pattern_tile, invocation().xy)))
-        sent_store(p, vec4(min(gbuffer_albedo(p).rgb * direct, 60000.0), 1.0));
 }

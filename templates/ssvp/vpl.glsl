@@ -3,7 +3,8 @@
  *
  * No branches: drivers that run on CPUs then keep all values in registers. Cosines stay
  * unnormalised, so that one division serves several. Lower bounds of `closest`, m2, only guard
- * divisions. Includers include shared/estimate.glsl before. */
+ * divisions. */
+#include "../shared/estimate.glsl"
 #include "map.glsl"
 
 /* Geometry term of a VPL, 1/m2, with the receiver at distance d. Point: cos cos / d^2. Disk, on its
