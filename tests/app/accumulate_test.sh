@@ -52,20 +52,13 @@ check "after 16 frames the mean is nearer than a frame" below still.exr still.15
 check "... and no frame alone is" below still.exr still.15.exr 0.75 alone.15.exr
 check "the second frame is between" below still.exr still.01.exr 0.95 alone.01.exr
 
-prepare() {
-    local moving=(--motion "$work/round.yaml")
-    truth round.exr "${moving[@]}" --frame 11 && ours round.%02d.exr "${moving[@]}" &&
-        ours round_alone.%02d.exr "${moving[@]}" --set accumulate=0
+moves() { # motion frame
+    local moving=(--motion "$work/$1.yaml")
+    truth "$1.exr" "${moving[@]}" --frame "$2" && ours "$1.%02d.exr" "${moving[@]}" && ours "$1_alone.%02d.exr" "${moving[@]}" --set accumulate=0
 }
-check "a camera that moves" prepare
+check "a camera that moves" moves round 11
 check "what comes out from behind a box does not smear" below round.exr round.11.exr 0.8 round_alone.11.exr
-
-prepare() {
-    local moving=(--motion "$work/turn.yaml")
-    truth turn.exr "${moving[@]}" --frame 12 && ours turn.%02d.exr "${moving[@]}" &&
-        ours turn_alone.%02d.exr "${moving[@]}" --set accumulate=0
-}
-check "a light that turns" prepare
+check "a light that turns" moves turn 12
 check "the mean follows the light" below turn.exr turn.12.exr 1.2 turn_alone.12.exr
 
 for motion in round turn; do

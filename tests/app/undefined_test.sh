@@ -58,6 +58,15 @@ for sides in gl,vk@llvmpipe vk@llvmpipe,"${strangers[0]:-gl}"; do
     check "$sides: a texel that no pass has written is named" told images "$sides" "$texel" --frames 2
     check "... and a number of a buffer" told buffers "$sides" "$element"
 done
+sanitized() { # backend: no driver shows what is read, since the other content is the same
+    "$diptych" render --spec images.yaml --size 16x16 --frames 2 --backend "$1" --sanitize=content --dump "$1" >found
+    # shellcheck disable=SC2016
+    [ $? = 1 ] && grep -qF 'image_four.glsl:1:56: undefined: texel (3, 0) of `second` was never written in this frame' found &&
+        grep -qF '  pass four, invocation (3, 0, 0), 4 times; first in frame 0' found && [ "$(wc -l <found)" = 2 ]
+}
+for backend in gl vk@llvmpipe; do
+    check "$backend: --sanitize finds it in its line" sanitized "$backend"
+done
 agrees() {
     sed -i 's/if (p.x.*1) //' image_three.glsl
     sed -i 's/if (i != 3) //' three.glsl

@@ -39,34 +39,6 @@ for backend in gl vk@llvmpipe "${strangers[@]}"; do
 done
 [ ${#strangers[@]} -gt 0 ] || skip "another driver finds each undefined operation in its line" "$no_strangers"
 
-# The second of two images that share memory holds equal texels of the first where it was not written: no driver shows it.
-cat >"$work/shares.yaml" <<'END'
-pipeline: shares
-images:
-  first: {format: rgba16f, size: [8, 8]}
-  middle: {format: rgba16f, size: [8, 8]}
-  second: {format: rgba16f, size: [8, 8]}
-  last: {format: rgba16f, size: [8, 8]}
-passes:
-  - {name: one, dispatch: first, writes: [first], shader: one.glsl}
-  - {name: two, dispatch: middle, reads: [first], writes: [middle], shader: two.glsl}
-  - {name: three, dispatch: second, reads: [middle], writes: [second], shader: three.glsl}
-  - {name: four, dispatch: last, reads: [second], writes: [last], shader: four.glsl}
-END
-echo 'void main() { first_store(invocation().xy, vec4(1)); }' >"$work/one.glsl"
-echo 'void main() { middle_store(invocation().xy, first(invocation().xy)); }' >"$work/two.glsl"
-echo 'void main() { ivec2 p = invocation().xy; if (p.y != 5) second_store(p, middle(p)); }' >"$work/three.glsl"
-echo 'void main() { last_store(invocation().xy, second(invocation().xy)); }' >"$work/four.glsl"
-shares() { # backend
-    "$diptych" render --spec "$work/shares.yaml" --size 8x8 --frames 2 --backend "$1" --sanitize=content --dump "$work/shared" >"$work/found"
-    # shellcheck disable=SC2016
-    [ $? = 1 ] && grep -qF 'four.glsl:1:43: undefined: texel (0, 5) of `second` was never written in this frame' "$work/found" &&
-        grep -qF '  pass four, invocation (0, 5, 0), 16 times; first in frame 0' "$work/found" && [ "$(wc -l <"$work/found")" = 2 ]
-}
-for backend in gl vk@llvmpipe; do
-    check "$backend: memory of another resource counts as unwritten" shares "$backend"
-done
-
 # What a vertex shader leaves out, and the fragment shader reads.
 printf '%s\n' 'pipeline: vary' 'images: {picture: {format: rgba32f, size: [8, 8]}}' 'passes:' \
     '  - {name: show, draw: {vertices: 3}, writes: [picture], shader: vary.glsl}' >"$work/vary.yaml"

@@ -133,15 +133,9 @@ static void check_trail(const struct flight *flight, uint32_t frame, float first
 
 static void import_trail(struct dt_vk_runtime *rt, const struct own_image *image)
 {
-    const struct dt_vk_image import = {.image = image->image,
-                                       .format = VK_FORMAT_R32G32B32A32_SFLOAT,
-                                       .usage = VK_IMAGE_USAGE_STORAGE_BIT,
-                                       .width = WIDTH,
-                                       .height = HEIGHT,
-                                       .layers = 1,
-                                       .mips = 1,
-                                       .layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                                       .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    struct dt_vk_image import =
+        import_of(image, VK_FORMAT_R32G32B32A32_SFLOAT, VK_IMAGE_USAGE_STORAGE_BIT, WIDTH);
+    import.layout_before = VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL;
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_TRAIL, &import));
 }
 
@@ -153,14 +147,7 @@ static struct own_image import_output(struct dt_vk_runtime *rt, uint32_t width)
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
     const struct own_image output =
         make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){width, HEIGHT, 1}, 1, usage);
-    const struct dt_vk_image import = {.image = output.image,
-                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
-                                       .usage = usage,
-                                       .width = width,
-                                       .height = HEIGHT,
-                                       .layers = 1,
-                                       .mips = 1,
-                                       .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    const struct dt_vk_image import = import_of(&output, VK_FORMAT_R8G8B8A8_UNORM, usage, width);
     assert_true(dt_vk_import_image(rt, FEATURES_RESOURCE_SHOWN, &import));
     return output;
 }
@@ -403,14 +390,8 @@ static void vulkan_exchanges_imports(void **state)
     const struct own_image output =
         make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
                    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-    struct dt_vk_image import = {.image = output.image,
-                                 .format = VK_FORMAT_R8G8B8A8_UNORM,
-                                 .usage = VK_IMAGE_USAGE_STORAGE_BIT,
-                                 .width = WIDTH,
-                                 .height = HEIGHT,
-                                 .layers = 1,
-                                 .mips = 1,
-                                 .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    struct dt_vk_image import =
+        import_of(&output, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_STORAGE_BIT, WIDTH);
     struct dt_vk_host host = own_host();
     struct dt_vk_runtime *rt = outside.rt = dt_vk_open(&host);
     assert_true(dt_vk_create(rt, &outside_vk));

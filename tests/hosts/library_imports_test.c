@@ -63,14 +63,7 @@ static void vulkan_draws_the_hosts_textures(void **state)
     const struct own_image textures = make_textures(texels);
     const struct own_image color =
         make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1, usage);
-    const struct dt_vk_image target = {.image = color.image,
-                                       .format = VK_FORMAT_R8G8B8A8_UNORM,
-                                       .usage = usage,
-                                       .width = WIDTH,
-                                       .height = HEIGHT,
-                                       .layers = 1,
-                                       .mips = 1,
-                                       .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+    const struct dt_vk_image target = import_of(&color, VK_FORMAT_R8G8B8A8_UNORM, usage, WIDTH);
     struct dt_material *material = (struct dt_material *)((char *)vk.bytes + MATERIALS);
     struct dt_vk_runtime *rt = open_features();
     struct dt_vk_scene scene = vk.scene;

@@ -264,6 +264,19 @@ struct own_image make_image(VkFormat format, VkExtent3D extent, uint32_t layers,
     return own;
 }
 
+struct dt_vk_image import_of(const struct own_image *own, VkFormat format, VkImageUsageFlags usage,
+                             uint32_t width)
+{
+    return (struct dt_vk_image){.image = own->image,
+                                .format = format,
+                                .usage = usage,
+                                .width = width,
+                                .height = HEIGHT,
+                                .layers = 1,
+                                .mips = 1,
+                                .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
+}
+
 void destroy_image(const struct own_image *own)
 {
     vkDestroyImageView(vk.device, own->view, NULL);

@@ -51,6 +51,10 @@ struct own_image create_image(const VkImageCreateInfo *info);
 struct own_image make_image(VkFormat format, VkExtent3D extent, uint32_t layers,
                             VkImageUsageFlags usage);
 void destroy_image(const struct own_image *own);
+
+/* How a host imports an image of one mip and HEIGHT rows, that it copies from after each frame. */
+struct dt_vk_image import_of(const struct own_image *own, VkFormat format, VkImageUsageFlags usage,
+                             uint32_t width);
 void move_image(VkCommandBuffer commands, VkImage image, VkImageLayout from, VkImageLayout to);
 
 /* The pipeline of tests/specs/outside.yaml, and the commands that it is recorded into. */
