@@ -299,6 +299,18 @@ static const struct {
 } capabilities[] = {
     {SpvCapabilityGeometry, "geometryShader"}, /* gl_PrimitiveID in a fragment shader */
     {SpvCapabilityFloat64, "shaderFloat64"},
+    {SpvCapabilityFloat16, "shaderFloat16"},
+    {SpvCapabilityInt64, "shaderInt64"},
+    {SpvCapabilityInt64Atomics, "shaderBufferInt64Atomics"},
+    {SpvCapabilityInt16, "shaderInt16"},
+    {SpvCapabilityInt8, "shaderInt8"},
+    {SpvCapabilityStorageBuffer16BitAccess, "storageBuffer16BitAccess"},
+    {SpvCapabilityUniformAndStorageBuffer16BitAccess, "uniformAndStorageBuffer16BitAccess"},
+    {SpvCapabilityStoragePushConstant16, "storagePushConstant16"},
+    {SpvCapabilityStorageInputOutput16, "storageInputOutput16"},
+    {SpvCapabilityStorageBuffer8BitAccess, "storageBuffer8BitAccess"},
+    {SpvCapabilityUniformAndStorageBuffer8BitAccess, "uniformAndStorageBuffer8BitAccess"},
+    {SpvCapabilityStoragePushConstant8, "storagePushConstant8"},
     {SpvCapabilitySampledCubeArray, "imageCubeArray"},
     {SpvCapabilityImageCubeArray, "imageCubeArray"},
     {SpvCapabilityImageGatherExtended, "shaderImageGatherExtended"},

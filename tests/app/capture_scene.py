@@ -197,6 +197,7 @@ def main() -> None:
         assert end(None, None) == 1 and not gl.glGetError()
         if fault:
             os.rename(f"{fault}_capture.rdc", fault + ".rdc")
+            scene.frame("cover")
         glfw.glfwSwapBuffers(window)
         glfw.glfwPollEvents()
 
