@@ -33,7 +33,7 @@ void vpls_free(struct vpl_set *set)
     free(set->vpls);
 }
 
-/* Geometry term of a disk, 1/m2, as in templates/ssvp/vpl.glsl. */
+/* Geometry term of a disk, 1/m2: that of a point, bounded where the receiver is nearer than the radius. */
 static float geometry_term(const struct vpl *vpl, struct vec3 d, const struct ray_hit *hit,
                            float closest)
 {

@@ -173,8 +173,9 @@ static struct dt_binding binding_of(const struct pipeline *pipeline, const struc
     binding.one_layer = access->layer;
     binding.layer = (uint16_t)access->layer_value;
     binding.layout = access->resource ? layout_in_pass(pass, access->resource) : DT_LAYOUT_READ;
+    binding.codes = access->codes;
     if (texture)
-        binding.sampler = sampler_index(pipeline, access->filter), binding.codes = access->codes;
+        binding.sampler = sampler_index(pipeline, access->filter);
     else
         binding.access = (uint16_t)access->kind;
     return binding;

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "foreign.h"
+#include "leaves.h"
 
 enum {
     TEXEL_MORE = 0xf00,     /* MakeTexelAvailable to VolatileTexel */
@@ -121,7 +122,7 @@ static void share_all(struct spirv_edit *edit)
         const uint32_t *i = from->words + at, *type;
         if (!spirv_is(i, SpvOpVariable))
             continue;
-        type = spirv_definition(from, spirv_pointee(from, i));
+        type = spirv_definition(from, spirv_element_type(from, spirv_pointee(from, i)));
         bool buffer = i[3] == SpvStorageClassStorageBuffer ||
                       spirv_decoration(from, type[1], SpvDecorationBufferBlock) != UINT32_MAX;
         bool image = spirv_is(type, SpvOpTypeImage) && type[7] == 2;

@@ -240,16 +240,10 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
 /* Whether the body has the driver filter or gather, which must decode first. */
 static bool samples(const struct body_files *files)
 {
-    static const char *const words[] = {"texture", "scene_texture"};
-    static const char *const prefixes[] = {"textureLod", "textureGrad", "textureOffset",
-                                           "textureProj", "textureGather"};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
-        if (body_mentions(files, words[i]))
-            return true;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(prefixes); i++)
-        if (body_mentions_prefix(files, prefixes[i]))
-            return true;
-    return false;
+    static const char *const words[] = {"texture", "scene_texture", NULL};
+    static const char *const prefixes[] = {"textureLod",  "textureGrad",   "textureOffset",
+                                           "textureProj", "textureGather", NULL};
+    return body_mentions_any(files, words, prefixes);
 }
 
 /* Which sRGB textures an exact pass reads as codes: those that it fetches, itself or by filter.glsl. */

@@ -16,9 +16,9 @@ struct bind_slot {
 struct bind_request {
     const struct bind_slot *slots;
     uint32_t slot_count;
-    char targets[8];       /* of a draw: letters of what they hold, as in mangled names; 0: none */
+    char targets[8];       /* of a draw: f, i or u, the numbers of each target; 0: no target */
     bool inputs;           /* the stage's inputs get values, too */
-    uint32_t first;        /* of the generator's ids: see join.h */
+    uint32_t first;        /* of the generator's ids: see passes.h */
     const uint32_t *local; /* size of a workgroup; NULL: no compute stage */
 };
 

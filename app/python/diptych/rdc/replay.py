@@ -415,7 +415,7 @@ class Frame:
             for slot, resource, mip in [*self.targets(made, state), *((name, item, 0) for name, item, stores in bindings if stores)]:
                 wanted.setdefault((resource, mip), slot)
             for name, resource, stores in bindings:
-                if not stores and resource in {**self.textures, **self.buffers}:
+                if not stores and (resource in self.textures or resource in self.buffers):
                     inputs.setdefault(resource, name)
         known |= {resource for resource, _ in wanted}
         inputs = {resource: name for resource, name in inputs.items() if resource not in known}
