@@ -419,7 +419,7 @@ class Frame:
                     inputs.setdefault(resource, name)
         known |= {resource for resource, _ in wanted}
         inputs = {resource: name for resource, name in inputs.items() if resource not in known}
-        known |= inputs.keys()
+        known.update(inputs)
         shaders = [{"stage": stage, "entry": entry, "file": self.keep(code, suffix)}
                    for stage, entry, code, suffix in rdc_state.shaders(state, made.kind)]
         counts = [[action.numIndices, action.numInstances] for action in made.draws]
