@@ -409,22 +409,6 @@ static void copy_annotations(struct exact *exact)
     }
 }
 
-/* Marks the arithmetic of the library's code, from `begin` on; its min and max are NMin and NMax. */
-static void mark_code(struct exact *exact, size_t begin)
-{
-    const struct spirv_words *code = &exact->edit.code;
-    for (size_t at = begin; !exact->edit.failed && at < code->count;
-         at += spirv_length(code->data + at)) {
-        uint32_t *i = code->data + at;
-        bool most = spirv_is(i, SpvOpExtInst) && i[4] == GLSLstd450FMax;
-        bool least = spirv_is(i, SpvOpExtInst) && i[4] == GLSLstd450FMin;
-        if (most || least)
-            i[4] = most ? GLSLstd450NMax : GLSLstd450NMin;
-        if (most || least || spirv_is_arithmetic(i))
-            mark(exact, i[2]);
-    }
-}
-
 bool spirv_exact(struct spirv *module)
 {
     struct exact exact = {.from = module, .glsl = spirv_glsl(module)};
@@ -449,8 +433,6 @@ bool spirv_exact(struct spirv *module)
             mark(&exact, instruction[2]);
     }
     ranges_end(&exact.ranges);
-    size_t linked = edit->code.count;
     spirv_link_end(&exact.link);
-    mark_code(&exact, linked);
     return spirv_edit_end(edit, module);
 }

@@ -2,6 +2,7 @@
 #include "link.h"
 
 #include <pthread.h>
+#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdlib.h>
 #include <string.h>
@@ -139,10 +140,28 @@ static void copy_function(struct spirv_link *link, const struct spirv_function *
     }
 }
 
+/* Marks the arithmetic of the library's code, from `begin` on; its min and max are NMin and NMax. */
+static void mark_code(struct spirv_edit *edit, size_t begin)
+{
+    const struct spirv_words *code = &edit->code;
+    for (size_t at = begin; !edit->failed && at < code->count;
+         at += spirv_length(code->data + at)) {
+        uint32_t *i = code->data + at;
+        bool most = spirv_is(i, SpvOpExtInst) && i[4] == GLSLstd450FMax;
+        bool least = spirv_is(i, SpvOpExtInst) && i[4] == GLSLstd450FMin;
+        if (most || least)
+            i[4] = most ? GLSLstd450NMax : GLSLstd450NMin;
+        if (most || least || spirv_is_arithmetic(i))
+            SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, i[2], SpvDecorationNoContraction);
+    }
+}
+
 void spirv_link_end(struct spirv_link *link)
 {
+    size_t begin = link->edit->code.count;
     for (uint32_t i = 0; link->ids && link->wanted && i < link->wanted_count; i++)
         copy_function(link, &library.module.functions[link->wanted[i]]);
+    mark_code(link->edit, begin);
     free(link->ids);
     free(link->wanted);
 }

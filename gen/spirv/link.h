@@ -22,5 +22,5 @@ bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit);
 /* The id, in the module, of the library's function with glslang's mangled name, "exact_pow(f1;f1;".
  * 0: the library has none. */
 uint32_t spirv_link_function(struct spirv_link *link, const char *name);
-/* Copies the functions that were asked for, and those that they call. Frees the link. */
+/* Copies the functions that were asked for, and those that they call, as exact code. Frees the link. */
 void spirv_link_end(struct spirv_link *link);
