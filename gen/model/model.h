@@ -313,7 +313,7 @@ struct pass {
     int frame_binding, live_binding;         /* uniform blocks; every pass has both */
     int textures_binding, materials_binding; /* scene draws; -1: none */
     bool uniform_materials;                  /* plan: materials as a uniform block */
-    bool codes;     /* plan: reads the codes of scene_textures, see panel.h */
+    bool codes;     /* plan and shaders.c: reads the codes of scene_textures, see panel.h */
     uint32_t index; /* in order of execution */
 };
 

@@ -237,21 +237,12 @@ static void plan_bindings(struct pass *pass, struct diag *diag)
     }
 }
 
-/* Whether the body has the driver filter or gather, which must decode first. */
-static bool samples(const struct body_files *files)
-{
-    static const char *const words[] = {"texture", "scene_texture", NULL};
-    static const char *const prefixes[] = {"textureLod",  "textureGrad",   "textureOffset",
-                                           "textureProj", "textureGather", NULL};
-    return body_mentions_any(files, words, prefixes);
-}
-
-/* Which sRGB textures an exact pass reads as codes: those that it fetches, itself or by filter.glsl. */
+/* Which sRGB textures an exact pass can read as codes: those that it fetches, itself or by filter.glsl. Of a pass that has the
+ * driver filter one, which must decode first, shaders.c takes this back. */
 static void plan_codes(const struct model *model, struct pass *pass)
 {
     bool draws = pass->kind != DT_PASS_DISPATCH;
-    pass->codes =
-        model->codes && !pass->fast && pass->files && !pass->files->whole && !samples(pass->files);
+    pass->codes = model->codes && !pass->fast && pass->files && !pass->files->whole;
     for (uint32_t i = 0; i < pass->access_count; i++) {
         struct access *access = &pass->accesses[i];
         const struct resource *image = access->resource;

@@ -217,6 +217,49 @@ static bool compile(struct jobs *jobs, struct shader_cache *cache)
     return good;
 }
 
+/* Whether a shader of the pass has the driver filter texels that the others read as codes. */
+static bool samples_codes(const struct shader_plan *plan, uint32_t index)
+{
+    bool samples = false;
+    for (int i = 0; i < 6; i++) {
+        const struct shader *shader = &plan->shaders[i / 3][index].stage[i % 3];
+        struct spirv module = {0};
+        samples |= shader->words && spirv_open(&module, shader->words, shader->word_count) &&
+                   spirv_samples_codes(&module, plan->model->pipeline.order[index]);
+        spirv_free(&module);
+    }
+    return samples;
+}
+
+/* Compiles the shaders of such a pass again, for a view that decodes. */
+static bool settle_codes(const struct shader_plan *plan, struct shader_cache *cache)
+{
+    bool good = true;
+    for (uint32_t index = 0; index < plan->model->pipeline.pass_count; index++) {
+        struct pass *pass = plan->model->pipeline.order[index];
+        if (!pass->codes || !samples_codes(plan, index))
+            continue;
+        pass->codes = false;
+        for (uint32_t i = 0; i < pass->access_count; i++)
+            pass->accesses[i].codes = false;
+        for (int i = 0; i < 6; i++) {
+            struct job job = {.plan = plan, .pass = pass, .backend = (enum backend)(i / 3)};
+            job.shader = &plan->shaders[i / 3][index].stage[i % 3];
+            if (!job.shader->words)
+                continue;
+            free(job.shader->words);
+            job.shader->words = NULL;
+            job.shader->formats = spirv_formats(pass);
+            shader_hash(job.backend, job.shader);
+            good = good &&
+                   (shader_cache_find(cache, job.shader) || (spirv_init() && compile_again(&job)));
+            if (good)
+                shader_cache_add(cache, job.shader);
+        }
+    }
+    return good;
+}
+
 /* Loops of CPU drivers; OpenGL's shaders that are not their own. */
 static bool derive(const struct shader_plan *plan)
 {
@@ -368,7 +411,7 @@ bool shaders_compile(const struct shader_plan *plans, uint32_t count, struct sha
         good &= compile(&jobs, cache);
     free(jobs.list);
     for (uint32_t i = 0; good && i < count; i++) {
-        good = derive(&plans[i]);
+        good = settle_codes(&plans[i], cache) && derive(&plans[i]);
         if (good)
             check_listed(plans[i].model, plans[i].shaders[BACKEND_VK], plans[i].diag);
     }

@@ -10,3 +10,6 @@ bool spirv_values(struct spirv *module, const struct pass *pass, char **why);
 
 /* A hash of all that spirv_values takes of the pass: equal texts with unequal hashes are not the same shader. */
 uint64_t spirv_formats(const struct pass *pass);
+
+/* Whether a shader has the driver filter or gather texels that the pass would read as codes. */
+bool spirv_samples_codes(const struct spirv *module, const struct pass *pass);

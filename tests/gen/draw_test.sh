@@ -231,6 +231,7 @@ check("bytes", codes("bytes", "B"), [unorm(v, 255) for v in (0.1, 0.3, 0.7, 1.5)
 check("tens", codes("tens", "I"), [unorm(0.1, 1023) | unorm(0.3, 1023) << 10 | unorm(0.7, 1023) << 20 | unorm(0.6, 3) << 30])
 check("eleven", codes("eleven", "I"), [small_float(0.1, 6) | small_float(0.3, 6) << 11 | small_float(0.7, 5) << 22])
 check("coded", codes("coded", "B"), [srgb(0.1), srgb(0.3), srgb(0.002), unorm(0.7, 255)])
+assert all(abs(found - want) < 0.002 for found, want in zip(codes("seen", "f"), (0.1, 0.3, 0.1, 0.3)))
 if sys.argv[2] == "1":
     check("wide", codes("wide", "H"), [unorm(v, 65535) for v in (0.1, 0.3, 0.7, 0.9)])
     check("negative", codes("negative", "h"), [unorm(v, 32767) for v in (0.1, -0.3, 0.7, -2)])
