@@ -13,7 +13,7 @@ import numpy as np
 import renderdoc as rd
 
 from . import state as rdc_state
-from .replay import Frame, leaves, open_capture, run
+from .replay import Frame, leaves, open_file, replayed, run
 from .state import word
 from .texels import four, texels_of
 
@@ -246,7 +246,8 @@ def vertex_shader(read: list[Any], gl: bool, code: bytes) -> str:
 
 
 def main(path: str, folder: str, event: str) -> None:
-    control, driver = open_capture(path)
+    capture = open_file(path)
+    control = replayed(capture)
     actions = {action.eventId: action for action, _ in leaves(control.GetRootActions(), control.GetStructuredFile(), [])}
     made: Json = {"inputs": []}
     try:
@@ -255,7 +256,7 @@ def main(path: str, folder: str, event: str) -> None:
         made["why"] = str(reason)
     np.savez(os.path.join(folder, "small.npz"))
     with open(os.path.join(folder, "frame.json"), "w", encoding="utf-8") as file:
-        json.dump({"api": driver, "passes": [{"entries": [], "shaders": [], **made}]}, file)
+        json.dump({"api": str(capture.DriverName()), "passes": [{"entries": [], "shaders": [], **made}]}, file)
 
 
 if __name__ == "__main__":
