@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum severity { SEVERITY_ERROR, SEVERITY_WARNING, SEVERITY_NOTE };
-static const char *const severity_names[] = {"error", "warning", "note"};
+enum severity { SEVERITY_ERROR, SEVERITY_WARNING, SEVERITY_REMARK, SEVERITY_NOTE };
+static const char *const severity_names[] = {"error", "warning", "remark", "note"};
 
 struct message {
     enum severity severity;
@@ -28,7 +28,7 @@ enum {
 struct diag {
     struct message *messages;
     unsigned count, capacity, errors;
-    unsigned seen[3]; /* by enum severity; those beyond MOST_MESSAGES are not kept */
+    unsigned seen[4]; /* by enum severity; those beyond MOST_MESSAGES are not kept */
     bool failed;      /* out of memory: some message is lost */
     bool hidden;      /* notes of the last error or warning are not kept */
     bool repeats;     /* the last error or warning is a duplicate; its notes may be, too */
@@ -120,6 +120,7 @@ static void add_message(struct diag *diag, enum severity severity, struct loc lo
         diag->head = same ? same->order : diag->count;
     }
     if (same) {
+        diag->seen[severity] -= severity == SEVERITY_REMARK; /* of a body that many passes have */
         diag->hidden = !note && ++same->again >= MOST_USES;
         free(message.text);
         return;
@@ -154,6 +155,14 @@ void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
     add_message(diag, SEVERITY_WARNING, loc, format, arguments);
     va_end(arguments);
     note_includes(diag, loc.source);
+}
+
+void diag_remark(struct diag *diag, struct loc loc, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    add_message(diag, SEVERITY_REMARK, loc, format, arguments);
+    va_end(arguments);
 }
 
 void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
@@ -287,7 +296,7 @@ void diag_print(const struct diag *diag, const char *program, FILE *out)
     struct message *sorted = sort_messages(diag);
     for (unsigned i = 0; sorted && i < diag->count; i++)
         print_diag_message(out, program, &sorted[i]);
-    for (int i = SEVERITY_ERROR; i <= SEVERITY_WARNING; i++)
+    for (int i = SEVERITY_ERROR; i <= SEVERITY_REMARK; i++)
         if (diag->seen[i] > MOST_MESSAGES)
             fprintf(out, "%s: %s: %u more of them are not shown\n", program, severity_names[i],
                     diag->seen[i] - MOST_MESSAGES);

@@ -33,6 +33,9 @@ void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+/* What was decided at a place: neither right nor wrong. */
+void diag_remark(struct diag *diag, struct loc loc, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 /* A note belongs to the message before it. */
 void diag_note(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -62,7 +62,12 @@ static const struct option_row option_rows[] = {
         "flow"),
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
     ROW("--prove", OPTION_FLAG, prove, NULL,
-        "check only, and prove that the pipeline is exact: an error for each operation and input "
+        "check only, and prove that the pipeline is exact: a remark for each operation that a "
+        "driver "
+        "may round as it likes, with the form that has one result, and the values of its operands: "
+        "`library` (the whole function), `constant` (shorter, for a constant operand), `product` "
+        "(with the reciprocal), `instruction` (the driver's own, which those values allow); an "
+        "error for each operation and input "
         "whose bits the standards leave open, and for blending, lines, points and other fixed "
         "functions "
         "of draws, in passes that write a resource whose contract is exact; prints what the proof "
@@ -141,9 +146,9 @@ static bool parse_options(int count, char **words, struct options *options)
 struct generation {
     const struct options *options;
     char *templates, *spec_path;
-    struct spec spec, gpu; /* gpu: `target: auto`, the same planned for GPUs; else empty */
-    size_t gpu_bytes;      /* of both backends' packed shaders in generated C, for GPUs alone */
-    struct diag *diag;
+    struct spec spec, gpu;     /* gpu: `target: auto`, the same planned for GPUs; else empty */
+    size_t gpu_bytes;          /* of both backends' packed shaders in generated C, for GPUs alone */
+    struct diag *diag, *forms; /* forms: remarks of --prove */
     struct output *output;
 };
 
@@ -352,7 +357,7 @@ static enum status generate(struct generation *g)
                                    .sets = options->sets.items,
                                    .set_count = options->sets.count,
                                    .templates = g->templates,
-                                   .prove = options->prove,
+                                   .prove = options->prove ? g->forms : NULL,
                                    .codes = options->codes,
                                    .text = options->out != NULL,
                                    .cache = options->cache};
@@ -379,8 +384,10 @@ static enum status generate(struct generation *g)
     enum status status = options->check || options->prove ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
         print_summary(&g->spec.model.pipeline, g->gpu_bytes);
-    if (status == STATUS_DONE && options->prove)
+    if (status == STATUS_DONE && options->prove) {
+        diag_print(g->forms, command.program, stdout);
         printf("%s\n", prove_assumptions);
+    }
     return status;
 }
 
@@ -422,6 +429,11 @@ static enum status write_json(const struct generation *g, enum status status)
     text_add(&text, "\n  ]");
     if (status == STATUS_DONE)
         add_summary_json(&g->spec.model, &text);
+    if (status == STATUS_DONE && g->options->prove) {
+        text_add(&text, ",\n  \"forms\": [");
+        diag_json(g->forms, &text);
+        text_add(&text, "\n  ]");
+    }
     text_add(&text, "\n}\n");
     if (!output) {
         text_free(&text);
@@ -436,10 +448,12 @@ static enum status write_json(const struct generation *g, enum status status)
 
 static enum status run_options(const struct options *options)
 {
-    struct generation g = {
-        .options = options, .diag = diag_create(), .spec.model.arena = arena_create()};
+    struct generation g = {.options = options,
+                           .diag = diag_create(),
+                           .forms = diag_create(),
+                           .spec.model.arena = arena_create()};
     enum status status = STATUS_FAILED;
-    if (g.diag && g.spec.model.arena) {
+    if (g.diag && g.forms && g.spec.model.arena) {
         g.templates = find_templates(options->templates);
         g.spec_path = find_in(options->spec, g.templates);
     }
@@ -452,6 +466,7 @@ static enum status run_options(const struct options *options)
         fputs("diptych-gen: error: out of memory\n", stderr);
     }
     output_free(g.output);
+    diag_free(g.forms);
     diag_free(g.diag);
     spec_free(&g.gpu);
     spec_free(&g.spec);

@@ -387,7 +387,8 @@ struct model {
     bool codes;                   /* exact passes read the codes of sRGB textures */
     bool exact_twin;              /* of every pass: none is fast */
     bool gpu;                     /* what `target: auto` is: the choices for GPUs */
-    bool prove;                   /* --prove: reports every open operation of exact passes */
+    struct diag *prove;           /* --prove: reports every open operation of exact passes, and
+                                     here the forms of all; NULL: it does not */
     unsigned sanitize;            /* mask of enum sanitize_kind; 0: off */
     struct sanitize_sites *sites; /* sanitize.h */
     struct replaced *replaced;    /* read: a list, or NULL; names in these values count as used */

@@ -243,6 +243,11 @@ const char *spirv_name(const struct spirv *module, uint32_t id)
     return at ? (const char *)(module->words + at + 2) : NULL;
 }
 
+uint32_t spirv_line_file(const struct spirv *module, const uint32_t *line)
+{
+    return (uint32_t)strtoul((const char *)(spirv_definition(module, line[1]) + 2), NULL, 10);
+}
+
 const struct spirv_function *spirv_function_of(const struct spirv *module, uint32_t id)
 {
     const struct spirv_function *function = module->functions;

@@ -80,6 +80,8 @@ bool spirv_is_literal(const uint32_t *instruction, uint32_t word);
 bool spirv_is_arithmetic(const uint32_t *instruction);
 /* The name of an id; NULL: it has none. */
 const char *spirv_name(const struct spirv *module, uint32_t id);
+/* The number of the file that an OpLine names by a string. */
+uint32_t spirv_line_file(const struct spirv *module, const uint32_t *line);
 const struct spirv_function *spirv_function_of(const struct spirv *module, uint32_t id);
 /* The function of that mangled name, as "exact_pow(f1;f1;"; NULL: there is none. */
 const struct spirv_function *spirv_find_function(const struct spirv *module, const char *name);

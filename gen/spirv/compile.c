@@ -68,15 +68,43 @@ static bool sanitize(const struct model *model, const struct pass *pass, struct 
             !sanitize_failed(model));
 }
 
-/* The passes; takes over the module. */
+struct proving {
+    const struct model *model;
+    const struct pass *pass;
+    struct diag *diag;
+    bool numbers;  /* a scene draw leaves numbers and depth: the rasterizer decides edges alone */
+    unsigned open; /* operations to report */
+};
+
+/* The place of an operation; that of the pass's shader for the generator's own text. */
+static struct loc place_of(const struct proving *proving, uint32_t file, uint32_t line)
+{
+    const struct model *model = proving->model;
+    bool known = file && file <= model->glsl_source_count;
+    return known ? (struct loc){model->glsl_sources[file - 1], (int)line, 1, 1}
+                 : proving->pass->shader_loc;
+}
+
+static void tell_form(void *user, uint32_t file, uint32_t line, const char *word, const char *form)
+{
+    const struct proving *proving = user;
+    struct loc loc = place_of(proving, file, line);
+    glsl_find_in_line(&loc, word, strlen(word));
+    if (proving->model->prove)
+        diag_remark(proving->model->prove, loc, "%s: %s", word, form);
+}
+
+/* The passes; takes over the module. proving: is told the forms of operations; NULL: nobody is. */
 static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
-                        struct shader *shader, char **log)
+                        struct shader *shader, struct proving *proving, char **log)
 {
     bool good = sanitize(model, pass, &module) && spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);
-    good = good && (pass->fast || (spirv_values(&module, pass, log) && spirv_exact(&module))) &&
+    good = good &&
+           (pass->fast || (spirv_values(&module, pass, log) &&
+                           spirv_exact(&module, proving ? tell_form : NULL, proving))) &&
            spirv_reach(&module);
     if (good)
         shader->words = spirv_take(&module, &shader->word_count);
@@ -143,12 +171,12 @@ bool spirv_read_text(const struct pass *pass, const struct shader *shader, const
     return words && spirv_read(module, words, count) && spirv_lower_memory(module);
 }
 
-/* The author's module; of a whole shader it is joined by the generator's and bound. */
-static bool compile(const struct model *model, const struct pass *pass, bool lines,
+/* The author's module; of a whole shader it is joined by the generator's and bound. proving: with lines. */
+static bool compile(const struct model *model, const struct pass *pass, struct proving *proving,
                     struct shader *shader, char **log)
 {
     struct spirv module = {0}, more = {0};
-    bool whole = shader->whole.length;
+    bool whole = shader->whole.length, lines = model->sanitize || proving;
     bool good = !whole || whole_read(model, pass, shader, lines, &module, log);
     uint32_t least = good && whole ? module.words[1] : 0;
     good = good && spirv_read_text(pass, shader, shader_code(shader), lines, least,
@@ -157,7 +185,7 @@ static bool compile(const struct model *model, const struct pass *pass, bool lin
         good = whole_bind(pass, shader, &more, &module, log);
     spirv_free(&more);
     if (good)
-        return pass_module(model, pass, module, shader, log);
+        return pass_module(model, pass, module, shader, proving, log);
     spirv_free(&module);
     return false;
 }
@@ -168,7 +196,7 @@ bool spirv_compile(const struct model *model, const struct pass *pass, enum back
     char *unread = NULL;
     bool second =
         model->pipeline.gpu && model->pipeline.automatic; /* the first has the same body */
-    bool good = compile(model, pass, model->sanitize, shader, log ? log : &unread) &&
+    bool good = compile(model, pass, NULL, shader, log ? log : &unread) &&
                 (second || validate(pass, shader, diag));
     free(unread);
     return good && (backend == BACKEND_VK || spirv_make_opengl(pass, shader));
@@ -195,14 +223,6 @@ bool spirv_make_opengl(const struct pass *pass, struct shader *shader)
 
 /* ---- Proof ----------------------------------------------------------------------------------- */
 
-struct proving {
-    const struct model *model;
-    const struct pass *pass;
-    struct diag *diag;
-    bool numbers;  /* a scene draw leaves numbers and depth: the rasterizer decides edges alone */
-    unsigned open; /* operations to report */
-};
-
 static bool draws_numbers(const struct pass *pass)
 {
     for (uint32_t i = 0; i < pass->access_count; i++) {
@@ -224,16 +244,14 @@ static void count_open(void *user, const struct open_operation *operation)
 static void report_open(void *user, const struct open_operation *operation)
 {
     const struct proving *proving = user;
-    const struct model *model = proving->model;
-    if (!model->prove && !operation->wrong)
+    struct loc loc = place_of(proving, operation->file, operation->line);
+    if (!proving->model->prove && !operation->wrong)
         return;
-    if (!operation->file || operation->file > model->glsl_source_count) {
-        diag_error(proving->diag, proving->pass->shader_loc,
-                   "pass %s, in the generated GLSL: `%s` is not exact: %s", proving->pass->name,
-                   operation->word, operation->why);
+    if (loc.source == proving->pass->shader_loc.source) {
+        diag_error(proving->diag, loc, "pass %s, in the generated GLSL: `%s` is not exact: %s",
+                   proving->pass->name, operation->word, operation->why);
         return;
     }
-    struct loc loc = {model->glsl_sources[operation->file - 1], (int)operation->line, 1, 1};
     while (!glsl_find_in_line(&loc, operation->word, strlen(operation->word)) && operation->wrong &&
            loc.line > 1) /* up to where the function begins */
         loc.line--;
@@ -266,9 +284,9 @@ void spirv_prove(const struct model *model, const struct pass *pass, const struc
     char *log = NULL;
     plain.sanitize = 0;
     bool good = prove_words(shader, count_open, &proving);
-    if (good && proving.open) {
+    if (good && (proving.open || model->prove)) {
         lined.words = NULL;
-        good = spirv_init() && compile(&plain, pass, true, &lined, &log) &&
+        good = spirv_init() && compile(&plain, pass, &proving, &lined, &log) &&
                prove_words(&lined, report_open, &proving);
     }
     if (!good)

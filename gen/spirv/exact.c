@@ -10,12 +10,14 @@
  * component. Double precision is left alone: prove.c names it. */
 #include "exact.h"
 
+#include <math.h>
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/text.h"
 #include "link.h"
 #include "prove.h"
 #include "ranges.h"
@@ -45,7 +47,10 @@ struct exact {
     struct spirv_edit edit;
     struct spirv_link link;
     struct ranges ranges;
-    uint32_t glsl; /* id of GLSL.std.450 */
+    uint32_t glsl;        /* id of GLSL.std.450 */
+    const uint32_t *line; /* the last OpLine; NULL: none */
+    tell_form_fn *tell;
+    void *user;
 };
 
 /* ---- Look-ups -------------------------------------------------------------------------------- */
@@ -357,26 +362,36 @@ static bool is_inside(struct exact *exact, const uint32_t *i)
            a.high < (sign ? 2147483648.0F : 4294967296.0F);
 }
 
-/* Writes calls instead of an open operation; false: it stays. */
-static bool replace(struct exact *exact, const uint32_t *instruction)
+static void add_bounds(struct bounds bounds, struct text *out)
 {
-    uint32_t first, own[7];
-    const char *name = replacement_of(exact, instruction, &first);
-    if (is_quotient(exact, instruction, own)) {
-        instruction = own;
-        name = "quotient";
+    bool zero = bounds.minus && bounds.low <= 0 && bounds.high >= 0;
+    if (isinf(bounds.low) && isinf(bounds.high))
+        text_add(out, "any number");
+    else
+        text_add(out, bounds.low == bounds.high ? "%.9g" : "%.9g to %.9g", (double)bounds.low,
+                 (double)bounds.high);
+    text_add(out, "%s%s", zero ? " or -0" : "", bounds.nan ? " or NaN" : "");
+}
+
+/* Tells the form of an operation, whose operands begin at the word `first`. */
+static void tell_form_of(struct exact *exact, const char *word, const char *form, const uint32_t *i,
+                         uint32_t first)
+{
+    struct text text = {0};
+    text_add(&text, "%s, of ", form);
+    for (uint32_t at = first; at < spirv_length(i); at++) {
+        text_add(&text, at > first ? "; " : "");
+        add_bounds(range_of(&exact->ranges, i[at]), &text);
     }
-    if (!name)
-        return put_shift(exact, instruction);
-    if (is_inside(exact, instruction))
-        return false;
-    if (put_extremes(exact, instruction))
-        return true;
-    take_constant_form(exact, &name, &instruction, own);
-    if (put_product(exact, instruction))
-        return true;
-    if (has_short_divisor(exact, instruction))
-        name = "divide_constant";
+    exact->tell(exact->user, exact->line ? spirv_line_file(exact->from, exact->line) : 0,
+                exact->line ? exact->line[2] : 0, word, text.failed ? form : text.data);
+    text_free(&text);
+}
+
+/* Calls the library's function, or that for numbers component by component; false: it has neither. */
+static bool put_calls(struct exact *exact, const uint32_t *instruction, const char *name,
+                      uint32_t first)
+{
     uint32_t function = find_replacement(exact, instruction, name, first, false);
     const uint32_t *type = spirv_definition(exact->from, instruction[1]);
     if (function) {
@@ -389,6 +404,42 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
     if (function)
         put_components(exact, instruction, first, function, type);
     return function;
+}
+
+/* Writes the shortest form of an open operation, and names it; NULL: there is none. */
+static const char *put_form(struct exact *exact, const uint32_t *instruction, const char *word,
+                            uint32_t first)
+{
+    uint32_t own[7];
+    const char *name = word;
+    if (put_extremes(exact, instruction))
+        return "instruction";
+    if (put_product(exact, instruction))
+        return "product";
+    take_constant_form(exact, &name, &instruction, own);
+    if (has_short_divisor(exact, instruction))
+        name = "divide_constant";
+    if (!put_calls(exact, instruction, name, first))
+        return NULL;
+    return name == word ? "library" : "constant";
+}
+
+/* False: the instruction stays. */
+static bool replace(struct exact *exact, const uint32_t *instruction)
+{
+    uint32_t first, own[5];
+    const char *word = replacement_of(exact, instruction, &first);
+    if (is_quotient(exact, instruction, own)) {
+        instruction = own;
+        word = "quotient";
+    }
+    if (!word)
+        return put_shift(exact, instruction);
+    bool stays = is_inside(exact, instruction);
+    const char *form = stays ? "instruction" : put_form(exact, instruction, word, first);
+    if (exact->tell && form && !(stays && !spirv_letter(number_type(exact, instruction[1]))))
+        tell_form_of(exact, word, form, instruction, first);
+    return form && !stays;
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */
@@ -409,9 +460,9 @@ static void copy_annotations(struct exact *exact)
     }
 }
 
-bool spirv_exact(struct spirv *module)
+bool spirv_exact(struct spirv *module, tell_form_fn *tell, void *user)
 {
-    struct exact exact = {.from = module, .glsl = spirv_glsl(module)};
+    struct exact exact = {.from = module, .glsl = spirv_glsl(module), .tell = tell, .user = user};
     struct spirv_edit *edit = &exact.edit;
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&exact.link, edit);
@@ -421,6 +472,8 @@ bool spirv_exact(struct spirv *module)
     SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
     {
         const uint32_t *instruction = module->words + at;
+        if (spirv_is(instruction, SpvOpLine))
+            exact.line = instruction;
         if (begin && at > begin && !spirv_is(instruction, SpvOpLabel) &&
             !spirv_is(instruction, SpvOpVariable)) {
             put_outputs(&exact);

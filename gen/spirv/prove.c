@@ -530,14 +530,6 @@ static void take_decoration(struct proof *proof, const uint32_t *instruction)
         id->builtin = instruction[3] + 1;
 }
 
-/* OpLine: its file is a string that holds the number of a source. */
-static void take_op_line(struct proof *proof, const uint32_t *instruction)
-{
-    const uint32_t *string = proof->module->words + proof->module->definitions[instruction[1]];
-    proof->at.file = (uint32_t)strtoul((const char *)(string + 2), NULL, 10);
-    proof->at.line = instruction[2];
-}
-
 bool prove_module(const struct spirv *module,
                   void (*found)(void *user, const struct open_operation *operation), void *user)
 {
@@ -553,7 +545,8 @@ bool prove_module(const struct spirv *module,
         if (opcode == SpvOpDecorate)
             take_decoration(&proof, instruction);
         else if (opcode == SpvOpLine)
-            take_op_line(&proof, instruction);
+            proof.at = (struct open_operation){.file = spirv_line_file(module, instruction),
+                                               .line = instruction[2]};
         else if (opcode == SpvOpFunction)
             proof.function = instruction[2];
         else if (opcode == SpvOpEntryPoint)

@@ -1,14 +1,19 @@
 /* The scalar functions of templates/glsl/exact.glsl, compiled as C++ and held against the CPU: `/` and
  * sqrt bit by bit, the others by identities; exact_accuracy.py has their errors on devices.
- * DIPTYCH_LONG takes 10^8 pairs. TAP. */
+ * DIPTYCH_LONG takes 10^8 pairs. With a seed: short forms against whole functions, over the ranges that
+ * `diptych-gen --prove` states (prove_test.sh). TAP. */
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <initializer_list>
+#include <iostream>
+#include <string>
 #include <type_traits>
+#include <vector>
 
 typedef uint32_t uint;
 
@@ -382,10 +387,106 @@ bool not_numbers()
            !exact_isinf(3.4e38f) && exact_smoothstep(0.0f, 1.0f, NAN) == 0.0f;
 }
 
+/* ---- Short forms ----------------------------------------------------------------------------- */
+
+/* `LOW to HIGH or -0 or NaN`: the ends, what is next to them, and random numbers between; no denormals. */
+std::vector<float> samples_of(const std::string &text)
+{
+    bool any = text.compare(0, 3, "any") == 0, has_zero = text.find(" or -0") != std::string::npos;
+    size_t to = text.find(" to ");
+    float low = any ? -INFINITY : strtof(text.c_str(), nullptr);
+    float high = any ? INFINITY : to == std::string::npos ? low : strtof(&text[to + 4], nullptr);
+    std::vector<float> found, all = {low, high, 0.0f, -0.0f, 1.0f, -1.0f, FLT_MIN, -FLT_MIN};
+    for (float end : {low, high, 0x1p31f, -0x1p31f, 0x1p32f, INFINITY, -INFINITY})
+        for (float other : {-INFINITY, INFINITY})
+            all.push_back(nextafterf(end, other));
+    for (int i = 0; i < 400; i++)
+        all.push_back(i % 2 ? uintBitsToFloat(random_bits())
+                            : random_in(fmaxf(low, -1e5f), fminf(high, 1e5f)));
+    for (float x : all)
+        if (x >= low && x <= high && normal(x) == x && (x != 0.0f || has_zero || !std::signbit(x)))
+            found.push_back(x);
+    if (text.find(" or NaN") != std::string::npos)
+        found.push_back(NAN);
+    return found;
+}
+
+/* A device's minimum and maximum: a number wins over NaN; of two zeros it takes any. */
+float extreme(float x, float y, bool most, bool first)
+{
+    if (std::isnan(x) || std::isnan(y) || x == y)
+        return std::isnan(x) ? y : std::isnan(y) ? x : first ? x : y;
+    return (x > y) == most ? x : y;
+}
+
+/* Whether an operation's short form, by its name, gives what the whole one does. first: which of two zeros. */
+bool agrees(const std::string &form, float a, float b, float c, bool first)
+{
+    const uint outside = 0x5eed5eedu; /* of what no integer has */
+    if (form == "max: instruction")
+        return same(extreme(a, b, true, first), exact_max(a, b));
+    if (form == "min: instruction")
+        return same(extreme(a, b, false, first), exact_min(a, b));
+    if (form == "clamp: instruction")
+        return same(extreme(extreme(a, b, true, first), c, false, first), exact_clamp(a, b, c));
+    if (form == "max: constant")
+        return same(exact_max_constant(a, b), exact_max(a, b));
+    if (form == "clamp: constant")
+        return same(exact_clamp_constant(a, b, c), exact_clamp(a, b, c));
+    if (form == "divide: constant")
+        return same(exact_divide_constant(a, b), exact_divide(a, b));
+    if (form == "divide: product")
+        return same(normal(normal(a) * (1.0f / b)), exact_divide(a, b));
+    if (form == "to_int: instruction")
+        return (a >= -0x1p31f && a < 0x1p31f ? (uint)(int)a : outside) == (uint)exact_to_int(a);
+    return form == "to_uint: instruction" &&
+           (a > -1.0f && a < 0x1p32f ? (uint)a : outside) == exact_to_uint(a);
+}
+
+/* A line `WORD: FORM, of OPERAND; ...` */
+bool holds(const std::string &line)
+{
+    std::vector<float> samples[3] = {{0.0f}, {0.0f}, {0.0f}};
+    size_t of = line.find(", of "), count = 0;
+    for (size_t at = of + 5, end; at < line.size() && count < 3; at = end + 2) {
+        end = std::min(line.find("; ", at), line.size());
+        samples[count++] = samples_of(line.substr(at, end - at));
+    }
+    const std::string form = line.substr(0, of);
+    if (form == "max: constant" && line[of + 5] != 'a') /* the constant comes last */
+        std::swap(samples[0], samples[1]);
+    for (long i = 0; i < 200000; i++) {
+        float x[3];
+        for (int k = 0; k < 3; k++)
+            x[k] =
+                samples[k][random_bits() % std::min(samples[k].size(), (size_t)(i % 2 ? 20 : 500))];
+        if (!agrees(form, x[0], x[1], x[2], i % 3 == 0)) {
+            printf("# %a %a %a: %s\n", (double)x[0], (double)x[1], (double)x[2], line.c_str());
+            return false;
+        }
+    }
+    return true;
+}
+
+/* Lines from the standard input. */
+int check_forms(uint64_t seed)
+{
+    bool good = true;
+    state += seed;
+    printf("# SEED=%llu\n", (unsigned long long)seed);
+    for (std::string line; std::getline(std::cin, line);)
+        good = holds(line) && good;
+    report(good, "short forms have the bits of the whole functions");
+    printf("1..%d\n", number);
+    return failures != 0;
+}
+
 } // namespace
 
-int main()
+int main(int count, char **words)
 {
+    if (count > 1)
+        return check_forms(strtoull(words[1], nullptr, 10));
     bool all = getenv("DIPTYCH_LONG");
     test_division(all ? 100000000 : 2000000);
     report(identities(), "x / x is 1, mix ends at its ends, fract stays below 1, pow(x, 1) is x");

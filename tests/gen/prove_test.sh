@@ -58,11 +58,21 @@ check "the proof says what it assumes" assumes
 silent() { # for all pipelines that ship
     local spec
     for spec in "$root"/templates/*.yaml; do
-        "$gen" "$spec" --prove --cache "$work/cache" 2>>"$work/said" || return
+        "$gen" "$spec" --prove --cache "$work/cache" >>"$work/forms" 2>>"$work/said" || return
     done
     cat "$work/said" && [ ! -s "$work/said" ]
 }
 check "every pipeline that ships is exact, without a word" silent
+short() { # forms of all pipelines, each once
+    sed -n 's/.*: remark: //p' "$work/forms" | grep -v ': library' | sort -u >"$work/short"
+    [ "$(wc -l <"$work/short")" -gt 30 ] && "$build/tests/exact_arithmetic_test" "${SEED:-$RANDOM}" <"$work/short"
+}
+check "short forms have the bits of whole functions, over the ranges that are stated" short
+same_forms() { # of the last pipeline, as lines and as JSON
+    "$gen" "$spec" --prove --json "$work/proof.json" | sed -n 's/.*: remark: //p' >"$work/lines"
+    /usr/bin/python3 -c 'import json, sys; print(*(form["message"] for form in json.load(sys.stdin)["forms"]), sep="\n")' <"$work/proof.json" | diff - "$work/lines"
+}
+check "... and are the same in JSON" same_forms
 refuses_colour() { # of a scene draw
     ! "$gen" "$root/tests/specs/objects.yaml" --prove 2>"$work/found" && grep 'error: .position. is not exact: interpolation' "$work/found"
 }
