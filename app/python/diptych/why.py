@@ -16,7 +16,7 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from .console import Console
-from .why_faults import AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, TRAITS, Array, Fault, Point, most_of, phrase, rows_of
+from .why_faults import AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, SHOWN_FIRST, TRAITS, Array, Fault, Point, most_of, phrase, rows_of
 
 MOST_SAMPLES, MOST_COUNTED, CHUNK, FEW = 1500, 4 << 20, 1 << 16, 8
 NAME_BITS, NUMBER_BITS, DOUBT_BITS = 9, 20, 16  # of a fault's name, of a number that is measured; what must be earned above both
@@ -32,11 +32,14 @@ KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bit
     "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
     "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}  # as enum number_kind
 
-Box = tuple[tuple[int, int], tuple[int, int], tuple[int, int]]  # from and to of layers, rows, columns
+Chosen = tuple[Fault, tuple[float, ...]]  # a fault and its parameters
+Side = tuple[int, int]  # from and to
+Box = tuple[Side, Side, Side]  # layers, rows, columns
 
 
-def is_integer(kind: str) -> bool:
-    return "int" in kind
+def reals(codes: Array, one: int) -> Array:
+    values = codes.astype(np.float64)
+    return np.maximum(values / one, -1) if one else values
 
 
 # ---- Copies --------------------------------------------------------------------------------------
@@ -48,7 +51,6 @@ class Copy:
     def __init__(self, raw: Array, extent: list[int], stride: int, components: list[dict[str, Any]], is_image: bool):
         self.raw, self.stride, self.components, self.c = raw, stride, components, len(components)
         self.w, self.h, self.d = extent if is_image else [extent[0], 1, 1]
-        self.turn: tuple[float, ...] = (0, 0)  # whether x and y run backwards
         kinds, places = [component["kind"] for component in components], [component["offset"] for component in components]
         types = [KINDS[kind][0] for kind in kinds]
         self.table = np.frombuffer(raw, np.dtype({"names": [f"f{i}" for i in range(self.c)], "formats": types, "offsets": places,
@@ -64,19 +66,15 @@ class Copy:
             values = values >> shift & (1 << bits) - 1
         if self.components[i]["kind"] in ("r11f", "g11f", "b10f"):
             values = (values << 15 - bits).astype("<u2").view("<f2")
-        values = values.astype(np.float64)
-        return np.maximum(values / one, -1) if one else values
+        return reals(values, one)
 
     def values(self, at: Array) -> Array:
         if self.flat is None:
             return np.stack([self.column(at, i) for i in range(self.c)], -1)
-        values = self.flat[at][:, :self.c].astype(np.float64)
-        one = KINDS[self.components[0]["kind"]][3]
-        return np.maximum(values / one, -1) if one else values
+        return reals(self.flat[at][:, :self.c], KINDS[self.components[0]["kind"]][3])
 
     def get(self, z: Array, y: Array, x: Array) -> Array:
         """A row of numbers for each point; outside the copy NaN."""
-        x, y = (size - 1 - at if turn else at for size, at, turn in zip((self.w, self.h), (x, y), self.turn))
         inside = (x >= 0) & (x < self.w) & (y >= 0) & (y < self.h) & (z >= 0) & (z < self.d)
         if inside.all():
             return self.values((z * self.h + y) * self.w + x)
@@ -88,28 +86,37 @@ class Copy:
 class Pair:
     """Both copies, of which `source` is the one that a fault predicts from; what faults may look at."""
 
-    def __init__(self, copies: list[Copy], side: int, relatives: dict[int, Copy], question: Question):
-        self.source, self.target, self.relatives, self.question = copies[side], copies[1 - side], relatives, question
+    def __init__(self, question: Question, side: int, differing: Point, others: Point):
+        self.source, self.target, self.question = question.copies[side], question.copies[1 - side], question
+        self.labels = {"from": question.labels[side], "to": question.labels[1 - side]}
+        self.relatives = {which: copy for (of, which), copy in question.relatives.items() if of == side}
         self.w, self.h, self.d, self.c, self.stride = self.target.w, self.target.h, self.target.d, self.target.c, self.target.stride
-        self.image, self.kind, self.one, self.integer = question.image, question.kind, question.one, is_integer(question.kind)
+        self.image, self.kind, self.one, self.integer = question.image, question.kind, question.one, question.integer
+        self.turns: dict[tuple[float, ...], Pair] = {}
         self.step = 1.01 / self.one if self.one else 1e-6 * question.range if not self.integer else 0
         self.range, self.share, self.get, self.told = question.range, question.share, self.source.get, ()
-        self.hope = 0.  # the error that a promising fault leaves at a glance
-
-    def set_points(self, differing: Point, others: Point) -> None:
+        self.vague = 0.  # how much else may look like the fault that marks a place
         self.differing, self.all = differing, others
         self.differing_from, self.differing_to = self.get(*differing), self.target.get(*differing)
         self.all_from, self.all_to = self.get(*others), self.target.get(*others)
-
-    def other(self) -> Copy:
-        return self.target
+        self.glance: Point = tuple(axis[question.glance] for axis in differing)  # type: ignore[assignment]
+        self.glance_to = self.differing_to[question.glance]
+        error = question.error(self.differing_from[question.glance], self.glance_to).max(1)
+        self.hope = np.median(error) / 5 if len(error) else 0.  # the error that a promising fault leaves at a glance
+        self.tenth = question.tenth(error)
 
     def turned(self, turn: tuple[float, ...]) -> Pair:
         """The same with its source turned."""
-        pair = copy_of(self)
-        pair.source = copy_of(self.source)
-        pair.source.turn, pair.get = turn, pair.source.get
-        return pair
+        if turn not in self.turns:
+            pair = self.turns[turn] = copy_of(self)
+            pair.get = lambda z, y, x: self.get(z, self.h - 1 - y if turn[1] else y, self.w - 1 - x if turn[0] else x)
+            pair.__dict__.pop("closeness", None)
+        return self.turns[turn]
+
+    @cached_property
+    def closeness(self) -> float:
+        """How far `to` follows `from` in any order of channels."""
+        return related(self.get(*self.glance), self.glance_to)[0]
 
     def has(self, trait: str) -> bool:
         return bool(TRAITS[trait](self))
@@ -122,13 +129,13 @@ class Pair:
         return (x * self.stride)[:, None] + np.array([component["offset"] for component in self.target.components[:self.c]])
 
     def words(self, byte: Array) -> Array:
+        """Numbers of 32 bits at any byte; others and what lies outside are NaN."""
         whole = np.frombuffer(self.source.raw[:len(self.source.raw) // 4 * 4], "<u4")
         inside = (byte >= 0) & (byte + 4 <= 4 * len(whole)) & (byte % 4 == 0)
-        bits = whole[np.where(inside, byte // 4, 0)]
-        values = np.stack([bits[:, i].view(KINDS[component["kind"]][0]).astype(np.float64) if KINDS[component["kind"]][2] == 32
-                           else np.full(len(bits), np.nan)
-                           for i, component in enumerate(self.target.components[:self.c])], -1)
-        return np.where(inside, values, np.nan)
+        kinds = [KINDS[component["kind"]] for component in self.target.components[:self.c]]
+        bits = whole[np.where(inside, byte // 4, 0)].T
+        values = np.stack([own.view(kind[0] if kind[2] == 32 else "<f4") for kind, own in zip(kinds, bits)], -1).astype(np.float64)
+        return np.where(inside & [kind[2] == 32 for kind in kinds], values, np.nan)
 
     def transposed(self) -> Array:
         side = 4 if self.c % 16 == 0 else 3 if self.c % 9 == 0 else 1
@@ -142,7 +149,8 @@ class Pair:
     def mask(self) -> Array:
         """Which texels differ beyond the contract, of one layer."""
         found, chosen = np.zeros(self.h * self.w, bool), self.question.chosen
-        found[slice(None) if chosen is None else chosen] = np.concatenate([beyond for _, beyond, _ in self.question.chunks(1)])
+        found[slice(None) if chosen is None else chosen] = np.concatenate([
+            self.question.beyond(self.get(*points), self.target.get(*points)) for _, points in self.question.chunks(1)])
         return found.reshape(self.h, self.w)
 
     def crops(self, most: int) -> tuple[Array, Array]:
@@ -151,13 +159,8 @@ class Pair:
         h, w = (min(high - low, most) for low, high in sides)
         y, x = (a.ravel() for a in np.mgrid[tuple(slice((low + high - n) // 2, (low + high - n) // 2 + n)
                                                   for (low, high), n in zip(sides, (h, w)))])
-        a, b = (np.clip(np.nan_to_num(side.get(0 * x + z, y, x)), -1e6, 1e6).reshape(h, w, self.c) for side in (self.source, self.target))
+        a, b = (np.clip(np.nan_to_num(get(0 * x + z, y, x)), -1e6, 1e6).reshape(h, w, self.c) for get in (self.get, self.target.get))
         return a, b
-
-    def error_crop(self) -> Array:
-        """Of the channel that differs most."""
-        a, b = self.crops(256)
-        return (b - a)[:, :, np.abs(b - a).sum((0, 1)).argmax()]
 
     def peaks(self) -> list[tuple[float, float]]:
         """Steps by which `to` seems moved, by phase and by plain correlation."""
@@ -184,7 +187,8 @@ class Question:
         components, stride, self.image = request["components"], request["stride"], request["image"]
         self.contract, self.labels, self.kind = request["contract"], request["labels"], components[0]["kind"]
         self.bound, self.outliers = request.get("tolerance", 0), request.get("outliers", 0)
-        self.one, self.integers = KINDS[self.kind][3], np.array([is_integer(component["kind"]) for component in components])
+        self.one, self.integers = KINDS[self.kind][3], np.array(["int" in component["kind"] for component in components])
+        self.integer = bool(self.integers[0])
         self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
         w, h, d = self.extent = self.copies[0].w, self.copies[0].h, self.copies[0].d
         self.box, self.box_bits, self.range, self.most = ((0, d), (0, h), (0, w)), 0., 1., MOST_COUNTED
@@ -210,12 +214,8 @@ class Question:
             self.elements = len(self.chosen)
         others = self.some(random, self.elements)
         self.before, self.counted, differing, self.errors = self.sample(random)
-        self.pairs = [Pair(self.copies, side, {which: copy for (of, which), copy in self.relatives.items() if of == side}, self)
-                      for side in (0, 1)]
         self.glance = np.sort(random.permutation(len(differing))[:256])
-        for pair in self.pairs:
-            pair.set_points(self.points(differing), others)
-            pair.hope = np.median(self.error(pair.differing_from, pair.differing_to)[self.glance].max(1)) / 5 if len(differing) else 0.
+        self.pairs = [Pair(self, side, self.points(differing), others) for side in (0, 1)]
         self.first_half = random.permutation(len(differing)) % 2 == 0
         both = self.pairs[0].all_from, self.pairs[0].all_to
         self.broken_before, self.loud_before = self.beyond(*both), self.loud(*both)
@@ -224,9 +224,18 @@ class Question:
                  for i in range(self.copies[0].c if self.image and len(differing) else 0)]
         self.touched = tuple(int(i) for i in np.flatnonzero(wrong)) if not all(wrong) else ()
 
+    @cached_property
+    def solid(self) -> float:
+        """How many neighbours of elements that differ do so, too."""
+        z, y, x = self.pairs[0].differing
+        beside = [(z, np.clip(y + j, 0, self.extent[1] - 1), np.clip(x + i, 0, self.extent[0] - 1))
+                  for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+        return float(np.mean([self.beyond(*(copy.get(*points) for copy in self.copies)).mean() for points in beside]))
+
     def within(self, box: Box, most: int) -> Question:
         """The same of a part, of which so many elements are counted. A box costs bits, as many as it takes to tell it from others."""
         part = copy_of(self)
+        part.__dict__.pop("solid", None)
         part.box, part.most, part.box_bits = box, most, 2 * sum(math.log2(size) for size in self.extent) + math.log2(LOOKS)
         part.look()
         return part
@@ -259,29 +268,23 @@ class Question:
         """The same yardstick before and after: whether a number of each row breaks the contract."""
         kind, bound = self.contract, self.bound
         apart, size = np.abs(want - got), np.fmax(np.abs(want), np.abs(got))
-        wrong = ~(apart <= 0) & ~(want == got) & ~(np.isnan(want) & np.isnan(got))
+        fine = np.zeros(apart.shape, bool)
         if kind == "ulp":
-            far = apart * self.one > bound + 1e-3 if self.one else self.ulps(want, got) > bound
-            exact = self.integers[:want.shape[1]] if bound <= 1 else np.zeros(want.shape[1], bool)
-            wrong &= ~(~far & ~exact)
+            fine = apart * self.one <= bound + 1e-3 if self.one else self.ulps(want, got) <= bound
+            fine &= ~self.integers[:want.shape[1]] | (bound > 1)
         elif kind in ("abs", "image"):
-            wrong &= ~(apart <= bound * (1 + 1e-9))
+            fine = apart <= bound * (1 + 1e-9)
         elif kind == "rel":
-            wrong &= ~(apart <= bound * size)
+            fine = apart <= bound * size
         elif kind == "of_exact":  # a code or step of a small float is nothing
             step = apart * self.one <= 1 + 1e-3 if self.one else (self.ulps(want, got) <= 1) & (self.kind != "float")
-            wrong &= ~((apart <= 2 * bound * np.fmax(size, 1e-3)) | (step & ~self.integers[:want.shape[1]]))
-        return wrong.any(1)
-
-    def allowed(self) -> float:
-        """How many elements may break the contract."""
-        outliers = self.outliers * self.elements
-        return float({"flips": self.bound, "image": outliers, "of_exact": 2 * outliers}.get(self.contract, 0))
+            fine = (apart <= 2 * bound * np.fmax(size, 1e-3)) | (step & ~self.integers[:want.shape[1]])
+        return ~(fine | (want == got) | (np.isnan(want) & np.isnan(got))).all(1)
 
     def loud(self, want: Array, got: Array) -> Array:
         """Where noise lies on all, a fault of a part is still more than that."""
         apart = self.error(want, got)
-        if self.one or is_integer(self.kind):
+        if self.one or self.integer:
             return apart.max(1) * max(self.one, 1) > 1.5
         return (apart > ULP_NOISE.get(self.kind, 4) * self.ulp(want, got)).any(1)
 
@@ -292,7 +295,7 @@ class Question:
 
     def ulps(self, want: Array, got: Array) -> Array:
         """Floats between both; of integers, their distance."""
-        if is_integer(self.kind):
+        if self.integer:
             return np.abs(want - got)
         if self.kind in ("half", "float"):
             float_type, integer, top = (np.float16, np.int16, 0x8000) if self.kind == "half" else (np.float32, np.int32, 1 << 31)
@@ -308,49 +311,47 @@ class Question:
         kinds = {"half": np.float16, "float": np.float32}
         return values.astype(kinds[self.kind]).astype(np.float64) if self.kind in kinds else values
 
-    def hits(self, source: Array, want: Array, got: Array) -> Array:
-        """Where a fault makes the error a tenth, or less than a code."""
-        before, after = self.error(source, got).max(1), self.error(want, got).max(1)
-        return after <= np.fmax(before / 10, 1.01 / self.one if self.one else 0)
+    def tenth(self, error: Array) -> Array:
+        """Of the error, or a code: a fault that leaves less makes good."""
+        return np.fmax(error / 10, 1.01 / self.one if self.one else 0)
 
     def bits(self, error: Array, got: Array) -> Array:
         """What it takes to write the errors of each row down, in the smallest steps of its numbers."""
         size = np.fmax(np.abs(np.nan_to_num(got)), 1e-3 * self.range)
-        unit = 1 / self.one if self.one else 1. if is_integer(self.kind) else size * 2. ** (-1 - FRACTION.get(self.kind, 6))
+        unit = 1 / self.one if self.one else 1. if self.integer else size * 2. ** (-1 - FRACTION.get(self.kind, 6))
         return np.where(error <= 2 * unit, 0, np.log2(1 + error / unit)).sum(1)
 
-    def chunks(self, step: int) -> Iterator[tuple[Array, Array, Array]]:
-        """All elements, one in `step`; whether they are beyond, and by more than rounding."""
+    def chunks(self, step: int) -> Iterator[tuple[Array, Point]]:
+        """All elements, one in `step`."""
         for start in range(0, self.elements, CHUNK * step):
             at = np.arange(start, min(start + CHUNK * step, self.elements), step)
-            points = self.points(at)
-            a, b = (copy.get(*points) for copy in self.copies)
-            yield at, self.beyond(a, b), self.loud(a, b)
+            yield at, self.points(at)
 
     def stride(self) -> int:
         return (self.elements // self.most + 1) | 1
 
     def sample(self, random: Any) -> tuple[int, int, Array, Array]:
         """How many elements are beyond, and beyond noise if these are not too few; a sample of them, and of the errors of all."""
-        sets, count, most = [np.zeros((2, 0))] * 2, 0, 0  # each with a random number, of which the least are kept
-        for at, beyond, loud in self.chunks(self.stride()):
+        kept, count, most = np.zeros((2, 0)), 0, 0  # with random numbers, of which the least are kept: those of noise last
+        for at, points in self.chunks(self.stride()):
+            both = [copy.get(*points) for copy in self.copies]
+            beyond, loud = self.beyond(*both), self.loud(*both)
             count, most = count + int(beyond.sum()), most + int((beyond & loud).sum())
-            for i, chosen in enumerate((beyond & loud, beyond)):
-                more = np.concatenate([sets[i], [random.random(np.count_nonzero(chosen)), at[chosen]]], 1)
-                sets[i] = more[:, np.argsort(more[0])[:MOST_SAMPLES]]
+            kept = np.concatenate([kept, [random.random(np.count_nonzero(beyond)) + ~loud[beyond], at[beyond]]], 1)
+            kept = kept[:, np.argsort(kept[0])[:MOST_SAMPLES]]
         self.are_loud = most >= FEW
         counted = min((most if self.are_loud else count) * self.stride(), self.elements)
         self.share = counted / max(self.elements, 1)
         at = np.arange(0, self.elements, max(1, self.elements // 20000))
         points = self.points(at)
         errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1) if len(at) else np.zeros(1)
-        return min(count * self.stride(), self.elements), counted, np.sort(sets[not self.are_loud][1].astype(int)), errors
+        return min(count * self.stride(), self.elements), counted, np.sort(kept[1, kept[0] < 2 - self.are_loud].astype(int)), errors
 
 
 # ---- Rules of evidence ---------------------------------------------------------------------------
 
 
-def placed_values(faults: list[tuple[Fault, tuple[float, ...]]], pair: Pair, points: Point) -> Array:
+def placed_values(faults: list[Chosen], pair: Pair, points: Point) -> Array:
     """What a fault of place makes, if the first one is such. Outside a picture that was drawn smaller lies one colour."""
     fault, p = faults[0] if faults else (None, ())
     if not fault or not fault.at:
@@ -366,10 +367,11 @@ def placed_values(faults: list[tuple[Fault, tuple[float, ...]]], pair: Pair, poi
 @dataclass
 class Trial:
     """Faults in a row that may explain the pair: of place, of channels, of numbers; and what they leave."""
-    faults: list[tuple[Fault, tuple[float, ...]]]
+    faults: list[Chosen]
     side: int
     only: tuple[int, ...]  # channels that maps change; none: all
     choices: int = 1  # parameters that were tried
+    inside: bool = False  # it holds for the elements alone that differ
     left: float = 1.
     falls: bool = False
     bits: float = math.inf
@@ -383,7 +385,7 @@ class Trial:
     def predict(self, pair: Pair, points: Point) -> Array:
         return self.rest(pair, placed_values(self.faults, pair, points), self.faults)
 
-    def rest(self, pair: Pair, values: Array, faults: list[tuple[Fault, tuple[float, ...]]]) -> Array:
+    def rest(self, pair: Pair, values: Array, faults: list[Chosen]) -> Array:
         known = np.isfinite(values).all(1)
         for fault, p in faults:
             if fault.map is None:
@@ -398,111 +400,135 @@ class Trial:
         return values
 
 
-def falls(before: Array, after: Array, fall: float) -> bool:
-    """The whole distribution of errors is so much less, than that of one value for all, too; none if `before` is empty."""
-    return bool(fall and len(before) and all(np.quantile(after, share) <= np.quantile(before, share) / fall for share in (0.5, 0.99)))
+class Evidence:
+    """What a trial makes of samples: of elements that differ, and of any. Rows that it does not know are left out."""
+
+    def __init__(self, pair: Pair, trial: Trial, want: Array, want_all: Array):
+        question, got = pair.question, pair.differing_to
+        self.pair, self.trial, self.question, self.got = pair, trial, question, got
+        self.known = ~np.isnan(want).all(1)
+        want = np.where(np.isnan(want) & self.known[:, None], got, want)
+        self.before, self.after = question.error(pair.differing_from, got), question.error(want, got)
+        self.worst = [error.max(1) for error in (self.before, self.after)]
+        self.wrong = question.beyond(want, got) & self.known
+        middle = np.median(got, 0)
+        self.constant = np.fmin(self.worst[0], question.error(middle, got).max(1))
+        self.varied = question.loud(middle + 0 * got, got)
+        self.want_all, self.part = want_all, question.box_bits > 0
+        self.fitted = sum(fault.found for fault, _ in trial.faults)
+
+        self.is_fitted_map = any(fault.found and fault.map for fault, _ in trial.faults)
+
+    @cached_property
+    def distinct(self) -> Array:
+        """Of the second half one row of each kind: few distinct values prove little, whatever their number. A fault of place is proved
+        by neighbourhoods, one of numbers by what it makes, or by what it throws away."""
+        pair, chosen = self.pair, ~self.question.first_half & self.known
+        z, y, x = (axis[chosen] for axis in pair.differing)
+        parts = [self.got[chosen]]
+        if self.trial.faults[0][0].at and pair.image:
+            parts += [pair.target.get(z, *place) for place in ((y, np.minimum(x + 1, pair.w - 1)), (np.minimum(y + 1, pair.h - 1), x))]
+        elif any(fault.loses for fault, _ in self.trial.faults):
+            parts.append(pair.get(z, y, x))
+        rows = np.concatenate(parts, 1)
+        if not self.question.integers.any():  # noise makes no kinds
+            step = 1e-3 * np.subtract(*np.quantile(rows, (0.9, 0.1), axis=0)) if len(rows) else np.zeros(1)
+            rows = np.where(step > 0, np.rint(rows / step), rows)
+        _, first = np.unique(rows_of(rows), return_index=True)
+        return np.flatnonzero(chosen)[first]
 
 
-def least_fall(question: Question, trial: Trial) -> float:
-    """By ten; where a number was fitted by more, and codes must be within the contract then. Integers are equal or not."""
-    fitted = any(fault.found and fault.map for fault, _ in trial.faults)
-    return 0 if is_integer(question.kind) or fitted and question.one else 30 if fitted else 10
+def explains(e: Evidence) -> bool:
+    """On both halves, nine tenths are within the contract, or the errors fall."""
+    for rows in (e.question.first_half & e.known, ~e.question.first_half & e.known, e.known):
+        if rows.mean() < 0.1:
+            return False
+        e.trial.left, e.trial.falls = float(e.wrong[rows].mean()), falls(e, rows)
+        if e.trial.left > 0.1 and not e.trial.falls:
+            return False
+    return True
 
 
-def loses_nothing(pair: Pair, trial: Trial, value: Array, target: Array) -> bool:
-    """What a fault throws away is what `to` truly lacks."""
-    return all(fault.loses is None or fault.loses(pair, p, value, target) for fault, p in trial.faults)
-
-
-def distinct(trial: Trial, pair: Pair, points: Point, target: Array, chosen: Array) -> Array:
-    """Of the chosen rows, one of each kind: few distinct values prove little, whatever their number. A fault of place is proved by
-    neighbourhoods, one of numbers by what it makes, or by what it throws away."""
-    z, y, x = (axis[chosen] for axis in points)
-    if trial.faults[0][0].at and pair.image:
-        parts = [target[chosen], pair.target.get(z, y, np.minimum(x + 1, pair.w - 1)), pair.target.get(z, np.minimum(y + 1, pair.h - 1), x)]
-    else:
-        parts = [target[chosen], *([pair.get(z, y, x)] if any(fault.loses for fault, _ in trial.faults) else [])]
-    _, first = np.unique(rows_of(np.concatenate(parts, 1)), return_index=True)
-    return np.flatnonzero(chosen)[first]
-
-
-def is_no_luck(trial: Trial, saved: Array, bits: float, few: int) -> bool:
-    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it; in a part, four times.
-    A few kinds of elements prove nothing."""
-    least = (trial.model_bits() + DOUBT_BITS + bits) * (4 if bits else 1)
-    return bool(np.count_nonzero(saved > 0) >= (2 * FEW if bits else few) and saved.sum() >= least)
-
-
-def is_promising(pair: Pair, want: Array) -> bool:
-    """A glance at few elements: most faults are far off."""
-    question, glance = pair.question, pair.question.glance
-    got = pair.differing_to[glance]
-    unknown = np.isnan(want)
-    known = ~unknown.all(1)
-    if known.mean() < 0.2:
+def falls(e: Evidence, rows: Array) -> bool:
+    """Median and 99th percentile of the errors fall by ten, against those of one value for all, too; where a number was fitted by
+    more, and codes must be within the contract then. Integers are equal or not."""
+    if e.question.integer or not (rows & e.varied).any() or (e.is_fitted_map and e.question.one):
         return False
-    want = np.where(unknown, got, want)
-    after = question.error(want, got).max(1)[known]
-    fall = [2 * np.count_nonzero(after <= share * pair.hope) >= len(after) for share in (1, 4)]
-    return bool(fall[0] or (fall[1] and question.beyond(want, got)[known].mean() <= 0.25))
+    before, after = (np.sort(errors)[[len(errors) // 2, int(0.99 * (len(errors) - 1))]]
+                     for errors in (e.constant[rows & e.varied], e.worst[1][rows]))
+    return bool((after <= before / (30 if e.is_fitted_map else 10)).all())
+
+
+def spoils_nothing(e: Evidence) -> bool:
+    """What is within the contract stays so; a part of the elements that differ says nothing of others."""
+    question, pair = e.question, e.pair
+    lost = np.isnan(e.want_all).any(1)
+    spoilt = question.beyond(e.want_all, pair.all_to) & ~question.broken_before
+    if e.trial.left > 0.1:  # nearer, not equal: what was equal may be off by rounding, too
+        spoilt &= question.error(e.want_all, pair.all_to).max(1) > np.median(e.worst[0]) / 1000
+    spoilt |= question.loud(e.want_all, pair.all_to) & ~question.loud_before
+    e.trial.bits += 100 * np.count_nonzero(spoilt & ~lost)
+    return bool((spoilt & ~lost).mean() <= 0.1 * question.share)
+
+
+def is_varied(e: Evidence) -> bool:
+    """One value in most of it: any place of the other copy may have it. A map is not proved by neighbourhoods."""
+    fault, _ = e.trial.faults[0]
+    if fault.at and (e.part or fault.names > 1) and e.varied[e.known].mean() < 0.5:
+        return False
+    is_map = any(fault.map and not fault.loses for fault, _ in e.trial.faults)
+    return not is_map or len(np.unique(rows_of(e.got[e.distinct]))) >= least_kinds(e)
+
+
+def least_kinds(e: Evidence) -> int:
+    """A few kinds of elements prove nothing, but where the fault is neither measured nor its own inverse."""
+    fixed = any(fault.map and fault.sided and not fault.found for fault, _ in e.trial.faults)
+    return FEW if e.pair.image and not fixed else 2
+
+
+def is_no_luck(e: Evidence) -> bool:
+    """What the fault saves, on elements on which it was not found, is more than what it takes to describe it; in a part, four times."""
+    question, part, chosen = e.question, e.part or e.trial.inside, e.distinct
+    saved = (question.bits(e.before, e.got) - question.bits(e.after, e.got))[chosen]
+    least = (e.trial.model_bits() + DOUBT_BITS + question.box_bits) * (4 if part else 1)
+    return bool(np.count_nonzero(saved > 0) >= (2 * FEW if part else least_kinds(e)) and saved.sum() >= least)
+
+
+def loses_nothing(e: Evidence) -> bool:
+    """What a fault throws away is what `to` truly lacks."""
+    return all(fault.loses is None or fault.loses(e.pair, p, e.pair.all_from, e.pair.all_to) for fault, p in e.trial.faults)
+
+
+def is_solid(e: Evidence) -> bool:
+    """A fault that holds where they differ alone, as in one object: they lie side by side, and one number at most is measured. In a
+    part it shows what to look for."""
+    return e.part or (e.fitted < 2 and e.question.solid > 0.6)
 
 
 def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
     """All rules, on samples. Fills what the trial leaves."""
-    question, got = pair.question, pair.differing_to
-    unknown = np.isnan(want).all(1)
-    if unknown.mean() > 0.75:
+    e = Evidence(pair, trial, want, want_all)
+    if not explains(e):
         return False
-    missing = np.isnan(want) & ~unknown[:, None]
-    want = np.where(missing, got, want)
-    before, after = question.error(pair.differing_from, got), question.error(want, got)
-    wrong = question.beyond(want, got) & ~unknown
-    worst = [error.max(1) for error in (before, after)]
-    middle = np.median(got, 0)
-    constant, varied = np.fmin(worst[0], question.error(middle, got).max(1)), question.loud(middle + 0 * got, got)
-    for rows in (question.first_half & ~unknown, ~question.first_half & ~unknown, ~unknown):
-        if not rows.any():
-            return False
-        trial.left, trial.falls = float(wrong[rows].mean()), falls(constant[rows & varied], worst[1][rows], least_fall(question, trial))
-        if trial.left > 0.1 and not trial.falls:  # at least nine tenths are within the contract, or the errors fall
-            return False
-    lost = np.isnan(want_all).any(1)
-    broken = question.beyond(want_all, pair.all_to) & ~question.broken_before & ~lost
-    if trial.left > 0.1:  # nearer, not equal: what was equal may be off by rounding, too
-        broken &= question.error(want_all, pair.all_to).max(1) > np.median(worst[0]) / 1000
-    broken |= question.loud(want_all, pair.all_to) & ~question.loud_before & ~lost
-    if broken.mean() > 0.1 * question.share:
-        return False
-    chosen = distinct(trial, pair, pair.differing, got, ~question.first_half & ~unknown)
-    saved = (question.bits(before, got) - question.bits(after, got))[chosen]
-    fitted = sum(fault.found for fault, _ in trial.faults)
-    residual = float(question.bits(np.where(unknown[:, None], before, after), got).sum())
-    trial.bits = residual * (1 + 0.1 * fitted) + trial.model_bits() + 100 * broken.sum()
-    trial.errors = float(np.median(worst[0][~unknown])), float(np.median(worst[1][~unknown]))
-    if trial.faults[0][0].at and (question.box_bits or trial.faults[0][0].names > 1) and varied[~unknown].mean() < 0.5:
-        return False  # one value in most of it: any place of the other copy may have it
-    fixed = any(fault.map and fault.sided and not fault.found for fault, _ in trial.faults)  # not measured, nor its own inverse
-    few = FEW if pair.image and not fixed else 2
-    if any(fault.map and not fault.loses for fault, _ in trial.faults) and len(np.unique(rows_of(got[chosen]))) < few:
-        return False  # a map is not proved by neighbourhoods
-    return is_no_luck(trial, saved, question.box_bits, few) and loses_nothing(pair, trial, pair.all_from, pair.all_to)
+    residual = float(pair.question.bits(np.where(e.known[:, None], e.after, e.before), e.got).sum())
+    trial.bits = residual * (1 + 0.1 * e.fitted) + trial.model_bits()
+    trial.errors = float(np.median(e.worst[0][e.known])), float(np.median(e.worst[1][e.known]))
+    trial.inside = not spoils_nothing(e)
+    return (not trial.inside or is_solid(e)) and is_varied(e) and is_no_luck(e) and loses_nothing(e)
 
 
 def noise_of(question: Question) -> str | None:
     """A few ulp or codes, of both signs: rounding, never a cause."""
     pair = question.pairs[0]
     a, b = pair.differing_from, pair.differing_to
-    if is_integer(question.kind) or len(a) < 2 or not np.isfinite(a).all() or not np.isfinite(b).all():
+    if question.integer or len(a) < 2 or not np.isfinite(a).all() or not np.isfinite(b).all():
         return None
     error = b - a
-    up = float((error[error != 0] > 0).mean())
-    if question.one:
-        most, unit = float(np.abs(error).max() * question.one), "code"
-        small = most <= 2.01
-    else:
-        most, unit = float(np.quantile((np.abs(error) / question.ulp(a, b)).max(1), 0.99)), "ulp"
-        small = most <= ULP_NOISE.get(question.kind, 4)
-    if not small or not (0.1 <= up <= 0.9 or most <= 4):
+    up, sizes = float((error[error != 0] > 0).mean()), np.abs(error).max(1) * question.one
+    if not question.one:
+        sizes = np.sort((np.abs(error) / question.ulp(a, b)).max(1))[:math.ceil(0.99 * len(a))]
+    most, unit = float(sizes.max()), "code" if question.one else "ulp"
+    if most > (2.01 if question.one else ULP_NOISE.get(question.kind, 4)) or not (0.1 <= up <= 0.9 or most <= 4):
         return None
     count = max(1, round(most))
     return f"rounding noise of {count} {unit}{'s' if unit == 'code' and count > 1 else ''}; no systematic cause"
@@ -511,44 +537,37 @@ def noise_of(question: Question) -> str | None:
 # ---- Search --------------------------------------------------------------------------------------
 
 
-def ranks(values: Array) -> Array:
-    """Of each column, without its mean, of length 1. Equal numbers have one rank."""
-    order = np.stack([np.searchsorted(column, own) + np.searchsorted(column, own, "right")
-                      for column, own in zip(np.sort(values, 0).T, values.T)], 1).astype(float)
-    order -= order.mean(0)
-    return order / np.maximum(np.sqrt((order ** 2).sum(0)), 1e-9)
+def ties(values: Array, target: Array) -> Array:
+    """How far each channel of `to`, in rows, follows each of `from` in order, whatever map is between: correlations of ranks."""
+    known, ranks = np.isfinite(values).all(1) & np.isfinite(target).all(1), []
+    if known.sum() < 32:
+        return np.zeros((target.shape[1], values.shape[1]))
+    for own in (target[known], values[known]):
+        order = np.stack([np.searchsorted(column, numbers) + np.searchsorted(column, numbers, "right")
+                          for column, numbers in zip(np.sort(own, 0).T, own.T)], 1).astype(float)
+        order -= order.mean(0)
+        ranks.append(order / np.maximum(np.sqrt((order ** 2).sum(0)), 1e-9))
+    return ranks[0].T @ ranks[1]
 
 
 def follows(values: Array, target: Array) -> float:
     """How far the channels of `to` that vary follow the same ones, all upwards or all downwards."""
-    known = np.isfinite(values).all(1) & np.isfinite(target).all(1)
-    varied = np.ptp(target[known], 0) > 0 if known.any() else np.zeros(1, bool)
-    if known.sum() < 32 or not varied.any():
-        return 0.
-    return abs(float((ranks(target[known][:, varied]) * ranks(values[known][:, varied])).sum(0).mean()))
+    tie, varied = np.diag(ties(values, target)), np.ptp(target, 0) > 0
+    return abs(float(tie[varied].mean())) if varied.any() else 0.
 
 
 def related(values: Array, target: Array) -> tuple[float, tuple[float, ...]]:
-    """How far each channel of `to` follows some channel in order, whatever map is between; and the best order of channels."""
-    known = np.isfinite(values).all(1) & np.isfinite(target).all(1)
-    if known.sum() < 32:
-        return 0., ()
-    tie = np.abs(ranks(target[known]).T @ ranks(values[known]))
-    if tie.shape[0] > 4:
-        return float(np.diag(tie).mean()), ()
-    c = len(tie)
-    best = max(itertools.permutations(range(c)), key=lambda order: sum(tie[i, order[i]] for i in range(c))
-               + 1e-6 * sum(i == k for i, k in enumerate(order)))
-    return float(np.mean([tie[i, best[i]] for i in range(c)])), tuple(float(i) for i in best)
+    """How far each channel of `to` follows some channel; and which ones, of equal ones its own."""
+    tie = np.abs(ties(values, target)) + 1e-6 * np.eye(target.shape[1], values.shape[1])
+    return float(tie.max(1).mean()), tuple(tie.argmax(1).astype(float))
 
 
 class Placed:
     """A fault of place, or none, with its numbers at samples: at a few of those that differ, at all of them, at others."""
 
-    def __init__(self, faults: list[tuple[Fault, tuple[float, ...]]], pair: Pair, side: int, choices: int = 1):
+    def __init__(self, faults: list[Chosen], pair: Pair, side: int, choices: int = 1):
         self.faults, self.pair, self.side, self.choices = faults, pair, side, choices
-        z, y, x = pair.differing
-        self.glance = placed_values(faults, pair, (z[pair.question.glance], y[pair.question.glance], x[pair.question.glance]))
+        self.glance = placed_values(faults, pair, pair.glance)
 
     @cached_property
     def differing(self) -> Array:
@@ -562,56 +581,70 @@ class Placed:
 def places(question: Question, faults: list[Fault]) -> Iterator[Placed]:
     for side, pair in enumerate(question.pairs):
         for fault in faults:
-            if not pair.has(fault.applies) or (side and not fault.sided):
-                continue
-            choices = fault.fit(pair, pair.differing, pair.differing_to) if fault.fit else [fault.p]
-            for p in choices:
-                yield Placed([(fault, p)], pair, side, len(choices))
+            if pair.has(fault.applies) and not (side and not fault.sided):
+                choices = fault.fit(pair, pair.differing, pair.differing_to) if fault.fit else [fault.p]
+                for p in choices:
+                    yield Placed([(fault, p)], pair, side, len(choices))
 
 
 class Search:
     def __init__(self, question: Question):
         self.question = question
         self.best: Trial | None = None
+        self.inside: Trial | None = None  # the best that holds where they differ alone
         self.partial: list[tuple[int, int, Trial]] = []  # faults that explain a few
+        self.hits = 0  # of the last trial, at a glance
 
-    def attempt(self, placed: Placed, more: list[tuple[Fault, tuple[float, ...]]], only: tuple[int, ...] = ()) -> None:
+    def attempt(self, placed: Placed, more: list[Chosen], only: tuple[int, ...] = ()) -> None:
         pair, trial = placed.pair, Trial([*placed.faults, *more], placed.side, only, placed.choices)
         if not trial.faults:
             return
-        glance, rows = trial.rest(pair, placed.glance, more), self.question.glance
-        if is_promising(pair, glance):
+        glance = trial.rest(pair, placed.glance, more)
+        if self.is_promising(pair, glance):
             want, want_all = trial.rest(pair, placed.differing, more), trial.rest(pair, placed.others, more)
             if judge(pair, trial, want, want_all):
-                if self.best is None or trial.bits < self.best.bits - 0.5:
-                    self.best = trial
+                other = self.inside if trial.inside else self.best
+                if other is None or trial.bits < other.bits - 0.5:
+                    self.best, self.inside = (self.best, trial) if trial.inside else (trial, self.inside)
                 return
-        hits = np.count_nonzero(self.question.hits(pair.differing_from[rows], glance, pair.differing_to[rows]))
-        if hits >= 5 and not any(fault.found and fault.map for fault, _ in trial.faults):
-            self.partial.append((hits, -len(self.partial), trial))
+        if self.hits >= 5 and not any(fault.found and fault.map for fault, _ in trial.faults):
+            self.partial.append((self.hits, -len(self.partial), trial))
+
+    def is_promising(self, pair: Pair, want: Array) -> bool:
+        """A glance at few elements: most faults are far off. Counts those whose error falls."""
+        question, got, self.hits = self.question, pair.glance_to, 0
+        unknown = np.isnan(want)
+        known = ~unknown.all(1)
+        want = np.where(unknown, got, want)
+        after = question.error(want, got).max(1)
+        self.hits = np.count_nonzero((after <= pair.tenth) & ~unknown.any(1))
+        after = after[known]
+        if known.mean() < 0.2 or 2 * np.count_nonzero(after <= 4 * pair.hope) < len(after):
+            return False
+        return bool(2 * np.count_nonzero(after <= pair.hope) >= len(after) or question.beyond(want, got)[known].mean() <= 0.25)
 
     def fits(self) -> Trial | None:
         """Faults alone whose numbers are measured."""
         for side, pair in enumerate(self.question.pairs):
             self.maps_on(Placed([], pair, side), [], True)
-            for fault in PLACES:
-                if fault.name in LOCAL and pair.has(fault.applies) and fault.fit:
-                    for p in fault.fit(pair, pair.differing, pair.differing_to):
-                        self.attempt(Placed([(fault, p)], pair, side), [])
-        return self.best
+        for placed in places(self.question, [fault for fault in PLACES if fault.name in LOCAL]):
+            self.attempt(placed, [])
+        return self.best or self.inside
 
-    def maps_on(self, placed: Placed, before: list[tuple[Fault, tuple[float, ...]]], fitted: bool = False) -> None:
-        """On all channels, on colours alone, on those alone that differ."""
+    def maps_on(self, placed: Placed, before: list[Chosen], fitted: bool = False) -> None:
+        """On all channels, on colours alone, on those alone that differ. Most maps keep the order of numbers."""
         pair, question = placed.pair, self.question
         values, rows = placed.differing, question.first_half
         for fault, p in before:
             values = fault.map(p, values)  # type: ignore[misc]
         for only in dict.fromkeys([(), (0, 1, 2) if pair.image and pair.c == 4 else (), question.touched]):
             count = list(only) or list(range(min(3, pair.c) if pair.image else pair.c))
-            v, target = values[rows][:, count].ravel(), pair.differing_to[rows][:, count].ravel()
+            v, target = values[rows][:, count], pair.differing_to[rows][:, count]
+            alone = not (fitted or before or placed.faults)  # then it may hold in a part
+            ordered = alone or len(v) < 64 or follows(v[:256], target[:256]) > 0.4
             for fault in MAPS:
-                if pair.has(fault.applies) and (fault.fit or not fitted):
-                    for p in fault.fit(pair, v, target) if fault.fit else [fault.p]:
+                if pair.has(fault.applies) and (fault.fit if fitted else True) and (ordered or fault.loses or fault.name in UNORDERED):
+                    for p in fault.fit(pair, v.ravel(), target.ravel()) if fault.fit else [fault.p]:
                         self.attempt(placed, [*before, (fault, p)], only)
 
     def run(self) -> Trial | None:
@@ -619,17 +652,18 @@ class Search:
         kept: list[tuple[float, tuple[float, ...], Placed]] = []
         for placed in [*(Placed([], pair, side) for side, pair in enumerate(self.question.pairs)), *places(self.question, PLACES)]:
             self.attempt(placed, [])
-            kept.append((*related(placed.glance, placed.pair.differing_to[self.question.glance]), placed))
+            kept.append((*related(placed.glance, placed.pair.glance_to), placed))
         plain = kept[:2]
         for _, _, placed in plain:
-            self.channels_on(placed, ())
             self.maps_on(placed, [])
+            self.channels_on(placed)
         if self.best and self.best.left <= 0.1:
             return self.best
-        near = [item for item in sorted(kept[2:], key=lambda item: -item[0]) if item[0] > 0.7][:8]
+        least = max(0.7, 0.5 + 0.5 * kept[0][0])  # closer than without a fault of place
+        near = [item for item in sorted(kept[2:], key=lambda item: -item[0]) if item[0] > least][:8]
         for _, order, placed in [*plain, *near]:
             if placed.faults:
-                self.channels_on(placed, order)
+                self.channels_on(placed)
                 self.maps_on(placed, [])
             for before in self.orders(placed, order):
                 self.maps_on(placed, before)
@@ -638,17 +672,17 @@ class Search:
                 self.attempt(placed, [])
         return self.best
 
-    def orders(self, placed: Placed, order: tuple[float, ...]) -> Iterator[list[tuple[Fault, tuple[float, ...]]]]:
+    def orders(self, placed: Placed, order: tuple[float, ...]) -> Iterator[list[Chosen]]:
         """Faults of channels after which a map may hold."""
-        pair, target = placed.pair, placed.pair.differing_to[placed.pair.question.glance]
+        pair, target = placed.pair, placed.pair.glance_to
         least = 0.1 + 0.9 * follows(placed.glance, target)
         for fault in CHANNELS:
             is_order = fault.map is CHANNELS[0].map
-            if pair.has(fault.applies) and (order and fault.p[:pair.c] == order if is_order else not placed.faults
+            if pair.has(fault.applies) and (fault.p[:pair.c] == order if is_order else not placed.faults
                                             and follows(fault.map(fault.p, placed.glance), target) > least):  # type: ignore[misc]
                 yield [(fault, fault.p)]
 
-    def channels_on(self, placed: Placed, order: tuple[float, ...]) -> None:
+    def channels_on(self, placed: Placed) -> None:
         for fault in CHANNELS:
             if placed.pair.has(fault.applies):
                 self.attempt(placed, [(fault, fault.p)])
@@ -665,24 +699,23 @@ def holds(question: Question, trial: Trial) -> bool:
 def count_left(question: Question, trial: Trial) -> int:
     """Of all elements, those that the faults leave beyond the contract. Unknown ones stay as they were."""
     pair, left, step = question.pairs[trial.side], 0, question.stride()
-    for start in range(0, question.elements, CHUNK * step):
-        points = question.points(np.arange(start, min(start + CHUNK * step, question.elements), step))
+    for _, points in question.chunks(step):
         want, got = trial.predict(pair, points), pair.target.get(*points)
         unknown = np.isnan(want)
-        left += int(question.beyond(np.where(unknown, got, want), got).sum())
+        wrong = question.beyond(np.where(unknown, got, want), got)
+        left += int((wrong & question.beyond(pair.get(*points), got) if trial.inside else wrong).sum())
     return min(left * step, question.elements)
 
 
 def describe(question: Question, trial: Trial) -> dict[str, Any]:
-    labels = {"from": question.labels[trial.side], "to": question.labels[1 - trial.side]}
-    words = ", and ".join(phrase(fault, p, labels) for fault, p in trial.faults)
+    words = ", and ".join(phrase(fault, p, question.pairs[trial.side].labels) for fault, p in trial.faults)
     if trial.only and trial.only != (0, 1, 2):
         words += f", in {' and '.join(CHANNEL_NAMES[i] for i in trial.only)} alone"
-    exact = question.contract in ("exact", "flips", "raster")
+    exact, outliers = question.contract in ("exact", "flips", "raster"), question.outliers * question.elements
     head = "far nearer"
     if trial.after == 0:
         head = "equal (to a code)" if question.one and not exact else "equal"
-    elif trial.after <= question.allowed():
+    elif trial.after <= {"flips": question.bound, "image": outliers, "of_exact": 2 * outliers}.get(question.contract, 0):
         head = "within the contract"
     elif trial.after <= 0.1 * question.before:
         head = "nearly equal"
@@ -697,48 +730,29 @@ def name_of(trial: Trial) -> str:
     if fault.name != "shift":
         return fault.name
     x, y = abs(p[0]), abs(p[1])
-    return "layer" if p[2] else "shift_xy" if x and y else f"shift_{'2' if max(x, y) == 2 else ''}{'x' if x else 'y'}"
+    return "shift_xy" if x and y else f"shift_{'2' if max(x, y) == 2 else ''}{'x' if x else 'y'}"
 
 
-def shown(question: Question, names: tuple[str, ...] = ()) -> dict[str, Any] | None:
+def shown(question: Question, faults: list[Fault]) -> dict[str, Any] | None:
     """A place where all differences are, or what both copies show together."""
     best: tuple[float, dict[str, Any]] | None = None
-    for fault in SHOWN:
+    for fault in faults:
         for pair in question.pairs[:2 if fault.sided else 1]:
-            if not pair.has(fault.applies) or (names and fault.name not in names) or (not names and fault.name in FIRST):
-                continue
-            pair.told = ()
-            if fault.mark:
-                left, cost = fault.mark(pair, fault.p), VAGUE.get(fault.name, 0.05)
-            else:
-                left, cost = is_place(question, pair, fault)
-            if left is None or left > (fault.leaves if fault.mark else 0.02):
-                continue
-            if best is None or left + cost < best[0]:
-                labels = {"from": question.labels[question.pairs.index(pair)], "to": question.labels[1 - question.pairs.index(pair)]}
+            pair.told, pair.vague = (), VAGUE.get(fault.name, 0.05)
+            left = fault.mark(pair, fault.p) if pair.has(fault.applies) else None  # type: ignore[misc]
+            if left is not None and left <= fault.leaves and (best is None or left + pair.vague < best[0]):
                 after = math.ceil(left * question.before)
                 counts = f"{question.before} {'breaks' if question.before == 1 else 'break'} the contract, {after} of them elsewhere"
-                words = phrase(fault, pair.told or fault.p, labels)
-                best = left + cost, {"name": fault.name, "text": f"differs {words} ({counts})", "before": question.before, "after": after}
+                words = phrase(fault, pair.told or fault.p, pair.labels)
+                reason = {"name": fault.name, "text": f"differs {words} ({counts})", "before": question.before, "after": after}
+                best = left + pair.vague, reason
     return best[1] if best else None
-
-
-def is_place(question: Question, pair: Pair, fault: Fault) -> tuple[float | None, float]:
-    """All differences lie there, it is a small part of the whole, and a fair share of it differs."""
-    inside = fault.where(pair, fault.p, *pair.differing)  # type: ignore[misc]
-    share = max(float(fault.where(pair, fault.p, *pair.all).mean()), 1 / question.elements)  # type: ignore[misc]
-    filled = question.share * float(inside.mean()) / share
-    lost = fault.loses is None or fault.loses(pair, fault.p, pair.differing_from, pair.differing_to)
-    if (share > 0.6 or filled < (0.1 if fault.name == "tile_edges" else 0.3) or not lost
-            or len(inside) * -math.log2(share) < NAME_BITS + DOUBT_BITS):
-        return None, 0
-    return float(1 - inside.mean()), 0.3 * share
 
 
 CHANNEL_NAMES = ("red", "green", "blue", "alpha")
 LOOKS, LEAST_SHARE, LEAST_PIECE = 50, 0.01, 32  # of pieces: boxes that are tried, and what is told
+UNORDERED = ("byte_order", "reciprocal")  # maps that keep no order, and lose nothing
 LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
-FIRST = ("nan", "uninitialised", "dither")
 VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.05, "layer_alone": 0.05}  # places that fit much
 
 
@@ -768,78 +782,74 @@ def best_runs(weights: Array) -> tuple[Array, Array, Array]:
     return gains[rows, ends], sums.shape[1] - 1 - before[:, ::-1].argmin(1), ends
 
 
-def best_rectangle(weights: Array) -> tuple[float, tuple[int, int, int, int]]:
-    """Its sum; first and last row, first and last column, the last ones excluded."""
-    sums, best = np.concatenate([np.zeros((1, weights.shape[1])), np.cumsum(weights, 0)]), (0., (0, 0, 0, 0))
-    for top in range(len(weights)):
-        gains, starts, ends = best_runs(sums[top + 1:] - sums[top])
+def best_box(weights: Array) -> tuple[float, slice, slice]:
+    """The rectangle with the largest sum; its rows first in cells."""
+    starts = np.arange(0, len(weights), -(-len(weights) // 32))
+    cells, best = np.cumsum(np.add.reduceat(weights, starts, 0), 0), (0., slice(0), slice(0))
+    for top in range(len(starts)):
+        gains, firsts, ends = best_runs(cells[top:] - (cells[top - 1] if top else 0))
         at = int(gains.argmax())
         if gains[at] > best[0]:
-            best = float(gains[at]), (top, top + 1 + at, int(starts[at]), int(ends[at]))
-    return best
+            best = float(gains[at]), slice(0), slice(int(firsts[at]), int(ends[at]))
+    _, first, last = best_runs(weights[:, best[2]].sum(1)[None])
+    return best[0], slice(int(first[0]), int(last[0])), best[2]
 
 
 class Chart:
     """Where a trial explains what differs, and where it does not, in these rows and columns of one layer."""
 
     def __init__(self, question: Question, trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]):
-        self.rows, self.columns, pair = rows, columns, question.pairs[trial.side]
+        self.sides, pair = (rows, columns), question.pairs[trial.side]
         y, x = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
-        points, shape = (np.full_like(x, z), y, x), (len(rows), len(columns))
+        points = np.full_like(x, z), y, x
         source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(pair, points)
         differs = question.counts(points) & question.beyond(source, got) & (~question.are_loud | question.loud(source, got))
         known = ~np.isnan(want).any(1)
-        good = question.hits(source, want, got) & known
-        self.hits, self.differs = (good & differs).reshape(shape), differs.reshape(shape)
+        before, after = (question.error(values, got).max(1) for values in (source, want))
+        good = known & (after <= question.tenth(before))
         misses = np.where(differs, ~good, question.loud(want, got)) & known
-        self.weights = np.where(self.hits, 1., 0) - 9 * misses.reshape(shape)
+        self.weights = (np.where(good & differs, 1., 0) - 9 * misses).reshape(len(rows), len(columns))
 
-    def box(self) -> tuple[float, tuple[int, int], tuple[int, int]]:
+    def box(self) -> tuple[float, Side, Side]:
         """The best rectangle in the picture's rows and columns."""
-        cell = -(-len(self.rows) // 32)
-        starts = range(0, len(self.rows), cell)
-        gain, (top, bottom, left, right) = best_rectangle(np.add.reduceat(self.weights, starts, 0))
-        _, first, last = best_runs(self.weights[:, left:right].sum(1)[None])
-        if not gain:
-            return 0., (0, 0), (0, 0)
-        return gain, (self.rows[first[0]], self.rows[last[0] - 1] + 1), (self.columns[left], self.columns[right - 1] + 1)
+        gain, *places = best_box(self.weights)
+        first, last = ((side[place.start], side[place.stop - 1] + 1) if gain else (0, 0) for side, place in zip(self.sides, places))
+        return gain, first, last
 
 
-def chart_of(question: Question, trial: Trial, z: int, rows: tuple[int, int], columns: tuple[int, int]) -> Chart:
-    steps = (-(-(high - low) // 256) for low, high in (rows, columns))
-    return Chart(question, trial, z, *(range(*side, step) for side, step in zip((rows, columns), steps)))
+def chart_of(question: Question, trial: Trial, z: int, *sides: Side) -> Chart:
+    return Chart(question, trial, z, *(range(*side, -(-(side[1] - side[0]) // 256)) for side in sides))
 
 
 def has_sharp_sides(question: Question, trial: Trial, box: Box) -> bool:
     """Right outside, the fault explains no more: a part of a surface that only looks so has no straight sides."""
-    (z, _), (top, bottom), (left, right) = box
-    _, h, w = question.extent[::-1]
-    wide, high = max(2, (right - left) // 16), max(2, (bottom - top) // 16)
-    for rows, columns in (((max(0, top - high), top), (left, right)), ((bottom, min(h, bottom + high)), (left, right)),
-                          ((top, bottom), (max(0, left - wide), left)), ((top, bottom), (right, min(w, right + wide)))):
-        if rows[0] < rows[1] and columns[0] < columns[1]:
-            chart = chart_of(question, trial, z, rows, columns)
-            if chart.hits.sum() > 0.5 * max(4, (chart.weights != 0).sum()):
-                return False
+    (z, _), *sides = box
+    for axis, ((low, high), size) in enumerate(zip(sides, question.extent[1::-1])):
+        wide = max(2, (high - low) // 16)
+        for strip in ((max(0, low - wide), low), (high, min(size, high + wide))):
+            if strip[0] < strip[1]:
+                weights = chart_of(question, trial, z, *(sides[:axis] + [strip] + sides[axis + 1:])).weights
+                if (weights > 0).sum() > 0.5 * max(4, (weights != 0).sum()):
+                    return False
     return True
 
 
 def piece_of(question: Question, trial: Trial) -> Piece | None:
     """What the trial explains, if that is a box: judged there by all rules."""
-    d, h, w = question.extent[::-1]
-    charts = [chart_of(question, trial, z, (0, h), (0, w)) for z in range(0, d, -(-d // 8))]
-    z, (gain, rows, columns) = max(enumerate(chart.box() for chart in charts), key=lambda item: item[1][0])
+    w, h, d = question.extent
+    charts = [(z, *chart_of(question, trial, z, (0, h), (0, w)).box()) for z in range(0, d, -(-d // 8))]
+    z, gain, rows, columns = max(charts, key=lambda item: item[1])
     if gain < FEW:
         return None
     if max(h, w) > 256:  # to the texel
         few = [range(low, high, -(-(high - low) // 64)) for low, high in (rows, columns)]
         wide = [range(max(0, low - size // 128), min(size, high + size // 128)) for (low, high), size in ((rows, h), (columns, w))]
-        rows = Chart(question, trial, z * -(-d // 8), wide[0], few[1]).box()[1]
-        columns = Chart(question, trial, z * -(-d // 8), few[0], wide[1]).box()[2]
-    box = ((z * -(-d // 8), z * -(-d // 8) + 1), rows, columns)
+        rows, columns = Chart(question, trial, z, wide[0], few[1]).box()[1], Chart(question, trial, z, few[0], wide[1]).box()[2]
+    box = ((z, z + 1), rows, columns)
     part = question.within(box, MOST_COUNTED >> 4)
     pair = part.pairs[trial.side]
-    if part.before < LEAST_PIECE or not judge(pair, trial, *(trial.predict(pair, points) for points in (pair.differing, pair.all))):
+    if part.before < LEAST_PIECE or not judge(pair, trial, *(trial.predict(pair, points) for points in (pair.differing, pair.all))) or (
+            trial.inside):
         return None
     trial.after = count_left(part, trial)
     return Piece(part, trial) if holds(part, trial) and has_sharp_sides(question, trial, box) else None
@@ -853,18 +863,16 @@ class Piece:
     def share(self, whole: Question) -> float:
         return (1 if self.trial.falls else 1 - self.trial.left) * self.part.counted / whole.counted
 
-    def contains(self, box: Box) -> bool:
-        return all(low <= other_low and other_high <= high for (low, high), (other_low, other_high) in zip(self.part.box, box))
-
-    def overlaps(self, other: Piece) -> bool:
-        return all(low < other_high and other_low < high for (low, high), (other_low, other_high) in zip(self.part.box, other.part.box))
-
     def told(self, whole: Question) -> dict[str, Any]:
         names = [f"{name} {low}" + f" to {high - 1}" * (high - 1 > low)
                  for name, (low, high), size in zip(("layer", "y", "x"), self.part.box, whole.extent[::-1]) if size > 1]
-        reason = describe(self.part, self.trial)
-        share = self.share(whole)
-        return {**reason, "share": share, "text": f"{percent(share)}, in {', '.join(names)}: {reason['text']}"}
+        reason, share = describe(self.part, self.trial), self.share(whole)
+        place = "where they differ alone" if self.trial.inside else f"in {', '.join(names)}"
+        return {**reason, "share": share, "text": f"{percent(share)}, {place}: {reason['text']}"}
+
+
+def overlap(box: Box, other: Box) -> bool:
+    return all(low < other_high and other_low < high for (low, high), (other_low, other_high) in zip(box, other))
 
 
 def pieces(question: Question, search: Search) -> list[Piece]:
@@ -874,31 +882,31 @@ def pieces(question: Question, search: Search) -> list[Piece]:
     for box in [None, *cells(question)]:
         if box:
             part = question.within(box, MOST_COUNTED >> 8)
-            trial = Search(part).fits() if part.before >= 2 * FEW and not any(piece.contains(box) for piece in found) else None
+            trial = Search(part).fits() if part.before >= 2 * FEW and not any(overlap(piece.part.box, box) for piece in found) else None
             trials = [trial] if trial else []
         found += [piece for piece in (piece_of(question, trial) for trial in trials) if piece]
     chosen: list[Piece] = []
     for piece in sorted(found, key=lambda piece: (-round(piece.share(question), 2), piece.trial.bits)):
-        if piece.share(question) >= LEAST_SHARE and not any(piece.overlaps(other) for other in chosen):
+        if piece.share(question) >= LEAST_SHARE and not any(overlap(piece.part.box, other.part.box) for other in chosen):
             chosen.append(piece)
     return chosen
 
 
 def cells(question: Question) -> Iterator[Box]:
     """The box of all that differs, and its parts."""
-    sides = [(int(axis.min()), int(axis.max()) + 1) for axis in question.pairs[0].differing]
-    parts = [[(low + i * (high - low) // 6, low + (i + 1) * (high - low) // 6) for i in range(6)] for low, high in sides[1:]]
-    for layer in range(*sides[0], -(-(sides[0][1] - sides[0][0]) // 8)):
-        yield (layer, layer + 1), sides[1], sides[2]
-        yield from (((layer, layer + 1), rows, columns) for rows in parts[0] for columns in parts[1]
-                    if rows[0] < rows[1] and columns[0] < columns[1])
+    layers, *sides = ((int(axis.min()), int(axis.max()) + 1) for axis in question.pairs[0].differing)
+    parts = [[(low + i * (high - low) // 6, low + (i + 1) * (high - low) // 6) for i in range(6)] for low, high in sides]
+    for layer in range(*layers, -(-(layers[1] - layers[0]) // 8)):
+        for rows, columns in [tuple(sides), *itertools.product(*parts)]:
+            if rows[0] < rows[1] and columns[0] < columns[1]:
+                yield (layer, layer + 1), rows, columns
 
 
 def answer(question: Question) -> dict[str, Any]:
     result: dict[str, Any] = {"why": [], "noise": False, "size": size_of(question)}
     if not question.before:
         return result
-    first = shown(question, FIRST)
+    first = shown(question, SHOWN_FIRST)
     noise = None if first else noise_of(question)
     if noise and not question.one:
         return {**result, "why_not": noise, "noise": True}
@@ -906,10 +914,15 @@ def answer(question: Question) -> dict[str, Any]:
     trial = search.run() if not first and question.before >= FEW else None
     if trial:
         trial.after = count_left(question, trial)
-    reason = first or (describe(question, trial) if trial and holds(question, trial) else None) or shown(question)
+    reason = first or (describe(question, trial) if trial and holds(question, trial) else None) or shown(question, SHOWN)
     if reason and reason["name"] not in VAGUE:
         return {**result, "why": [reason]}
-    parts = pieces(question, search) if question.before >= 2 * FEW and not noise else []
+    if search.inside:
+        search.inside.after = count_left(question, search.inside)
+    if search.inside and holds(question, search.inside):
+        parts = [Piece(question, search.inside)]
+    else:
+        parts = pieces(question, search) if question.before >= 2 * FEW and not noise else []
     if parts:
         left = 1 - sum(piece.share(question) for piece in parts)
         rest = {"why_not": "the rest has no simple cause"} if left > 0.01 else {}

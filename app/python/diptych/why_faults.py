@@ -15,14 +15,13 @@ Point = tuple[Array, Array, Array]
 
 @dataclass(eq=False)
 class Fault:
-    """`words` follow "equal"; {from} and {to} are the copies' names, {0} and so on what `fit` has found. One of `at`, `map`, `where`
-    and `mark` is there: numbers of `to` by points of `from`; by the same numbers of `from`; whether the fault shows at points;
-    what share of the differing elements the fault leaves, by looking at both copies, None: it does not apply."""
+    """`words` follow "equal"; {from} and {to} are the copies' names, {0} and so on what `fit` has found. One of `at`, `map` and `mark` is
+    there: numbers of `to` by points of `from`; by the same numbers of `from`; what share of the differing elements the fault leaves,
+    by looking at both copies, None: it does not apply."""
     name: str
     words: str
     at: Callable[..., Array] | None = None
     map: Callable[..., Array] | None = None
-    where: Callable[..., Array] | None = None
     mark: Callable[..., float | None] | None = None
     p: tuple[float, ...] = ()
     fit: Callable[..., list[tuple[float, ...]]] | None = None  # all parameters to try
@@ -38,6 +37,7 @@ class Fault:
 TRAITS: dict[str, Callable[[Any], bool]] = {  # of a pair, without which a fault makes no sense
     "": lambda pair: True,
     "image": lambda pair: pair.image and pair.h > 1,
+    "close": lambda pair: pair.image and pair.h > 1 and pair.closeness > 0.3,  # texels stay where they are
     "buffer": lambda pair: not pair.image,
     "square": lambda pair: pair.image and pair.w == pair.h > 1,
     "layers": lambda pair: pair.image and pair.d > 1,
@@ -63,15 +63,6 @@ def turned(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return pair.get(z, pair.h - 1 - y if p[1] else y, pair.w - 1 - x if p[0] else x)
 
 
-def swapped(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    last = pair.w - 1
-    return pair.get(z, last - x if p[1] else x, last - y if p[0] else y)
-
-
-def shifted(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    return pair.get(z + int(p[2]), y + int(p[1]), x + int(p[0]))
-
-
 def shifts(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
     """The steps at the peaks of the phase correlation, over the edge and not; of a buffer, all short ones."""
     if not pair.image:
@@ -94,22 +85,18 @@ def coarse(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return sum(pair.get(z, y + j, x + i) for j in range(by) for i in range(bx)) / (bx * by)
 
 
+def linear(numbers: Callable[..., Array], v: Array, u: Array) -> Array:
+    """Between four, by row and column, whose middles are at .5."""
+    j, i = (np.floor(place - 0.5).astype(int) for place in (v, u))
+    b, a = ((place - 0.5 - low)[:, None] for place, low in ((v, j), (u, i)))
+    return (numbers(j, i) * (1 - a) + numbers(j, i + 1) * a) * (1 - b) + (numbers(j + 1, i) * (1 - a) + numbers(j + 1, i + 1) * a) * b
+
+
 def smooth(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    """Between the middles of blocks, linear. p: as above; the blocks' means or first texels."""
-    total: Array = 0.
-    steps = [((at + 0.5) / size - 0.5, int(size)) for at, size in ((x, p[0]), (y, p[1]))]
-    weight: Array
-    for j in (0, 1):
-        for i in (0, 1):
-            weight = 1.
-            block = []
-            for (place, size), more, count in zip(steps, (i, j), (pair.w, pair.h)):
-                low = np.floor(place).astype(int)
-                weight = weight * (place - low if more else 1 - (place - low))
-                block.append(np.clip(low + more, 0, -(-count // size) - 1) * size)
-            inside = [np.minimum(block[0], pair.w - int(p[0])), np.minimum(block[1], pair.h - int(p[1]))]
-            total = total + weight[:, None] * coarse(pair, p, z, inside[1], inside[0])
-    return total
+    """Between the middles of blocks. p: as above; the blocks' means or first texels."""
+    bx, by = int(p[0]), int(p[1])
+    return linear(lambda j, i: coarse(pair, p, z, np.clip(j, 0, pair.h // by - 1) * by, np.clip(i, 0, pair.w // bx - 1) * bx),
+                  (y + 0.5) / by, (x + 0.5) / bx)
 
 
 def varied_in_blocks(pair: Any, p: Any, value: Array, target: Array) -> bool:
@@ -127,11 +114,7 @@ def scaled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     v = (y + middle - p[2] * pair.h) / scale + p[2] * pair.h
     if mode < 2:
         return pair.get(z, np.floor(v + 1e-9).astype(int), np.floor(u + 1e-9).astype(int))
-    u, v = u - 0.5, v - 0.5
-    i, j = np.floor(u).astype(int), np.floor(v).astype(int)
-    a, b = (u - i)[:, None], (v - j)[:, None]
-    return (pair.get(z, j, i) * (1 - a) + pair.get(z, j, i + 1) * a) * (1 - b) + (pair.get(z, j + 1, i) * (1 - a)
-                                                                                  + pair.get(z, j + 1, i + 1) * a) * b
+    return linear(lambda j, i: pair.get(z, j, i), v, u)
 
 
 def scales(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
@@ -156,20 +139,13 @@ def of_relative(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return other.get(z, y, x)
 
 
-def reordered(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    """Layers backwards, or with p faces of that axis swapped, 3: of all."""
-    if p[0] < 0:
-        return pair.get(pair.d - 1 - z, y, x)
-    return pair.get(np.where((z % 6 // 2 == p[0]) | (p[0] == 3), z ^ 1, z), y, x)
-
-
 # ---- Pitch and layout: numbers of another byte ----------------------------------------------------
 
 
 def pitched(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     """Rows p[2] numbers apart, where `to` has them side by side."""
     row = pair.w * pair.c
-    number = (y * int(p[2]) + x * pair.c)[:, None] + np.arange(pair.c)
+    number = (y * p[2] + x * pair.c).astype(int)[:, None] + np.arange(pair.c)
     inside = (number >= 0) & (number < row * pair.h)
     number = np.where(inside, number, 0)
     values = pair.get(np.repeat(z, pair.c), (number // row).ravel(), (number % row // pair.c).ravel())
@@ -177,20 +153,13 @@ def pitched(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 
 
 def pitches(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
-    """Where the first numbers of a row of `to` stand in `from`."""
-    row, found = pair.w * pair.c, set()
-    lines = min(pair.h, 8)
-    y, x = (a.ravel() for a in np.mgrid[0:lines, 0:pair.w])
-    flat, sought = pair.get(0 * x, y, x).ravel(), pair.other().get(0 * x, y, x).ravel()
-    for line in range(1, lines):
-        start = sought[line * row:line * row + 16]
-        if len(start) < 16 or np.ptp(start) == 0:
-            continue
-        windows = np.lib.stride_tricks.sliding_window_view(flat, 16)
-        near = np.nonzero(np.abs(windows[:, ::5] - start[::5]).max(1) <= 0.02 * pair.range)[0]
-        best = sorted(near[near >= line * row // 2], key=lambda i: np.abs(windows[i] - start).max())[:2]
-        found |= {int(at) // line for at in best if at % line == 0 and at // line != row}
-    return [(pitch / pair.c, float(pair.w), float(pitch)) for pitch in sorted(found)]
+    """At which a few texels of `to` stand in `from`."""
+    row, below = pair.w * pair.c, np.flatnonzero(points[1])
+    few = below[np.linspace(0, len(below) - 1, min(len(below), 24)).astype(int)]
+    pitch = row + np.arange(1, min(row, 1024) + 1)
+    values = pitched(pair, (0, 0, np.repeat(pitch, len(few))), *(np.tile(axis[few], len(pitch)) for axis in points))
+    near = (np.abs(values - np.tile(target[few], (len(pitch), 1))) <= 0.02 * pair.range).all(1).reshape(len(pitch), -1)
+    return [(float(pitch[i]) / pair.c, float(pair.w), float(pitch[i])) for i in np.argsort(-near.mean(1))[:2]]
 
 
 def repacked(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
@@ -203,9 +172,8 @@ def repacked(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 def transposed(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     if not pair.image:
         return pair.get(z, y, x)[:, pair.transposed()]
-    channels = [pair.get(z, y, np.full_like(x, channel)) for channel in range(pair.c)]
-    rows = np.minimum(x, pair.c - 1)
-    return np.stack([channel[np.arange(len(x)), rows] for channel in channels], -1)
+    channels = np.stack([pair.get(z, y, np.full_like(x, channel)) for channel in range(pair.c)], -1)
+    return channels[np.arange(len(x)), np.minimum(x, pair.c - 1)]
 
 
 def matrix_row(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
@@ -265,6 +233,9 @@ def matrix(p: Any, v: Array) -> Array:
 # ---- Maps: each number by itself -----------------------------------------------------------------
 
 
+WORDS = [("float", "f4"), ("half", "f2"), ("uint", "u4"), ("int", "i4"), ("uint16", "u2"), ("int16", "i2")]
+
+
 def to_srgb(p: Any, v: Array) -> Array:
     return np.where(v <= 0.0031308, 12.92 * v, 1.055 * np.maximum(v, 1e-9) ** (1 / 2.4) - 0.055)
 
@@ -281,27 +252,18 @@ def line(p: Any, v: Array) -> Array:
     return p[0] * v + p[1]
 
 
-def limited(p: Any, v: Array) -> Array:
-    return np.clip(v, p[0], p[1])
-
-
 def stored(p: Any, v: Array) -> Array:
     """In codes of p[0] steps, or floats of p[0] bits of fraction and p[2] as the least exponent; p[1]: cut off."""
     to_whole: Any = np.trunc if p[1] else np.rint
-    if p[0] > 60:
+    if len(p) < 3:
         return to_whole(v * p[0]) / p[0]
     _, exponent = np.frexp(v)
     unit = np.ldexp(1.0, np.maximum(exponent - 1, int(p[2])) - int(p[0]))
     return to_whole(v / unit) * unit
 
 
-def whole(p: Any, v: Array) -> Array:
-    return np.floor(v) if p[0] else np.rint(v)
-
-
 def other_bytes(p: Any, v: Array) -> Array:
-    kind = {0: np.float32, 1: np.float16, 2: np.uint32, 3: np.int32, 4: np.uint16, 5: np.int16}[int(p[0])]
-    return v.astype(kind).byteswap().astype(np.float64)
+    return v.astype(WORDS[int(p[0])][1]).byteswap().astype(np.float64)
 
 
 def out_of_range(pair: Any, p: Any, value: Array, target: Array) -> bool:
@@ -309,13 +271,11 @@ def out_of_range(pair: Any, p: Any, value: Array, target: Array) -> bool:
     return bool(((target >= p[0]) & (target <= p[1])).all() and ((value < p[0]) | (value > p[1])).mean() > 0.01)
 
 
-def on_grid(call: Callable[..., Array]) -> Callable[..., bool]:
+def on_grid(pair: Any, p: Any, value: Array, target: Array) -> bool:
     """All numbers of `to` are on the coarser grid, and few of `from` are."""
-    def check(pair: Any, p: Any, value: Array, target: Array) -> bool:
-        exact, other = (np.abs(call((*p[:1], 0., *p[2:]), v) - v) <= 2e-7 * np.abs(v) for v in (target, value))
-        others = other[~(value == target)]
-        return bool(exact.mean() > 0.995 and others.mean() < 0.5 and len(np.unique(target[~(value == target)])) > 8)
-    return check
+    exact, other = (np.abs(stored((p[0], 0, *p[2:]), v) - v) <= 2e-7 * np.abs(v) for v in (target, value))
+    changed = ~(value == target)
+    return bool(exact.mean() > 0.995 and other[changed].mean() < 0.5 and len(np.unique(target[changed])) > 8)
 
 
 # Fits take numbers of `from` and of `to` that differ.
@@ -333,22 +293,16 @@ def usable(pair: Any, v: Array, target: Array) -> tuple[Array, Array]:
     return v[keep], target[keep]
 
 
-def fit_line(pair: Any, v: Array, target: Array, inverse: bool = False) -> list[tuple[float, ...]]:
-    v, target = usable(pair, v, target)
-    target = 1 / target if inverse else target
-    good = np.isfinite(target)
-    v, target = v[good], target[good]
-    if len(v) < 8 or np.ptp(v) == 0:
-        return []
+def line_of(v: Array, target: Array) -> list[tuple[float, ...]]:
+    """Through most points, then by least squares of those near it."""
     order = np.argsort(v, kind="stable")
-    v, target = v[order], target[order]
-    half = len(v) // 2
-    wide = v[half:2 * half] - v[:half] > 0.05 * np.ptp(v)
+    v, target, half = v[order], target[order], len(v) // 2
+    wide = v[half:2 * half] - v[:half] > 0.05 * np.ptp(v) if half else np.zeros(0, bool)
     if wide.sum() < 4:
         return []
     slope = middle((target[half:2 * half] - target[:half])[wide] / (v[half:2 * half] - v[:half])[wide])
     offset = middle(target - slope * v)
-    for _ in range(4):  # the line through most, then by least squares of those near it
+    for _ in range(4):
         apart = np.abs(target - slope * v - offset)
         near = apart <= max(3 * np.median(apart), 1e-12)
         if near.sum() < 6 or np.ptp(v[near]) == 0:
@@ -357,6 +311,11 @@ def fit_line(pair: Any, v: Array, target: Array, inverse: bool = False) -> list[
         slope = float(((v[near] - centre) * (target[near] - rise)).sum() / ((v[near] - centre) ** 2).sum())
         offset = float(rise - slope * centre)
     return [(slope, offset)] if np.isfinite(slope + offset) and abs(slope) > 1e-6 else []
+
+
+def fit_inverse(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
+    v, target = usable(pair, v, target)
+    return line_of(v[target != 0], 1 / target[target != 0])
 
 
 def fit_factor(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
@@ -375,11 +334,6 @@ def fit_offset(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
     return [(1., offset)] if offset != 0 else []
 
 
-def fit_bytes(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    kinds = {"float": 0, "half": 1, "uint": 2, "int": 3, "uint16": 4, "int16": 5}
-    return [(float(kinds[pair.kind]),)] if pair.kind in kinds else []
-
-
 def fit_power(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
     keep = (v > 0.02) & (v < 0.98) & (target > 0.001) & (target < 0.999)
     exponent = middle(np.log(target[keep]) / np.log(v[keep]))
@@ -390,10 +344,18 @@ def fit_power(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
 
 
 def slope_of(pair: Any, z: Array, y: Array, x: Array) -> Array:
-    """The larger of both axes; of each the smaller step to a neighbour, so that edges have none."""
-    here = pair.get(z, y, x)
-    both = [np.fmin(np.abs(pair.get(z, y + j, x + i) - here), np.abs(pair.get(z, y - j, x - i) - here)) for i, j in ((1, 0), (0, 1))]
-    return np.fmax(*both)
+    """The larger of both axes; of each the step to the side on which the surface bends less. NaN where it bends on both."""
+    here, axes = pair.get(z, y, x), []
+    for j, i in ((0, 1), (1, 0)):
+        steps: list[Array] = []
+        bends: list[Array] = []
+        for side in (1, -1):
+            near, far = (pair.get(z, y + n * side * j, x + n * side * i) for n in (1, 2))
+            steps.append(np.abs(near - here))
+            bends.append(np.nan_to_num(np.abs(far - 2 * near + here), nan=np.inf))
+        step: Array = np.where(bends[0] <= bends[1], *steps)
+        axes.append(np.where(np.minimum(*bends) <= 0.05 * step + 1e-5 * pair.range, step, np.nan))
+    return np.maximum(*axes)
 
 
 def biased(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
@@ -404,12 +366,7 @@ def biased(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 def fit_bias(pair: Any, points: Point, target: Array) -> list[tuple[float, ...]]:
     """Factors of a polygon offset are small numbers."""
     slope, error = slope_of(pair, *points).ravel(), (target - pair.get(*points)).ravel()
-    found = fit_line(_Plain(), slope[np.isfinite(slope)], error[np.isfinite(slope)])
-    return [p for p in found if 0.01 < abs(p[0]) < 100]
-
-
-class _Plain:
-    one = 0
+    return [p for p in line_of(slope[np.isfinite(slope)], error[np.isfinite(slope)]) if 0.01 < abs(p[0]) < 100]
 
 
 # ---- Where it shows ------------------------------------------------------------------------------
@@ -421,23 +378,30 @@ def border(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
 
 
 def behind_tiles(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    tile = int(p[0])
-    inside = x < pair.w // tile * tile
-    return ~(inside & (y < pair.h // tile * tile)) if pair.has("image") else ~inside
+    return (x >= pair.w // p[0] * p[0]) | (pair.image & (y >= pair.h // p[0] * p[0]))
 
 
-def ends_with_tiles(pair: Any, p: Any, value: Array, target: Array) -> bool:
+def ends_with_tiles(pair: Any, p: Any) -> bool:
     """`to` has one value there, from the very end of the last tile on, along x and y each."""
     places = [(at, size, size // p[0] * p[0]) for at, size in zip(pair.differing[:0:-1], (pair.w, pair.h))]
     firsts = [at[np.all([other < end for other, _, end in places if other is not at and pair.h > 1], 0)].min(initial=size) == end
               for at, size, end in places if size % p[0]]
-    return all(firsts) and most_of(target)[1] > 0.9
+    return all(firsts) and most_of(pair.differing_to)[1] > 0.9
 
 
 def tile_edge(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
-    tile = int(p[0])
-    edges = (x % tile == 0) | (x % tile == tile - 1)
-    return edges | (y % tile == 0) | (y % tile == tile - 1) if pair.has("image") else edges
+    return (x % p[0] % (p[0] - 1) == 0) | (pair.image & (y % p[0] % (p[0] - 1) == 0))
+
+
+def only(where: Callable[..., Array], fill: float = 0.3, holds: Callable[..., bool] | None = None) -> Callable[..., float | None]:
+    """All differences lie there, it is a small part of the whole, and a fair share of it differs."""
+    def mark(pair: Any, p: Any) -> float | None:
+        inside = where(pair, p, *pair.differing)
+        share = max(float(where(pair, p, *pair.all).mean()), 1 / pair.question.elements)
+        pair.vague = 0.3 * share
+        proved = share <= 0.6 and pair.share * inside.mean() >= fill * share and len(inside) * -np.log2(share) >= 25
+        return float(1 - inside.mean()) if proved and inside.mean() >= 0.98 and (not holds or holds(pair, p)) else None
+    return mark
 
 
 # ---- What both copies show together ---------------------------------------------------------------
@@ -476,18 +440,20 @@ def not_in_layer(pair: Any, p: Any) -> float:
 
 
 def cleared(pair: Any, p: Any) -> float | None:
-    """Where they differ, `from` has one value and `to` many."""
+    """Where they differ, `from` has one value and `to` many; both have it elsewhere, or it covers much."""
     if len(pair.differing_to) < 8:
         return None
-    _, share = most_of(pair.differing_from)
-    _, varied = most_of(pair.differing_to)
-    return 1 - share if varied < 0.5 else None
+    ground, share = most_of(pair.differing_from)
+    middle = np.median(pair.differing_to, 0)
+    common = [~pair.question.loud(ground, values) for values in (pair.all_from, pair.all_to)]
+    seen = pair.share > 0.2 or (common[0] & common[1]).mean() > 0.01
+    return 1 - share if seen and pair.question.loud(middle, pair.differing_to).mean() > 0.5 else None
 
 
 def not_inverted(pair: Any, p: Any) -> float | None:
     """What is background in one copy is covered in the other."""
     ground, share = most_of(pair.all_from)
-    if not 0.1 < share < 0.9:
+    if not 0.02 < share < 0.98:
         return None
     a, b = (pair.all_from == ground).all(1), (pair.all_to == ground).all(1)
     return float((a == b).mean())
@@ -496,7 +462,7 @@ def not_inverted(pair: Any, p: Any) -> float | None:
 def other_order(pair: Any, p: Any) -> float | None:
     if pair.image or not 4 <= pair.w <= 4 << 20:
         return None
-    a, b = (np.sort(rows_of(side.get(*[np.zeros(pair.w, int)] * 2, np.arange(pair.w)))) for side in (pair, pair.other()))
+    a, b = (np.sort(rows_of(side.get(*[np.zeros(pair.w, int)] * 2, np.arange(pair.w)))) for side in (pair, pair.target))
     return float((a != b).mean()) if len(np.unique(a)) > 3 else None
 
 
@@ -523,7 +489,7 @@ def lines_of(pair: Any, side: Any, axis: int) -> Array:
 
 def still_ends(pair: Any, axis: int) -> tuple[int, int]:
     """The last lines at both ends of `to` behind which it repeats them; an end is at least three texels."""
-    lines = lines_of(pair, pair.other(), axis)
+    lines = lines_of(pair, pair.target, axis)
     size = lines.shape[1]
     steps = pair.near(lines[:, 1:].reshape(-1, pair.c), lines[:, :-1].reshape(-1, pair.c)).reshape(len(lines), -1).mean(0)
     moves = np.flatnonzero(steps < 0.85)
@@ -549,48 +515,55 @@ def not_clamped(pair: Any, p: Any) -> float | None:
     """Behind lines of x or y, `to` repeats its texels, and most of it differs there. p: `from` wraps."""
     if not len(pair.differing_to) or most_of(pair.differing_to)[1] >= 0.5 or pair.w * pair.h > 1 << 24:
         return None
-    inner, beyond, words, wraps, here = list(pair.differing), 0, [], False, 0
-    for axis, texts in ((1, ("left of column", "right of column")), (0, ("before row", "behind row"))):
-        low, high = still_ends(pair, axis)
-        at, every = pair.differing[1 + (axis == 1)], pair.all[1 + (axis == 1)]
-        inner[1 + (axis == 1)] = np.clip(at, low, high)
-        beyond, here = beyond | (at < low) | (at > high), here | (every < low) | (every > high)
-        lines = lines_of(pair, pair, axis)
-        for text, edge, there, seen in zip(texts, (low, high), (at < low, at > high), (lines[:, ::-1], lines)):
+    inner, words, wraps = list(pair.differing), [], False
+    beyond, here = np.zeros(len(inner[0]), bool), np.zeros(len(pair.all[0]), bool)
+    for axis, place, texts in ((0, 2, ("left of column", "right of column")), (1, 1, ("before row", "behind row"))):
+        ends, lines = still_ends(pair, 1 - axis), lines_of(pair, pair, 1 - axis)
+        for text, edge, turn in zip(texts, ends, (-1, 1)):
+            at = turn * pair.differing[place]
+            there = at > turn * edge
             if there.mean() > 0.02:
+                edge = turn * int(at[there].min() - 1)  # texels may be still before, where none differ
                 words.append(f"{text} {edge}")
-                wraps |= goes_round(seen, len(lines[0]) - 1 - edge if edge == low else edge, high - low + 1)
+                inner[place], beyond = np.where(there, edge, inner[place]), beyond | there
+                here |= turn * pair.all[place] > turn * edge
+                wraps |= goes_round(lines[:, ::turn], edge if turn > 0 else len(lines[0]) - 1 - edge, ends[1] - ends[0] + 1)
     pair.told = (" and ".join(words),)
     share = np.mean(here)
-    if not words or share > 0.9 or pair.question.share * np.mean(beyond) < 0.5 * share or wraps < p[0]:
+    if not words or share > 0.9 or pair.question.share * np.mean(beyond) < 0.2 * share or wraps < p[0]:
         return None
-    return float(1 - (beyond & pair.near(pair.other().get(*inner), pair.differing_to)).mean())
+    return float(1 - (beyond & pair.near(pair.target.get(*inner), pair.differing_to)).mean())
 
 
 def not_dithered(pair: Any, p: Any) -> float | None:
-    """Low bits alone differ, and the difference is itself negated where it is turned (p: in x, in y) or moved."""
+    """Low bits alone differ, and the difference is itself negated where it is moved, or turned in y, x or both."""
     if not pair.one or not pair.image:
         return None
-    error = pair.error_crop()
+    a, b = pair.crops(256)
+    error = (b - a)[:, :, np.abs(b - a).sum((0, 1)).argmax()]  # of the channel that differs most
     if not error.any() or np.abs(error).max() > 2.01 * pair.step:
         return None
     error = error - error.mean()
-    turned_one = error[::-1 if p[1] else 1, ::-1 if p[0] else 1]
-    spectrum = np.fft.rfft2(error) * np.conj(np.fft.rfft2(turned_one))
-    least = np.fft.irfft2(spectrum, error.shape).min() / (error ** 2).sum()
-    noise = 1 / np.sqrt(error.size)
-    return 0. if least < -0.42 and least < -12 * noise else None
+    for words, again in (("turned in y", error[::-1]), ("turned in x", error[:, ::-1]), ("turned in x and y", error[::-1, ::-1]),
+                         ("moved", error)):
+        product = np.fft.irfft2(np.fft.rfft2(error) * np.conj(np.fft.rfft2(again)), error.shape)
+        if product.min() < min(-0.42, -12 / np.sqrt(error.size)) * (error ** 2).sum():
+            pair.told = (words,)
+            return 0.
+    return None
 
 
 def not_tested(pair: Any, p: Any) -> float | None:
-    """Alpha of `to` is 0 or 1, by a threshold of that of `from`."""
+    """Alpha of `to` is 0 or 1, by a threshold of that of `from`; or it has the levels of a few samples."""
     a, b = pair.differing_from[:, 3], pair.differing_to[:, 3]
     end = 2 * pair.step + 1e-3
-    part, covered = (a > end) & (a < 1 - end) & ((b < end) | (b > 1 - end)), b > 0.5
-    if not part.any() or not 0.05 < covered[part].mean() < 0.95:
-        return None
-    least, most = np.quantile(a[part & covered], 0.05), np.quantile(a[part & ~covered], 0.95)
-    return float(1 - part.mean()) if least >= most - 0.05 else None
+    for levels in (1, 2, 4, 8):
+        coarse_one, fine_one = (np.abs(alpha * levels - np.rint(alpha * levels)) <= end * levels for alpha in (b, a))
+        part, covered = ~fine_one & coarse_one & (np.abs(b - a) * levels < (0.75 if levels > 1 else 1)), b > 0.5
+        if part.mean() > 0.95 and 0.05 < covered[part].mean() < 0.95 and (
+                levels > 1 or np.quantile(a[part & covered], 0.05) >= np.quantile(a[part & ~covered], 0.95) - 0.05):
+            return float(1 - part.mean())
+    return None
 
 
 def between_neighbours(pair: Any) -> float:
@@ -627,14 +600,15 @@ def after_turn(turn: Fault, fault: Fault) -> Fault:
         return fault.at(pair.turned(turn.p), p, *points)  # type: ignore[misc]
 
     def fit(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
-        return fault.fit(pair.turned(turn.p), points, target) if fault.fit else [fault.p]
+        pair = pair.turned(turn.p)
+        return [] if not pair.has(fault.applies) else fault.fit(pair, points, target) if fault.fit else [fault.p]
 
     return replace(fault, name=turn.name, words=f"{turn.words}, and {fault.words}", at=at, fit=fit, applies="image", names=2,
                    loses=fault.loses and (lambda pair, p, *both: fault.loses(pair.turned(turn.p), p, *both)))  # type: ignore[misc]
 
 
 def grid(name: str, words: str, *p: float) -> Fault:
-    return Fault(name, "if {from} is " + words, map=stored, p=p, applies="reals", loses=on_grid(stored))
+    return Fault(name, "if {from} is " + words, map=stored, p=p, applies="reals", loses=on_grid)
 
 
 FLIP_NAMES = {(0, 1): ("flip_y", "a flip in y: OpenGL's row 0 is the bottom"), (1, 0): ("mirror_x", "a mirror in x"),
@@ -650,45 +624,51 @@ ENDS = {(0, 0, 0, 1): "in the last row alone", (0, 1, 0, 0): "in the first row a
 PLACES = [
     *(Fault(name, "after " + words, at=turned, p=p, applies="image", sided=False) for p, (name, words) in FLIP_NAMES.items()),
     Fault("reversed", "with the elements in reverse order", at=turned, p=(1, 0), applies="buffer", sided=False),
-    Fault("axes", "with x and y in each other's place", at=swapped, p=(0, 0), applies="square", sided=False),
-    Fault("quarter_turn", "after a quarter turn of {from}", at=swapped, p=(1, 0), applies="square"),
+    Fault("axes", "with x and y in each other's place", applies="square", sided=False,
+          at=lambda pair, p, z, y, x: pair.get(z, x, y)),
+    Fault("quarter_turn", "after a quarter turn of {from}", applies="square",
+          at=lambda pair, p, z, y, x: pair.get(z, x, pair.w - 1 - y)),
     Fault("frame", "one frame late: {to} has the frame before of {from}", at=of_relative, p=(0,), applies="relative0"),
     Fault("frame", "one frame early: {to} has the frame after of {from}", at=of_relative, p=(1,), applies="relative1"),
-    Fault("layer", "with another layer: {to} has in each that of {from} which is {2} behind", at=shifted, applies="layers",
+    Fault("layer", "with another layer: {to} has in each that of {from} which is {2} behind", applies="layers",
+          at=lambda pair, p, z, y, x: pair.get(z + p[2], y, x),
           fit=lambda pair, *_: [(0, 0, step) for step in range(max(1 - pair.d, -8), min(pair.d, 9)) if step]),
-    Fault("layers_reversed", "with the layers in reverse order", at=reordered, p=(-1,), applies="layers", sided=False),
-    *(Fault("faces", f"with {words} swapped", at=reordered, p=(axis,), applies="cube", sided=False)
-      for axis, words in enumerate(("the faces +x and -x", "the faces +y and -y", "the faces +z and -z", "opposite faces of the cube"))),
+    Fault("layers_reversed", "with the layers in reverse order", applies="layers", sided=False,
+          at=lambda pair, p, z, y, x: pair.get(pair.d - 1 - z, y, x)),
+    *(Fault("faces", f"with {words} swapped", at=lambda pair, p, z, y, x: pair.get(np.where(np.isin(z % 6 // 2, p), z ^ 1, z), y, x), p=p,
+            applies="cube", sided=False)
+      for p, words in (((0,), "the faces +x and -x"), ((1,), "the faces +y and -y"), ((2,), "the faces +z and -z"),
+                       ((0, 1, 2), "opposite faces of the cube"))),
     Fault("mip", "one mip off: {to} has the finer mip of {from}", at=of_relative, p=(2,), applies="relative2"),
     Fault("mip", "one mip off: {to} has the coarser mip of {from}", at=of_relative, p=(3,), applies="relative3"),
-    Fault("shift", "after a shift of {0} texels (or elements) in x and {1} in y", at=shifted, fit=shifts, found=2),
+    Fault("shift", "after a shift of {0} texels (or elements) in x and {1} in y", fit=shifts, found=2,
+          at=lambda pair, p, z, y, x: pair.get(z, y + int(p[1]), x + int(p[0]))),
     Fault("roll", "after {0} texels in x and {1} in y, round the edge", applies="image",
           fit=lambda pair, *_: [(pair.w // 2, 0), (0, pair.h // 2), (pair.w // 2, pair.h // 2)],
           at=lambda pair, p, z, y, x: pair.get(z, (y + p[1]) % pair.h, (x + p[0]) % pair.w)),
     *(Fault("half_texel_" + ("x" if x and not y else "y" if y and not x else "xy"),
             "after half a texel in " + ("x" if not y else "y" if not x else "x and y") + ": centres are at .5",
-            at=mean_of((0, x) if x else (0,), (0, y) if y else (0,)), applies="image")
+            at=mean_of((0, x) if x else (0,), (0, y) if y else (0,)), applies="close")
       for x, y in ((1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1), (1, -1), (-1, 1))),
     Fault("pitch", "if rows of a pitch of {0} texels were read as {1}: {from} has the padding of rows in it", at=pitched, fit=pitches,
           found=1, applies="image"),
     Fault("scale", "at {0} times the scale of {from} about {1}", at=scaled, fit=scales, applies="image", found=1, fills=True),
     *(Fault("nearest", f"where {{to}} filters and {{from}} repeats {words}: nearest against linear", at=smooth, p=(*size, 1),
-            applies="image") for size, words in BLOCKS.items()),
-    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies="image",
+            applies="close") for size, words in BLOCKS.items()),
+    *(Fault("half_rate", f"if {{to}} has means of {words}: lower resolution", at=coarse, p=(*size, 0), applies="close",
             loses=varied_in_blocks) for size, words in BLOCKS.items()),
-    *(Fault("half_rate", f"if {{to}} repeats one texel of {words}: nearest, lower resolution", at=coarse, p=(*size, last), applies="image")
+    *(Fault("half_rate", f"if {{to}} repeats one texel of {words}: nearest, lower resolution", at=coarse, p=(*size, last), applies="close")
       for size, words in BLOCKS.items() for last in (1, 2)),
     *(Fault("half_rate", f"if {{to}} has means of {words}, filtered: lower resolution, or a coarser mip", at=smooth, p=(*size, 0),
-            applies="image", loses=varied_in_blocks) for size, words in BLOCKS.items()),
-    Fault("blurred", "if {from} is filtered by 3x3 texels, as {to} is", at=mean_of((-1, 0, 1), (-1, 0, 1)), applies="image"),
-    Fault("blurred", "if {from} is filtered by a 3x3 tent, as {to} is", at=mean_of((-1, 0, 1), (-1, 0, 1), True), applies="image"),
+            applies="close", loses=varied_in_blocks) for size, words in BLOCKS.items()),
+    Fault("blurred", "if {from} is filtered by 3x3 texels, as {to} is", at=mean_of((-1, 0, 1), (-1, 0, 1)), applies="close"),
+    Fault("blurred", "if {from} is filtered by a 3x3 tent, as {to} is", at=mean_of((-1, 0, 1), (-1, 0, 1), True), p=(2, 2), applies="close",
+          loses=varied_in_blocks),
     Fault("transposed", "after each matrix is transposed (rows against columns)", at=transposed, applies="matrices", sided=False),
-    Fault("matrix_y", "with the y row of each matrix negated (Vulkan's y points down)", at=matrix_row, p=(1, 1, 1), applies="matrices4",
-          sided=False),
-    Fault("matrix_y", "with the y row of each matrix negated (by rows)", at=matrix_row, p=(4, 1, 1), applies="matrices4", sided=False),
-    Fault("matrix_z", "if the z row of each matrix of {from} goes from -1..1 to 0..1", at=matrix_row, p=(1, 2, 0), applies="matrices4"),
-    Fault("matrix_z", "if the z row of each matrix (by rows) of {from} goes from -1..1 to 0..1", at=matrix_row, p=(4, 2, 0),
-          applies="matrices4"),
+    *(Fault(name, f"{words}{order}", at=matrix_row, p=(step, *p), applies="matrices4", sided=not p[1])
+      for name, words, p in (("matrix_y", "with the y row of each matrix negated (Vulkan's y points down)", (1, 1)),
+                             ("matrix_z", "if the z row of each matrix of {from} goes from -1..1 to 0..1", (2, 0)))
+      for step, order in ((1, ""), (4, ", by rows"))),
     *(Fault("layout", f"with {words} (std140, std430 or packed): {into} bytes each in {{to}}, {out} in {{from}}", at=repacked,
             p=(into, out), applies="buffer") for into, out, words in (
         (12, 16, "vec3 of 12 against 16 bytes"), (4, 16, "numbers of 4 against 16 bytes"), (8, 16, "vec2 of 8 against 16 bytes"),
@@ -706,13 +686,11 @@ AFTER_TURN = [after_turn(turn, fault) for turn in PLACES[:3] for fault in PLACES
 
 CHANNELS = [
     channels("red_blue", "with red and blue swapped (RGBA against BGRA)", 2, 1, 0, 3),
-    channels("channels", "with red and green swapped", 1, 0, 2, 3),
-    channels("channels", "with green and blue swapped", 0, 2, 1, 3),
-    channels("channels", "with the channels in the order g, b, r", 1, 2, 0, 3),
-    channels("channels", "with the channels in the order b, r, g", 2, 0, 1, 3),
-    channels("channels", "with the channels in the order a, r, g, b", 3, 0, 1, 2),
-    channels("channels", "with the channels in the order a, b, g, r", 3, 2, 1, 0),
-    channels("channels", "with the channels in the order g, b, a, r", 1, 2, 3, 0),
+    *(channels("channels", f"with {words}", *order) for words, order in (
+        ("red and green swapped", (1, 0, 2, 3)), ("green and blue swapped", (0, 2, 1, 3)),
+        ("the channels in the order g, b, r", (1, 2, 0, 3)), ("the channels in the order b, r, g", (2, 0, 1, 3)),
+        ("the channels in the order a, r, g, b", (3, 0, 1, 2)), ("the channels in the order a, b, g, r", (3, 2, 1, 0)),
+        ("the channels in the order g, b, a, r", (1, 2, 3, 0)))),
     Fault("channels", "with both channels swapped", map=ordered, p=(1, 0), applies="two", sided=False),
     Fault("grey", "if {to} has the first channel of {from} in all", map=grey, p=(0,), applies="colour", loses=is_grey),
     Fault("grey", "if {to} has the luminance of {from} in all channels", map=grey, p=(1,), applies="colour", loses=is_grey),
@@ -752,20 +730,23 @@ MAPS = [
     Fault("byte_codes", "if {to} has codes of 0..255 for 0..1", map=line, p=(255, 0)),
     Fault("limited_range", "if {to} has the limited range of video (16..235)", map=line, p=(219 / 255, 16 / 255), applies="reals"),
     Fault("limited_range", "if {from} has the limited range of video (16..235)", map=line, p=(255 / 219, -16 / 219), applies="reals"),
-    Fault("clamped", "if {from} is clamped to 0..1, as {to} is", map=limited, p=(0, 1), applies="reals", loses=out_of_range),
-    Fault("clamped", "if what is negative in {from} is 0, as in {to}", map=limited, p=(0, np.inf), loses=out_of_range),
+    Fault("clamped", "if {from} is clamped to 0..1, as {to} is", p=(0, 1), applies="reals", loses=out_of_range,
+          map=lambda p, v: np.clip(v, *p)),
+    Fault("clamped", "if what is negative in {from} is 0, as in {to}", p=(0, np.inf), loses=out_of_range,
+          map=lambda p, v: np.clip(v, *p)),
     Fault("absolute", "if {to} has magnitudes without the sign", map=lambda p, v: np.abs(v), p=(0, np.inf), loses=out_of_range),
     Fault("reciprocal", "after 1 / v", map=lambda p, v: 1 / v, applies="reals", sided=False),
     Fault("tone", "if {to} has v / (1 + v) (tone mapped)", map=lambda p, v: v / (1 + v), applies="reals"),
     Fault("logarithm", "if {to} has log2 of {from}", map=lambda p, v: np.log2(v), applies="reals"),
     Fault("logarithm", "if {to} has ln of {from}", map=lambda p, v: np.log(v), applies="reals"),
     Fault("depth_linear", "if {from} is hyperbolic depth and {to} linear: 1 / {to} is {0} {from} + {1}",
-          map=lambda p, v: 1 / line(p, v), fit=lambda pair, v, target: fit_line(pair, v, target, True), found=2, applies="reals"),
-    Fault("byte_order", "with the bytes of each number in the other order", map=other_bytes, fit=fit_bytes),
-    Fault("integer", "if {from} is rounded to whole numbers", map=whole, p=(0,), applies="reals", loses=on_grid(whole)),
-    Fault("integer", "if {from} is rounded down to whole numbers", map=whole, p=(1,), applies="reals", loses=on_grid(whole)),
+          map=lambda p, v: 1 / line(p, v), fit=fit_inverse, found=2, applies="reals"),
+    Fault("byte_order", "with the bytes of each number in the other order", map=other_bytes,
+          fit=lambda pair, *_: [(i,) for i, (kind, _) in enumerate(WORDS) if kind == pair.kind]),
     *(Fault("wrapped", f"if {{to}} keeps {bits} bits of {{from}}", map=lambda p, v: v % (p[1] + 1), p=(0, 2 ** bits - 1),
             loses=out_of_range) for bits in (8, 16)),
+    grid("integer", "rounded to whole numbers", 1, 0),
+    grid("integer", "cut to whole numbers", 1, 1),
     grid("half", "rounded to half floats", 10, 0, -14),
     grid("half", "cut to half floats", 10, 1, -14),
     *(grid(f"unorm{bits}", f"{words} to {bits}-bit codes{more}", 2. ** bits - 1, cut)
@@ -778,34 +759,36 @@ MAPS = [
     grid("float19", "rounded to 10 bits of fraction (TF32)", 10, 0, -126),
     Fault("factor", "with a factor of {0} on {from}", map=line, fit=fit_factor, found=1),
     Fault("offset", "with {1} added to {from}", map=line, fit=fit_offset, found=1),
-    Fault("affine", "with {0} v + {1} of {from}", map=line, fit=fit_line, found=2, applies="reals"),
+    Fault("affine", "with {0} v + {1} of {from}", map=line, found=2, applies="reals",
+          fit=lambda pair, v, target: line_of(*usable(pair, v, target))),
     Fault("power", "with {from} to the power of {0}", map=power, fit=fit_power, found=1, applies="reals"),
+]
+
+SHOWN_FIRST = [
+    Fault("dither", "by 1 code, as dithering does; the pattern is {0}", mark=not_dithered, sided=False),
+    Fault("nan", "where {to} is NaN or infinite", mark=lambda pair, p: np.isfinite(pair.differing_to).all(1).mean()),
+    Fault("uninitialised", "where {to} has the pattern of memory that nothing has written", mark=no_pattern),
 ]
 
 SHOWN = [
     Fault("order", "in the order of elements alone: the same are in both", mark=other_order, sided=False),
-    Fault("dither", "by 1 code, as dithering does; the pattern is turned in y", mark=not_dithered, p=(0, 1), sided=False),
-    Fault("dither", "by 1 code, as dithering does; the pattern is turned in x", mark=not_dithered, p=(1, 0), sided=False),
-    Fault("dither", "by 1 code, as dithering does; the pattern is turned in x and y", mark=not_dithered, p=(1, 1), sided=False),
-    Fault("dither", "by 1 code, as dithering does; the pattern is moved", mark=not_dithered, p=(0, 0), sided=False),
-    Fault("nan", "where {to} is NaN or infinite", mark=lambda pair, p: np.isfinite(pair.differing_to).all(1).mean()),
-    Fault("uninitialised", "where {to} has the pattern of memory that nothing has written", mark=no_pattern),
     Fault("coverage", "by coverage: what is background in one is drawn in the other (winding, culling or depth test)", mark=not_inverted),
     Fault("wrap", "{0}, where {to} repeats its texels (clamped) and {from} goes on with its other end (wrapped)", mark=not_clamped, p=(1,),
-          applies="image"),
+          leaves=0.15, applies="image"),
     Fault("smear", "{0} alone, where {to} repeats its texels: clamped inside, or at the end of a texture that {from} wraps",
-          applies="image", mark=not_clamped, p=(0,)),
-    *(Fault("border", words, where=border, p=p, sided=False) for p, words in ENDS.items()),
-    *(Fault("rest", f"behind the last whole {word}, where {{to}} has one value: the dispatch is too small", where=behind_tiles, p=(tile,),
-            loses=ends_with_tiles)
+          applies="image", mark=not_clamped, p=(0,), leaves=0.15),
+    *(Fault("border", words, mark=only(border), p=p, sided=False) for p, words in ENDS.items()),
+    *(Fault("rest", f"behind the last whole {word}, where {{to}} has one value: the dispatch is too small", p=(tile,),
+            mark=only(behind_tiles, holds=ends_with_tiles))
       for tile, word in ((8, "tile of 8"), (16, "tile of 16"), (32, "tile of 32"), (64, "group of 64"))),
-    *(Fault("tile_edges", f"at the edges of tiles of {tile} alone", where=tile_edge, p=(tile,), sided=False) for tile in (64, 32, 16, 8)),
+    *(Fault("tile_edges", f"at the edges of tiles of {tile} alone", mark=only(tile_edge, 0.1), p=(tile,), sided=False)
+      for tile in (64, 32, 16, 8)),
     *(Fault("tiles", f"in whole tiles of {tile}x{tile}", mark=not_tiles, p=(tile,), sided=False, applies="image") for tile in (32, 16, 8)),
     Fault("clear", "where {from} has one value, as a clear leaves it: {to} has more drawn there, or lacks the clear", mark=cleared),
     Fault("layer_alone", "in layer {0} alone", mark=not_in_layer, applies="layers", sided=False),
     Fault("edges", "at edges alone, where {to} lies between its neighbours: {to} is multisampled or filtered, {from} is not",
           mark=not_antialiased, leaves=0.25, applies="image"),
-    Fault("alpha_edges", "only where alpha lies between 0 and 1 in {from}, and is one of both in {to}: alpha to coverage, or blending",
+    Fault("alpha_edges", "only where alpha lies between the levels of {to}: {to} has alpha to coverage, or an alpha test",
           mark=not_tested, applies="alpha"),
 ]
 
