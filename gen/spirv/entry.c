@@ -37,15 +37,12 @@ bool spirv_end_entry(struct spirv *module)
         return true;
     calls[BODY] = body;
     struct spirv_edit edit;
-    const uint32_t *words = module->words, *head = spirv_definition(module, body);
+    const uint32_t *head = spirv_definition(module, body);
     uint32_t void_type = head[1], function_type = head[4];
     spirv_edit_begin(&edit, module);
     uint32_t entry = edit.bound++, label = edit.bound++;
     rename_entry(&edit, body, entry);
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    spirv_copy(&edit, &edit.annotations, words + at);
-    SPIRV_EACH(module, at, module->code, module->count)
-    spirv_copy(&edit, &edit.code, words + at);
+    spirv_edit_keep(&edit);
     spirv_put_name(&edit, body, "pass_main(");
     SPIRV_PUT(&edit, &edit.code, SpvOpFunction, void_type, entry, SpvFunctionControlMaskNone,
               function_type);

@@ -126,34 +126,19 @@ static void name_entry(char name[NAME_SIZE], const struct shader *shader)
     snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", shader->hash[0], shader->hash[1]);
 }
 
-static bool read_all(int file, void *bytes, size_t size)
-{
-    for (char *at = bytes; size;) {
-        ssize_t got = read(file, at, size);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return false;
-        at += got;
-        size -= (size_t)got;
-    }
-    return true;
-}
-
 /* The name seeds the hash of the content, so a renamed file is a miss. */
-static bool read_entry(int file, struct shader *shader)
+static bool read_entry(FILE *file, struct shader *shader)
 {
     struct head head;
     struct stat status;
-    uint32_t *words = NULL;
-    if (fstat(file, &status) || !S_ISREG(status.st_mode) || !read_all(file, &head, sizeof head) ||
-        memcmp(head.magic, magic, sizeof magic) != 0 || !head.word_count ||
-        head.word_count > MOST_WORDS ||
-        (uint64_t)status.st_size != sizeof head + head.word_count * sizeof *words)
+    if (fstat(fileno(file), &status) || !S_ISREG(status.st_mode) ||
+        fread(&head, sizeof head, 1, file) != 1 || memcmp(head.magic, magic, sizeof magic) != 0 ||
+        !head.word_count || head.word_count > MOST_WORDS ||
+        (uint64_t)status.st_size != sizeof head + head.word_count * sizeof *shader->words)
         return false;
-    size_t size = head.word_count * sizeof *words;
-    words = malloc(size);
-    if (!words || !read_all(file, words, size) ||
+    size_t size = head.word_count * sizeof *shader->words;
+    uint32_t *words = malloc(size);
+    if (!words || fread(words, size, 1, file) != 1 ||
         XXH3_64bits_withSeed(words, size, shader->hash[0]) != head.hash) {
         free(words);
         return false;
@@ -169,12 +154,15 @@ bool shader_cache_find(struct shader_cache *cache, struct shader *shader)
     if (!cache || !shader->hash[1])
         return false;
     name_entry(name, shader);
-    int file = openat(cache->folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    bool found = file >= 0 && read_entry(file, shader);
+    int number = openat(cache->folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    FILE *file = number >= 0 ? fdopen(number, "rb") : NULL;
+    bool found = file && read_entry(file, shader);
     if (found)
-        futimens(file, NULL); /* the time of use; on failure the entry only looks older */
-    if (file >= 0)
-        close(file);
+        futimens(number, NULL); /* the time of use; on failure the entry only looks older */
+    if (file)
+        fclose(file);
+    else if (number >= 0)
+        close(number);
     return found;
 }
 
@@ -216,34 +204,25 @@ static int oldest_first(const void *a, const void *b)
 /* Lists the entries, and removes temporary files of killed processes. free() the result. */
 static struct file *list_files(int folder, size_t *count, uint64_t *bytes)
 {
-    struct file *files = NULL;
-    size_t room = 0;
-    int copy = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    DIR *listing = copy >= 0 ? fdopendir(copy) : NULL;
-    for (struct dirent *entry; listing && (entry = readdir(listing));) {
+    struct dirent **list = NULL;
+    int found = scandirat(folder, ".", &list, NULL, NULL);
+    struct file *files = found > 0 ? malloc((size_t)found * sizeof *files) : NULL;
+    for (int i = 0; i < found; i++) {
+        const char *name = list[i]->d_name;
         struct stat status;
-        if (strlen(entry->d_name) >= NAME_SIZE ||
-            fstatat(folder, entry->d_name, &status, AT_SYMLINK_NOFOLLOW) ||
-            !S_ISREG(status.st_mode))
-            continue;
-        if (entry->d_name[0] == '.' && time(NULL) - status.st_mtime > STALE_SECONDS)
-            unlinkat(folder, entry->d_name, 0);
-        if (entry->d_name[0] == '.')
-            continue;
-        if (*count == room) {
-            struct file *grown = realloc(files, (room = room ? 2 * room : 256) * sizeof *files);
-            if (!grown)
-                break;
-            files = grown;
+        bool fits = files && strlen(name) < NAME_SIZE &&
+                    !fstatat(folder, name, &status, AT_SYMLINK_NOFOLLOW) && S_ISREG(status.st_mode);
+        if (fits && name[0] == '.' && time(NULL) - status.st_mtime > STALE_SECONDS)
+            unlinkat(folder, name, 0);
+        if (fits && name[0] != '.') {
+            files[*count] =
+                (struct file){.used = status.st_mtime, .bytes = (uint64_t)status.st_size};
+            memcpy(files[*count].name, name, strlen(name) + 1);
+            *bytes += files[(*count)++].bytes;
         }
-        files[*count] = (struct file){.used = status.st_mtime, .bytes = (uint64_t)status.st_size};
-        memcpy(files[*count].name, entry->d_name, strlen(entry->d_name) + 1);
-        *bytes += files[(*count)++].bytes;
+        free(list[i]);
     }
-    if (listing)
-        closedir(listing);
-    else if (copy >= 0)
-        close(copy);
+    free(list);
     return files;
 }
 
