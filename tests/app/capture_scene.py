@@ -14,8 +14,8 @@ STORAGE, RGBA8, CLAMP = 0x90D2, 0x8058, 0x812F
 
 HEAD = "#version 330 core\n"
 WHOLE = HEAD + """void main() { vec2 p = vec2(gl_VertexID & 1, gl_VertexID >> 1); gl_Position = vec4(p * 4.0 - 1.0, 0.0, 1.0); }"""
-SOLID = HEAD + """out vec3 colour; uniform mat4 place; const vec2 at[6] = vec2[](vec2(-.8, -.7), vec2(.7, -.8), vec2(.1, .8),
-vec2(-.5, .6), vec2(.4, .5), vec2(.6, -.4)); void main() { vec2 p = at[gl_VertexID]; colour = vec3(p * .5 + .5, .3);
+SOLID = HEAD + """layout(location = 0) in vec2 spot; out vec3 colour; uniform mat4 place;
+void main() { vec2 p = spot; colour = vec3(p * .5 + .5, .3);
 gl_Position = place * vec4(p, p.x * .2 + float(gl_VertexID / 3) * .05 + .5, 1.0); }"""
 COLOURED = HEAD + "in vec3 colour; layout(location = 0) out vec4 result; void main() { result = vec4(colour, 1.0); }"
 BLUR = HEAD + """uniform sampler2D scene; uniform float radius; uniform float iTime; layout(location = 0) out vec4 result;
@@ -52,6 +52,13 @@ def made(function: str) -> int:
     name = ctypes.c_uint()
     getattr(gl, function)(1, ctypes.byref(name))
     return name.value
+
+
+def buffer(kind: int, data: Any) -> int:
+    name = made("glGenBuffers")
+    gl.glBindBuffer(kind, name)
+    gl.glBufferData(kind, ctypes.c_size_t(ctypes.sizeof(data)), data, 0x88E4)
+    return name
 
 
 def texture(kind: int, storage: str, *sizes: int, wrap: int = CLAMP) -> int:
@@ -110,10 +117,9 @@ class Scene:
             (flat, [(TEXTURE_2D, mips, mip) for mip in range(4)], shaded, 1), (flat, [(TEXTURE_2D, self.made_mips, 0)], shaded, 0),
             (layer, [(volume, 0, at) for at in range(4)], shaded, 0),
             (flat, [(TEXTURE_2D, name, 0) for name in (whole, view, whole)], shaded, 0))]
-        self.buffers = [made("glGenBuffers") for _ in range(3)]
-        for name, last in zip(self.buffers, (0, 9, 11)):
-            gl.glBindBuffer(STORAGE, name)
-            gl.glBufferData(STORAGE, ctypes.c_size_t(384), (ctypes.c_uint * 96)(3, 5, 7, last), 0x88E4)
+        self.buffers = [buffer(STORAGE, (ctypes.c_uint * 96)(3, 5, 7, last)) for last in (0, 9, 11)]
+        self.meshes = [(buffer(0x8892, (ctypes.c_float * 12)(-.8, -.7, .7, -.8, .1, top, -.5, .6, .4, .5, .6, -.4)),
+                        buffer(0x8893, (ctypes.c_ushort * 6)(0, 1, 2, 3, *last))) for top, last in ((.8, (4, 5)), (.7, (5, 4)))]
 
     def frame(self, fault: str) -> None:
         use(self.solid, self.scene[0])
@@ -126,7 +132,11 @@ class Scene:
         switch(*(state for name, state in (("blend", BLEND), ("cull", CULL_FACE), ("scissor", SCISSOR)) if name == fault), on=True)
         gl.glScissor(0, 0, 50, SIDE)
         gl.glViewport(8 if fault == "viewport" else 0, 0, SIDE, SIDE)
-        gl.glDrawArrays(4, 0, 6)
+        for kind, name in zip((0x8892, 0x8893), self.meshes[fault == "vertices"]):
+            gl.glBindBuffer(kind, name)
+        gl.glVertexAttribPointer(0, 2, 0x1406, 0, 0, None)
+        gl.glEnableVertexAttribArray(0)
+        gl.glDrawElements(4, 6, 0x1403, None)
         switch(DEPTH_TEST, CULL_FACE, OFFSET, SCISSOR, BLEND)
         if fault.startswith("cover"):
             self.cover(fault == "covered")

@@ -48,13 +48,14 @@ judged() { # folder of captures, both APIs, "condition|name of the fault"...
 }
 check "a program in OpenGL is captured" captured once.rdc 3 /usr/bin/python3 -B "$scene"
 check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
-    none cull offset uniform clock shader rows cover covered
+    none cull offset uniform clock shader rows vertices cover covered
 mv gl/*.rdc .
 faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"|cull'
     '"against factor 0, units 0.5: factor and units are swapped" in t|offset'
     '"exposure: 1 against 1.25" in t and p["guilty"]["pass"] == "02_draw_96x96"|uniform'
     'p["captures"]["moments"]["01_draw_96x96"] == ["iTime: 0.22 against 0.49"]|clock' '"shift of " in str(p["results"][2]["why"])|shader'
-    'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in str(p["results"][2]["why"])|rows')
+    'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in str(p["results"][2]["why"])|rows'
+    '"vertex data spot: 1 of 12 numbers differ, by up to 0.1" in t and "vertex data indices: 2 of 6 numbers" in t|vertices')
 judged . "OpenGL against OpenGL" "${faults[@]}"
 check "another moment is told before the passes" grep -Pzq 'not the same moment: iTime: 0.22 .*\n.*\npass ' "$work/said"
 says 1 'draw 96x96 first half .* draw 96x96 first half' cover.rdc covered.rdc --json all.json >"$work/output"
@@ -136,7 +137,10 @@ check "a replay that shows another picture proves nothing; one backend alone is 
 import numpy as np
 from types import SimpleNamespace
 from diptych.rdc.differ import aligned
+from diptych.rdc.compare import Matched
 from diptych.rdc.guilty import verdict
+draws = SimpleNamespace(draws={"00_draw": [6, 100], "01_draw": [1, 1]})
+assert Matched.draws_text(draws) == "state of 7 of 101 draws compared: 6 of 100 in 00_draw; --draws compares all of a pass"
 assert aligned([[18, 1], [9, 1], [30, 1], [60, 1], [9, 1]], [[9, 2], [9, 1], [60, 1], [30, 1]]) == [(0, 0), (1, 1)]
 assert aligned([[9, 1], [9, 1], [30, 1], [6, 1]], [[18, 1], [30, 1], [6, 1]]) == [(0, 0), (2, 1)]
 ramp = np.linspace(0, 1, 256, dtype="f4").reshape(8, 8, 4)

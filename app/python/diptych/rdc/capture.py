@@ -96,8 +96,8 @@ class Run:
 
 def main(console: Console, request: Json) -> tuple[int, Json]:
     rd, output = renderdoc(console), os.path.abspath(request["output"])
-    if not os.access(os.path.dirname(output), os.W_OK):
-        console.fail(f"{request['output']}: cannot be written: no such folder, or no right to write there")
+    if os.path.isdir(output) or not os.access(os.path.dirname(output), os.W_OK):
+        console.fail(f"{request['output']}: cannot be written: it is a folder, or in no such folder, or no right to write there")
     with tempfile.TemporaryDirectory(dir=os.path.dirname(output), prefix=".capture-") as folder:
         run = Run(console, rd, request["command"], request.get("env", []), os.path.join(folder, "frame"))
         try:

@@ -17,7 +17,7 @@ import numpy as np
 
 from . import differ, guilty
 from .capture import renderdoc
-from ..console import Console, printable, write
+from ..console import Console, Failure, printable, write
 from .match import Matcher, Pair, Side, numbers_of
 from .texels import doubled_depth
 from ..verbs import HERE
@@ -126,6 +126,7 @@ class Replays:
         with open(os.open(os.path.join(folder, "frame.json"), os.O_RDONLY | os.O_NOFOLLOW), encoding="utf-8") as file:
             frame: Json = json.load(file)
         named = [item["file"] for made in frame["passes"] for key in ("entries", "inputs", "shaders") for item in made[key]]
+        named += [file for made in frame["passes"] for state in made.get("states", []) for file, _ in state["streams"].values()]
         if not kept.issuperset([*named, "small.npz"]):
             self.console.fail(f"{capture}: its replay names files that it did not write")
         return frame
@@ -270,10 +271,14 @@ class Matched:
         self.labels = [side.label for side in sides] if sides[0].label != sides[1].label else ["first", "second"]
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
+        self.draws: dict[str, list[int]] = {}  # those whose state was compared, and all
         for pair, first, second in self.both():
             for item, other in ((first, second), (second, first)):  # what one side left out is not asked of the other
                 item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["left_out"]]
-            texts, moved = differ.differences(first, second, pair.turned, sides[0].label != sides[1].label)
+            folders, draws = [side.folder for side in sides], max(first["draws"], second["draws"])
+            texts, moved, compared = differ.differences(first, second, pair.turned, folders, sides[0].label != sides[1].label)
+            if first["kind"] == second["kind"] == "draw":
+                self.draws[names[pair.first]] = [compared, draws]
             for into, items in ((self.state, texts), (self.clocks, moved)):
                 if items:
                     into[names[pair.first]] = items
@@ -313,8 +318,15 @@ class Matched:
         print(flush=True)
 
     def json(self) -> Json:
-        return {"state": self.state, "moments": self.clocks,
+        return {"state": self.state, "moments": self.clocks, "draws": self.draws,
                 "matched": [[self.names[pair.first], first["index"], second["index"]] for pair, first, second in self.both()]}
+
+    def draws_text(self) -> str:
+        compared, draws = (sum(counts) for counts in zip((0, 0), *self.draws.values()))
+        parts = [f"{some} of {most} in {name}" for name, (some, most) in self.draws.items() if some < most]
+        more = f" and {len(parts) - 3} more passes" if len(parts) > 3 else ""
+        where = f": {', '.join(parts[:3])}{more}; --draws compares all of a pass" if parts else ""
+        return f"state of {compared} of {draws} draws compared{where}"
 
     def save(self, name: str, path: str) -> None:
         """Shaders, inputs and results of a pass, of both sides."""
@@ -458,6 +470,7 @@ class Comparison:
             beside = matched.state.get(pass_name, [])
             for text in beside[:MOST_BESIDE] + ([f"{len(beside) - MOST_BESIDE} more, above"] if len(beside) > MOST_BESIDE else []):
                 print(f"beside it, in the state of {pass_name}: {printable(text)}")
+            print(matched.draws_text())
             if self.save and pass_name in matched.names:
                 matched.save(pass_name, self.save)
             outcome["captures"] = matched.json()
@@ -469,13 +482,18 @@ class Comparison:
 
 def main(console: Console, request: Json) -> tuple[int, Json]:
     renderdoc(console)
-    with tempfile.TemporaryDirectory(prefix="diptych-") as folder:
-        comparison = Comparison(console, request, folder)
-        sides = comparison.replay([], "frame")
-        if comparison.draws:
-            sides = comparison.each_draw(sides)
-        status = comparison.compare(comparison.dump(sides))
-        if status < 2:
-            comparison.conclude()
+    try:
+        with tempfile.TemporaryDirectory(prefix="diptych-") as folder:
+            comparison = Comparison(console, request, folder)
+            sides = comparison.replay([], "frame")
+            if comparison.draws:
+                sides = comparison.each_draw(sides)
+            status = comparison.compare(comparison.dump(sides))
+            if status < 2:
+                comparison.conclude()
+    except (Failure, OSError):
+        raise
+    except Exception as error:  # a replay that the capture has taken over may leave anything
+        console.fail(f"what the replays left cannot be read: {type(error).__name__}: {error}")
     sys.stdout.flush()
     return status, {}

@@ -2,6 +2,7 @@
 the order of rows, and matrices that differ by clip space alone."""
 from __future__ import annotations
 
+import os
 import re
 from typing import Any, Iterator
 
@@ -129,6 +130,23 @@ def uniform_differences(first: dict[str, Any], second: dict[str, Any]) -> list[t
     return found
 
 
+# ---- Vertices ------------------------------------------------------------------------------------
+
+
+def stream_differences(first: Json, second: Json, folders: list[str], across: bool) -> dict[str, str]:
+    """Of the vertices and indices of a draw, by name: {name: [file, numbers of a row]}. What is turned for the other API is equal."""
+    found = {}
+    for name, *both in common(first, second):
+        a, b = (np.fromfile(os.path.join(folder, file), "<f4").reshape(-1, width) for folder, (file, width) in zip(folders, both))
+        turns = [a, *(np.concatenate([a[:, :1], y, a[:, 2:]], 1) for y in (-a[:, 1:2], 1 - a[:, 1:2]) if across)]
+        if a.shape != b.shape:
+            found[f"vertex data {name}"] = f"{len(a)} of {a.shape[1]} numbers against {len(b)} of {b.shape[1]}"
+        elif not any(np.allclose(turn, b, rtol=1e-6, atol=1e-6, equal_nan=True) for turn in turns):
+            gaps = np.abs(a - b)[a != b]
+            found[f"vertex data {name}"] = f"{len(gaps)} of {a.size} numbers differ, by up to {number(float(gaps.max()))}"
+    return found
+
+
 # ---- A pass --------------------------------------------------------------------------------------
 
 
@@ -161,8 +179,8 @@ def steps(first: Json, second: Json) -> Iterator[tuple[int, Json, Json, bool]]:
         yield at, sides[0][one], sides[1][two], both
 
 
-def differences(first: Json, second: Json, turned: bool, across: bool) -> tuple[list[str], list[str]]:
-    """What differs, and which of it is a clock. `across`: the sides have different APIs."""
+def differences(first: Json, second: Json, turned: bool, folders: list[str], across: bool) -> tuple[list[str], list[str], int]:
+    """What differs, which of it is a clock, and of how many draws the state was compared. `across`: the sides have different APIs."""
     texts: list[str] = []
     moved: list[str] = []
     if first["kind"] != second["kind"]:
@@ -177,8 +195,9 @@ def differences(first: Json, second: Json, turned: bool, across: bool) -> tuple[
     draws: dict[str, list[int]] = {}  # that a text is true of
     clocks: set[str] = set()
     told: set[str] = set()
-    looked = 0
-    for at, one, other, both in steps(first, second):
+    looked, compared = 0, 0
+    details: dict[str, str] = {}
+    for compared, (at, one, other, both) in enumerate(steps(first, second), 1):
         own, state = normal(one["state"], False, False), normal(other["state"], turned, across and not turned)
         found = min(state_texts(own, state), state_texts(own, other_front(state)), key=len)
         if both:
@@ -188,13 +207,17 @@ def differences(first: Json, second: Json, turned: bool, across: bool) -> tuple[
                 found.append(f"{name}: {values}" if len(told) <= MOST_TOLD else "more uniforms")
                 clocks |= {found[-1]} if CLOCK.search(name) else set()
             found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
+            numbers = stream_differences(one["streams"], other["streams"], folders, across)
+            found += numbers
+            details = {**numbers, **details}
         for text in dict.fromkeys(found):
             draws.setdefault(text, []).append(at)
     for text, places in draws.items():
         more = f" and {len(places) - 1} more" if len(places) > 1 else ""
         part = f" (draw {places[0] + 1}{more} of {first['draws']})" if len(places) < looked else ""
-        (moved if text in clocks else texts).append(text + part)
+        detail = f": {details[text]}" if text in details else ""
+        (moved if text in clocks else texts).append(text + detail + part)
     for one, other in zip(first["shaders"], second["shaders"]) if not across else ():
         if one["file"] != other["file"]:
             texts.append(f"{one['stage']} shader: other code, see --save")
-    return texts, moved
+    return texts, moved, compared

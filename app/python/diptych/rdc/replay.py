@@ -418,7 +418,10 @@ class Frame:
         for at in sorted(set(chosen) - {-1}):
             self.control.SetFrameEvent(made.draws[at].eventId, False)
             if made.kind in ("draw", "dispatch"):
-                states.append({"draw": at, **rdc_state.state_of(self.control, self.gl, made.kind, self.textures)})
+                own = rdc_state.state_of(self.control, self.gl, made.kind, self.textures)
+                streams = rdc_state.streams(self.control, made.draws[at]) if made.kind == "draw" else ()
+                kept = {name: [self.keep(rows.astype("<f4").tobytes()), rows.shape[1]] for name, rows in streams}
+                states.append({"draw": at, **own, "streams": kept})
             state = self.control.GetPipelineState()
             bindings = list(rdc_state.bindings(self.control, state, made.kind, self.gl))
             for slot, resource, mip in [*self.targets(made, state), *((name, item, 0) for name, item, stores in bindings if stores)]:

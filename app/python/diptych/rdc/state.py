@@ -3,11 +3,15 @@ from __future__ import annotations
 
 from typing import Any, Iterator
 
+import numpy as np
 import renderdoc as rd
+
+from .texels import texels_of, values_of
 
 Json = dict[str, Any]
 STAGES = {"dispatch": [rd.ShaderStage.Compute], "draw": [rd.ShaderStage.Vertex, rd.ShaderStage.Geometry, rd.ShaderStage.Pixel]}
 MOST_UNIFORMS = 1024  # of a draw
+MOST_VERTICES = 1 << 28  # bytes of an attribute
 
 
 def word(value: Any) -> str:
@@ -48,6 +52,36 @@ def shaders(state: Any, kind: str) -> Iterator[tuple[str, str, bytes, str]]:
     for stage, reflection in stages(state, kind):
         end = "glsl" if word(reflection.encoding) == "glsl" else "spv"
         yield word(stage), reflection.entryPoint, bytes(reflection.rawBytes), f".{word(stage)}.{end}"
+
+
+def streams(control: Any, action: Any) -> Iterator[tuple[str, np.ndarray]]:
+    """What a draw takes of index and vertex buffers: indices, and the numbers of each attribute, a row per vertex or instance."""
+    def read(bound: Any, start: int, count: int, stride: int) -> bytes:
+        size = count * stride if count * stride <= MOST_VERTICES else 0
+        data = bytes(control.GetBufferData(bound.resourceId, start, size)) if size > 0 <= start and int(bound.resourceId) else b""
+        return data + bytes(size - len(data))
+
+    state = control.GetPipelineState()
+    first, count, index, buffers = action.vertexOffset, action.numIndices, state.GetIBuffer(), state.GetVBuffers()
+    size = index.byteStride
+    if action.flags & rd.ActionFlags.Indexed and 0 < count * size <= MOST_VERTICES:
+        indices = np.frombuffer(read(index, index.byteOffset + action.indexOffset * size, count, size), f"<u{size}")
+        yield "indices", indices[:, None]
+        indices = indices[indices != state.GetRestartIndex()] if state.IsRestartEnabled() else indices
+        first, count = (int(indices.min()) + action.baseVertex, int(np.ptp(indices)) + 1) if len(indices) else (0, 0)
+    for item in state.GetVertexInputs():
+        regular = item.format.type == rd.ResourceFormatType.Regular
+        if not item.used or item.genericEnabled or item.vertexBuffer >= len(buffers) or not regular:
+            continue
+        bound, width = buffers[item.vertexBuffer], item.format.compByteWidth * item.format.compCount
+        rate, stride = max(1, item.instanceRate), max(bound.byteStride, width, 1)
+        place, rows = (action.instanceOffset, -(-action.numInstances // rate)) if item.perInstance else (first, count)
+        place, rows = (place, rows) if bound.byteStride else (0, 1)
+        data = read(bound, bound.byteOffset + item.byteOffset + place * stride, rows, stride)
+        data = np.frombuffer(data, "u1").reshape(-1, stride)[:, :width].tobytes()
+        texels = texels_of(item.format, data, rows, 1, True)
+        if texels:
+            yield item.name, values_of(texels.format, texels.rows)[0]
 
 
 # ---- Uniforms ------------------------------------------------------------------------------------
