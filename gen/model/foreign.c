@@ -246,7 +246,7 @@ static bool passes_textures(const struct spirv *module)
     return false;
 }
 
-static bool reread(struct spirv *module, unsigned passes)
+bool spirv_reread(struct spirv *module, unsigned passes)
 {
     size_t count = module->count;
     uint32_t *words = spirv_optimize(module->words, &count, passes);
@@ -373,9 +373,9 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
     bool good = spirv_open(&module, words, *count) && spirv_lower_memory(&module);
     if (good && !has_lines(&module))
         good = add_lines(&module, path);
-    good = good && reread(&module, SPIRV_FLATTEN);
+    good = good && spirv_reread(&module, SPIRV_FLATTEN);
     if (good && passes_textures(&module))
-        good = reread(&module, SPIRV_INLINE);
+        good = spirv_reread(&module, SPIRV_INLINE);
     if (good)
         set_undefined(&module);
     good = good && clean_front(&module) && name_all(&module) && spirv_combine(&module) &&

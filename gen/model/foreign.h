@@ -15,6 +15,8 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path);
 uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
                              uint32_t (*number)(void *user, const char *name, const char *text),
                              void *user);
+/* The module behind some passes of spirv-opt (spirv_check.h). False: out of memory. */
+bool spirv_reread(struct spirv *module, unsigned passes);
 /* Whether a module has an entry point for an execution model. */
 bool spirv_has_entry(const uint32_t *words, size_t count, uint32_t model);
 /* The entry point for an execution model becomes the only one, main. False: out of memory. */

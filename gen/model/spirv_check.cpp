@@ -61,6 +61,10 @@ try {
     if (passes & SPIRV_FREEZE)
         optimizer.RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
             .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass());
+    if (passes & SPIRV_PRUNE)
+        optimizer.RegisterPass(spvtools::CreateLocalSingleStoreElimPass())
+            .RegisterPass(spvtools::CreateCCPPass())
+            .RegisterPass(spvtools::CreateDeadBranchElimPass());
     if (!optimizer.Run(words, *count, &out, options))
         return nullptr;
     *count = out.size();

@@ -15,6 +15,7 @@ enum spirv_passes {
     SPIRV_FLATTEN = 1,  /* no groups of decorations, no debug instructions of extensions */
     SPIRV_INLINE = 2,   /* no functions but the entry points */
     SPIRV_LEGALIZE = 8, /* what glslang makes of HLSL becomes a valid module */
+    SPIRV_PRUNE = 16,   /* no branches that constants decide */
     SPIRV_FREEZE = 4    /* no specialization constants, and what is computed of them is constant */
 };
 /* The module behind some passes of spirv-opt, *count words; free(). NULL: out of memory. */

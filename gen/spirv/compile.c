@@ -98,7 +98,8 @@ static void tell_form(void *user, uint32_t file, uint32_t line, const char *word
 static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
                         struct shader *shader, struct proving *proving, char **log)
 {
-    bool good = sanitize(model, pass, &module) && spirv_end_entry(&module);
+    bool good = sanitize(model, pass, &module) && (pass->fast || spirv_settle_globals(&module)) &&
+                spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);

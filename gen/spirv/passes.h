@@ -14,6 +14,9 @@ bool spirv_for_opengl(struct spirv *module, bool indirect);
 /* entry.c: the entry point also calls diptych_end(), if the module has it. */
 bool spirv_end_entry(struct spirv *module);
 
+/* globals.c: globals that only main sets, to constants, become those; branches that they decide go. */
+bool spirv_settle_globals(struct spirv *module);
+
 /* texels.c: reads of the storage buffer `name` become calls of name_at() and name_length(). */
 bool spirv_texels(struct spirv *module, const char *name);
 

@@ -106,12 +106,8 @@ bool whole_specialize(const struct pipeline *pipeline, struct spirv *module)
         if (opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstant)
             set_constant(pipeline, module, i);
     }
-    if (any) {
-        size_t count = module->count;
-        uint32_t *words = spirv_optimize(module->words, &count, SPIRV_FREEZE);
-        spirv_free(module);
-        good = spirv_read(module, words, count);
-    }
+    if (any)
+        good = spirv_reread(module, SPIRV_FREEZE);
     if (good)
         set_local(module);
     return good;
