@@ -282,8 +282,7 @@ bool spirv_combine(struct spirv *module)
     spirv_edit_begin(&c.edit, module);
     c.edit.failed |= !c.pairs;
     if (!c.edit.failed) {
-        spirv_append(&c.edit, &c.edit.annotations, module->words + module->annotations,
-                     module->declarations - module->annotations);
+        spirv_edit_annotations(&c.edit);
         find_pairs(&c);
         name_pairs(&c);
         put_code(&c);

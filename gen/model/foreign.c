@@ -503,8 +503,7 @@ bool spirv_lower_phis(struct spirv *module)
     spirv_edit_begin(&edit, module);
     edit.failed |= !variables;
     if (!edit.failed) {
-        spirv_append(&edit, &edit.annotations, module->words + module->annotations,
-                     module->declarations - module->annotations);
+        spirv_edit_annotations(&edit);
         for (uint32_t f = 0; f < module->function_count; f++)
             lower_function(&edit, &module->functions[f], variables);
     }

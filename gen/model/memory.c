@@ -139,8 +139,7 @@ bool spirv_lower_memory(struct spirv *module)
     if (!has_vulkan_model(module))
         return true;
     spirv_edit_begin(&edit, module);
-    spirv_append(&edit, &edit.annotations, module->words + module->annotations,
-                 module->declarations - module->annotations);
+    spirv_edit_annotations(&edit);
     copy_head(&edit);
     if (copy_code(&edit))
         share_all(&edit);

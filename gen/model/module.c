@@ -523,11 +523,17 @@ static void fill_slots(struct spirv_edit *edit, size_t count)
     }
 }
 
-void spirv_edit_keep(struct spirv_edit *edit)
+void spirv_edit_annotations(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
     spirv_append(edit, &edit->annotations, from->words + from->annotations,
                  from->declarations - from->annotations);
+}
+
+void spirv_edit_keep(struct spirv_edit *edit)
+{
+    const struct spirv *from = edit->from;
+    spirv_edit_annotations(edit);
     spirv_append(edit, &edit->code, from->words + from->code, from->count - from->code);
 }
 

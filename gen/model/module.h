@@ -129,7 +129,8 @@ struct spirv_edit {
 
 /* Copies front (up to names) and declarations; annotations and code are the pass's. */
 void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from);
-/* Copies annotations and code, too. */
+/* Copies annotations; the second code, too. */
+void spirv_edit_annotations(struct spirv_edit *edit);
 void spirv_edit_keep(struct spirv_edit *edit);
 /* Each variable that the entry points of the edit's front list becomes what `keep` gives for it; 0: it goes. */
 void spirv_edit_interface(struct spirv_edit *edit, uint32_t (*keep)(const void *user, uint32_t id),

@@ -19,6 +19,7 @@ struct binder {
     bool *live;               /* by function: the entry point reaches it */
     uint32_t *moved;          /* by id: a variable's private one, or a pointer's self; 0: stays */
     uint32_t now;             /* the private one that gets its values */
+    uint32_t *given;          /* by id of a value's function: `now` of who has it; 0: nobody */
     int *bindings;            /* by id: 1 + binding of a resource; 0: none */
     unsigned char *types;     /* by id: LOOSE, KEPT */
     char **why;
@@ -186,7 +187,12 @@ static bool put_value(void *user, const struct spirv_leaf *leaf)
     char wanted[300];
     snprintf(wanted, sizeof wanted, "diptych_value_%s(", leaf->name);
     const struct spirv_function *found = spirv_find_function(module, wanted);
+    if (found && binder->given[found->id] == binder->now)
+        return refuse(
+            binder, "two members of the shader's uniforms have the name `%s` in a spec: rename one",
+            leaf->name);
     if (found) {
+        binder->given[found->id] = binder->now;
         const uint32_t *function = spirv_definition(module, found->id);
         uint32_t value =
             put_typed(binder, SpvOpFunctionCall, function[1], (uint32_t[]){function[2]}, 1);
@@ -479,12 +485,14 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
                             .request = request,
                             .live = spirv_live_functions(module),
                             .moved = calloc(bound, sizeof *binder.moved),
+                            .given = calloc(bound, sizeof *binder.given),
                             .bindings = calloc(bound, sizeof *binder.bindings),
                             .types = calloc(bound, sizeof *binder.types),
                             .why = why};
     *why = NULL;
     spirv_edit_begin(&binder.edit, module);
-    binder.edit.failed |= !binder.live || !binder.moved || !binder.bindings || !binder.types;
+    binder.edit.failed |=
+        !binder.live || !binder.moved || !binder.given || !binder.bindings || !binder.types;
     bool good = !binder.edit.failed;
     if (good) {
         each_variable(&binder, has_values, mark_loose);
@@ -504,6 +512,7 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
     free(binder.begin.data);
     free(binder.live);
     free(binder.moved);
+    free(binder.given);
     free(binder.bindings);
     free(binder.types);
     return spirv_edit_end(&binder.edit, module);

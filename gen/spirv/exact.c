@@ -349,14 +349,14 @@ static bool put_extremes(struct exact *exact, const uint32_t *i)
     return true;
 }
 
-/* Whether a conversion takes a number that the integers have; those of other widths stay as well. */
+/* Whether a conversion takes a number that the integers have; those to other widths stay as well. */
 static bool is_inside(struct exact *exact, const uint32_t *i)
 {
-    bool sign = spirv_is(i, SpvOpConvertFToS);
-    if (!sign && !spirv_is(i, SpvOpConvertFToU))
+    bool sign = spirv_is(i, SpvOpConvertFToS), whole = spirv_is(i, SpvOpConvertUToF);
+    if (!sign && !whole && !spirv_is(i, SpvOpConvertFToU))
         return false;
-    if (!spirv_letter(number_type(exact, i[1])))
-        return true;
+    if (whole || !spirv_letter(number_type(exact, i[1])))
+        return !spirv_letter(number_type(exact, i[1]));
     struct bounds a = range_of(&exact->ranges, i[3]);
     return !a.nan && a.low >= (sign ? -2147483648.0F : 0) &&
            a.high < (sign ? 2147483648.0F : 4294967296.0F);

@@ -25,12 +25,8 @@ static bool is_unset(const struct globals *globals, uint32_t id)
 
 static bool is_constant(const struct spirv *from, uint32_t id)
 {
-    size_t at = from->definitions[id];
-    return at >= from->declarations && at < from->code &&
-           (spirv_is(from->words + at, SpvOpConstant) ||
-            spirv_is(from->words + at, SpvOpConstantTrue) ||
-            spirv_is(from->words + at, SpvOpConstantFalse) ||
-            spirv_is(from->words + at, SpvOpConstantComposite));
+    uint32_t opcode = spirv_opcode(spirv_definition(from, id));
+    return opcode >= SpvOpConstantTrue && opcode <= SpvOpConstantComposite;
 }
 
 /* Reads the first block of main. */
@@ -64,7 +60,7 @@ static bool forget_changed(struct globals *globals)
         const uint32_t *i = from->words + at;
         bool first = at >= entry->begin && at < globals->end && spirv_is(i, SpvOpStore);
         for (uint32_t word = 1; !first && word < spirv_length(i); word++)
-            if (!spirv_is_literal(i, word) && !spirv_is(i, SpvOpLoad))
+            if (!spirv_is_literal(i, word) && !spirv_is(i, SpvOpLoad) && i[word] < from->words[3])
                 globals->values[i[word]] = i[word];
     }
     SPIRV_EACH(from, at, from->declarations, from->code)
@@ -88,8 +84,7 @@ static bool put_constants(struct globals *globals, struct spirv *module)
 {
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    spirv_append(&edit, &edit.annotations, module->words + module->annotations,
-                 module->declarations - module->annotations);
+    spirv_edit_annotations(&edit);
     SPIRV_EACH(module, at, edit.failed ? module->count : module->code, module->count)
     {
         const uint32_t *i = module->words + at;

@@ -196,8 +196,7 @@ static void join_front(struct joining *j)
 static void join_annotations(struct joining *j)
 {
     const struct spirv *own = j->own, *more = j->more;
-    spirv_append(&j->edit, &j->edit.annotations, own->words + own->annotations,
-                 own->declarations - own->annotations);
+    spirv_edit_annotations(&j->edit);
     SPIRV_EACH(more, at, more->annotations, more->declarations)
     {
         const uint32_t *i = more->words + at;

@@ -153,8 +153,7 @@ static bool wrap_loops(struct spirv *module)
     if (loops < MANY_LOOPS || !wrap.zero)
         return true;
     spirv_edit_begin(&wrap.edit, module);
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    spirv_copy(&wrap.edit, &wrap.edit.annotations, module->words + at);
+    spirv_edit_annotations(&wrap.edit);
     SPIRV_EACH(module, at, module->code, module->count)
     {
         const uint32_t *instruction = module->words + at;

@@ -958,8 +958,7 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
     s.edit.failed |=
         !s.counters || !s.ends || !assigned_begin(&s) || !content_begin(&s) || !quads_begin(&s);
     if (!s.edit.failed) {
-        spirv_append(&s.edit, &s.edit.annotations, module->words + module->annotations,
-                     module->declarations - module->annotations);
+        spirv_edit_annotations(&s.edit);
         for (uint32_t i = 0; i < module->function_count; i++)
             put_function(&s, &module->functions[i]);
         content_end(&s);

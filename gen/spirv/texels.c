@@ -127,8 +127,7 @@ bool spirv_texels(struct spirv *module, const char *name)
     if (!texels.variable || !texels.at || !texels.length)
         return true;
     spirv_edit_begin(&texels.edit, module);
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    spirv_copy(&texels.edit, &texels.edit.annotations, module->words + at);
+    spirv_edit_annotations(&texels.edit);
     SPIRV_EACH(module, at, module->code, module->count)
     put_instruction(&texels, module->words + at);
     return spirv_edit_end(&texels.edit, module);

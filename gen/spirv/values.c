@@ -273,8 +273,7 @@ bool spirv_values(struct spirv *module, const struct pass *pass, char **why)
     uint32_t entry = point[1] == SpvExecutionModelFragment ? point[2] : 0, function = 0;
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&values.link, edit);
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    spirv_copy(edit, &edit->annotations, module->words + at);
+    spirv_edit_annotations(edit);
     SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
     {
         const uint32_t *instruction = module->words + at;

@@ -123,7 +123,7 @@ def modules(tap):
     compute("#pragma use_vulkan_memory_model\nlayout(local_size_x_id = 5, local_size_y = 2) in;\nlayout(constant_id = 3) const float scale = 2.5;\n"
             "layout(constant_id = 5) const uint width = 1;\nshared uint part[gl_WorkGroupSize.x * gl_WorkGroupSize.y];\n"
             "layout(std430, binding = 1) buffer Sums { float sums[]; };\nvoid main()\n{\n    part[gl_LocalInvocationIndex] = gl_WorkGroupSize.x;\n"
-            "    barrier();\n    sums[gl_LocalInvocationIndex] = scale + part[gl_WorkGroupSize.x * gl_WorkGroupSize.y - 1u] + part.length() * 16;\n}\n",
+            "    barrier();\n    sums[gl_LocalInvocationIndex] = scale + part[gl_WorkGroupSize.x * gl_WorkGroupSize.y - 1u] + part.length() * 16\n        + float(double(gl_LocalInvocationIndex) * 0.0);\n}\n",
             "[2, 2, 1]", "params: {scale: {value: 0.5}, width: {value: 2, type: uint}}", "float")
     bodies.run("glslangValidator", "-V", "a.comp", "-o", "named.spv")
     bodies.run("spirv-opt", "--strip-debug", "named.spv", "-o", "bare.spv")
@@ -236,6 +236,9 @@ def members(tap):
             text = re.sub(rf"(?<![a-z]){re.escape(old)}", new, text)
         put("a.yaml", text.replace("a.comp", file))
         tap.result(f"members of structs and arrays in blocks, {file}", agrees([12, 20.125, 345, 18]))
+    compute("struct A { float b_c; }; struct B { float c; }; uniform A a; uniform B a_b;\nbuffer Sums { float sums[]; };\nlayout(local_size_x = 8) in;\n"
+            "void main() { sums[gl_GlobalInvocationID.x] = a.b_c + a_b.c; }\n", head='values: {a_b_c: "1.0"}', kind="float")
+    tap.result("... of one name in a spec", told("two members of the shader's uniforms have the name `a_b_c` in a spec"))
 
 
 SHAPES_SPEC = """pipeline: tried
