@@ -22,11 +22,6 @@ struct writing {
     uint32_t value_count;
 };
 
-static void add_quoted(struct text *out, const char *string)
-{
-    text_add_json(out, string);
-}
-
 /* ---- Parameters ------------------------------------------------------------------------------ */
 
 const struct slang_param *chain_param(const struct chain *chain, const char *name)
@@ -103,7 +98,7 @@ static bool write_param(const struct writing *writing, const struct slang_param 
     }
     text_add(writing->out, *param->doc ? ", live: true, doc: " : ", live: true");
     if (*param->doc)
-        add_quoted(writing->out, param->doc);
+        text_add_json(writing->out, param->doc);
     text_add(writing->out, "}\n");
     return true;
 }
@@ -237,7 +232,7 @@ static void write_common(const struct writing *writing)
             continue;
         text_add(writing->out, "%s  %s: ", any ? "" : "values:\n", value->name);
         any = true;
-        add_quoted(writing->out, value->text);
+        text_add_json(writing->out, value->text);
         text_add(writing->out, "\n");
     }
 }
@@ -289,7 +284,7 @@ static void write_images(const struct writing *writing, const char *picture)
     for (uint32_t i = 0; i < chain->picture_count; i++) {
         const struct chain_picture *of = &chain->pictures[i];
         text_add(writing->out, "  lut_%s: {file: ", of->name);
-        add_quoted(writing->out, of->file);
+        text_add_json(writing->out, of->file);
         text_add(writing->out, ", format: rgba8");
         if (of->mips > 1)
             text_add(writing->out, ", mips: %u", of->mips);
@@ -306,7 +301,7 @@ static void write_images(const struct writing *writing, const char *picture)
             text_add(writing->out, ", mips: %d, filter_mips: true", CHAIN_MIPS);
         if (*pass->alias) {
             text_add(writing->out, ", doc: ");
-            add_quoted(writing->out, pass->alias);
+            text_add_json(writing->out, pass->alias);
         }
         text_add(writing->out, "}\n");
     }
@@ -418,7 +413,7 @@ static void write_own_values(const struct writing *writing, uint32_t pass)
             continue;
         text_add(writing->out, "%s      %s: ", any ? "" : "    values:\n", value->name);
         any = true;
-        add_quoted(writing->out, value->text);
+        text_add_json(writing->out, value->text);
         text_add(writing->out, "\n");
     }
 }
@@ -432,7 +427,7 @@ static bool write_passes(const struct writing *writing)
         if (!write_reads(writing, i))
             return false;
         text_add(writing->out, "    writes: [pass%u]\n    shader: ", i);
-        add_quoted(writing->out, chain->passes[i].file);
+        text_add_json(writing->out, chain->passes[i].file);
         text_add(writing->out, "\n");
         write_own_values(writing, i);
     }

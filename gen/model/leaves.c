@@ -68,8 +68,7 @@ bool spirv_type_name(const struct spirv *module, uint32_t type, struct text *out
     const uint32_t *element = spirv_definition(module, spirv_element_type(module, type));
     const uint32_t *column =
         spirv_is(element, SpvOpTypeMatrix) ? spirv_definition(module, element[2]) : element;
-    const uint32_t *scalar =
-        spirv_is(column, SpvOpTypeVector) ? spirv_definition(module, column[2]) : column;
+    const uint32_t *scalar = spirv_scalar(module, column);
     char letter = letter_of(scalar);
     if (!letter)
         return false;

@@ -62,6 +62,11 @@ static inline const uint32_t *spirv_type(const struct spirv *module, uint32_t va
 {
     return spirv_definition(module, spirv_definition(module, value)[1]);
 }
+/* The type of the numbers of a vector; any other type is its own. */
+static inline const uint32_t *spirv_scalar(const struct spirv *module, const uint32_t *type)
+{
+    return spirv_is(type, 23) ? spirv_definition(module, type[2]) : type; /* OpTypeVector */
+}
 /* The type that a variable points to. */
 static inline uint32_t spirv_pointee(const struct spirv *module, const uint32_t *variable)
 {

@@ -304,8 +304,7 @@ static bool check_target_number(struct binder *binder, const uint32_t *variable)
     const struct spirv *module = binder->module;
     uint32_t location = spirv_decoration(module, variable[2], SpvDecorationLocation);
     const uint32_t *type = spirv_definition(module, spirv_pointee(module, variable));
-    char own =
-        spirv_letter(spirv_is(type, SpvOpTypeVector) ? spirv_definition(module, type[2]) : type);
+    char own = spirv_letter(spirv_scalar(module, type));
     char target =
         location < sizeof binder->request->targets ? binder->request->targets[location] : 0;
     return !own || !target || own == target ||

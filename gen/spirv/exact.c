@@ -133,6 +133,11 @@ static bool is_plain(const struct exact *exact, uint32_t id, bool zero)
     return plain;
 }
 
+static const uint32_t *number_type(const struct exact *exact, uint32_t type)
+{
+    return spirv_scalar(exact->from, spirv_definition(exact->from, type));
+}
+
 /* A constant of the type, all of whose components have these bits. */
 static uint32_t declare_constant(struct exact *exact, uint32_t type, uint32_t bits)
 {
@@ -192,10 +197,7 @@ static bool put_product(struct exact *exact, const uint32_t *division)
     exponent = bits >> 23 & 0xff;
     if (bits & 0x7fffff || exponent < 1 || exponent > 253)
         return false;
-    const uint32_t *type = spirv_type(exact->from, division[4]);
-    const uint32_t *scalar =
-        spirv_is(type, SpvOpTypeVector) ? spirv_definition(exact->from, type[2]) : type;
-    if (spirv_letter(scalar) != 'f')
+    if (spirv_letter(number_type(exact, division[1])) != 'f')
         return false;
     uint32_t factor =
         declare_constant(exact, division[1], (bits & 0x80000000u) | (254 - exponent) << 23);
@@ -247,13 +249,6 @@ static bool is_shift(const uint32_t *instruction)
     return spirv_is(instruction, SpvOpShiftRightLogical) ||
            spirv_is(instruction, SpvOpShiftRightArithmetic) ||
            spirv_is(instruction, SpvOpShiftLeftLogical);
-}
-
-static const uint32_t *number_type(const struct exact *exact, uint32_t type)
-{
-    const uint32_t *declared = spirv_definition(exact->from, type);
-    return spirv_is(declared, SpvOpTypeVector) ? spirv_definition(exact->from, declared[2])
-                                               : declared;
 }
 
 /* Shifts take the low bits of their count, five for 32 bits; GLSL leaves the others' effect open. */

@@ -12,16 +12,7 @@ struct globals {
     const struct spirv *from;
     /* By id of a variable: the constant that main sets first; 0: nothing; itself: it changes. */
     uint32_t *values;
-    size_t end; /* of what main runs first, without branches and calls */
 };
-
-/* Whether an id is a private variable that nothing has set yet. */
-static bool is_unset(const struct globals *globals, uint32_t id)
-{
-    const uint32_t *i = spirv_definition(globals->from, id);
-    return spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassPrivate && spirv_length(i) == 4 &&
-           !globals->values[id];
-}
 
 static bool is_constant(const struct spirv *from, uint32_t id)
 {
@@ -29,44 +20,41 @@ static bool is_constant(const struct spirv *from, uint32_t id)
     return opcode >= SpvOpConstantTrue && opcode <= SpvOpConstantComposite;
 }
 
-/* Reads the first block of main. */
-static void find_constants(struct globals *globals)
+/* A constant counts where main stores it before all branches and calls, and before it loads the variable. */
+static void read_code(struct globals *globals)
 {
     const struct spirv *from = globals->from;
-    const struct spirv_function *entry = spirv_function_of(from, spirv_entry(from));
-    size_t at = entry->begin;
-    for (; !spirv_is(from->words + at, SpvOpFunctionEnd); at += spirv_length(from->words + at)) {
-        const uint32_t *i = from->words + at;
-        uint32_t opcode = spirv_opcode(i);
-        if (opcode == SpvOpFunctionCall || (opcode >= SpvOpLoopMerge && opcode != SpvOpLabel))
-            break;
-        if (opcode == SpvOpLoad && is_unset(globals, i[3]))
-            globals->values[i[3]] = i[3];
-        else if (opcode == SpvOpStore)
-            globals->values[i[1]] =
-                is_unset(globals, i[1]) && is_constant(from, i[2]) ? i[2] : i[1];
-    }
-    globals->end = at;
-}
-
-/* Reads all other code: what else sets a global, or points to it. False: none stays. */
-static bool forget_changed(struct globals *globals)
-{
-    const struct spirv *from = globals->from;
-    const struct spirv_function *entry = spirv_function_of(from, spirv_entry(from));
-    bool any = false;
+    uint32_t *values = globals->values, entry = spirv_entry(from);
+    bool first = false;
     SPIRV_EACH(from, at, from->code, from->count)
     {
         const uint32_t *i = from->words + at;
-        bool first = at >= entry->begin && at < globals->end && spirv_is(i, SpvOpStore);
-        for (uint32_t word = 1; !first && word < spirv_length(i); word++)
-            if (!spirv_is_literal(i, word) && !spirv_is(i, SpvOpLoad) && i[word] < from->words[3])
-                globals->values[i[word]] = i[word];
+        uint32_t opcode = spirv_opcode(i);
+        if (opcode == SpvOpFunction)
+            first = i[2] == entry;
+        else if (opcode == SpvOpFunctionCall || (opcode >= SpvOpLoopMerge && opcode != SpvOpLabel))
+            first = false;
+        if (opcode == SpvOpLoad && first && !values[i[3]])
+            values[i[3]] = i[3];
+        if (opcode == SpvOpStore)
+            values[i[1]] = first && !values[i[1]] && is_constant(from, i[2]) ? i[2] : i[1];
+        for (uint32_t word = 1; opcode != SpvOpLoad && word < spirv_length(i); word++)
+            if (opcode != SpvOpStore && !spirv_is_literal(i, word) && i[word] < from->words[3])
+                values[i[word]] = i[word];
     }
-    SPIRV_EACH(from, at, from->declarations, from->code)
+}
+
+/* Whether a global is a constant; forgets what is none, since other invocations and stages see it. */
+static bool find_constants(struct globals *globals)
+{
+    bool any = false;
+    SPIRV_EACH(globals->from, at, globals->from->declarations, globals->from->code)
     {
-        uint32_t id = spirv_result(from->words + at);
-        any |= globals->values[id] && globals->values[id] != id;
+        const uint32_t *i = globals->from->words + at;
+        bool global = spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassPrivate;
+        uint32_t id = spirv_result(i);
+        any |= global && globals->values[id] && globals->values[id] != id;
+        globals->values[id] = global ? globals->values[id] : id;
     }
     return any;
 }
@@ -101,11 +89,11 @@ static bool put_constants(struct globals *globals, struct spirv *module)
 
 bool spirv_settle_globals(struct spirv *module)
 {
-    struct globals globals = {module, calloc(module->words[3], sizeof *globals.values), 0};
+    struct globals globals = {module, calloc(module->words[3], sizeof *globals.values)};
     bool good = globals.values;
     if (good)
-        find_constants(&globals);
-    if (good && forget_changed(&globals))
+        read_code(&globals);
+    if (good && find_constants(&globals))
         good = put_constants(&globals, module) && spirv_reread(module, SPIRV_PRUNE);
     free(globals.values);
     return good;

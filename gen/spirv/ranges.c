@@ -316,9 +316,7 @@ static struct bounds range_of_constant(const struct ranges *ranges, const uint32
 /* Integers whose floats are exact; others may be anything, as unsigned ones that wrap around. */
 static struct bounds whole_numbers(const struct ranges *ranges, const uint32_t *i, struct bounds a)
 {
-    const uint32_t *type = spirv_definition(ranges->from, i[1]);
-    if (spirv_is(type, SpvOpTypeVector))
-        type = spirv_definition(ranges->from, type[2]);
+    const uint32_t *type = spirv_scalar(ranges->from, spirv_definition(ranges->from, i[1]));
     a.minus = false;
     bool wraps = spirv_letter(type) != 'i' && a.low < 0;
     return a.low > -MOST_WHOLE && a.high < MOST_WHOLE && !wraps ? a : anything;
@@ -466,11 +464,7 @@ static struct bounds find(struct ranges *ranges, uint32_t id)
 
 struct bounds range_of(struct ranges *ranges, uint32_t id)
 {
-    const struct spirv *from = ranges->from;
-    const uint32_t *type = spirv_type(from, id);
-    if (spirv_is(type, SpvOpTypeVector))
-        type = spirv_definition(from, type[2]);
-    if (!spirv_letter(type))
+    if (!spirv_letter(spirv_scalar(ranges->from, spirv_type(ranges->from, id))))
         return anything;
     struct bounds range = find(ranges, id);
     return range.low > range.high ? anything : range;

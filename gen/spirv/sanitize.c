@@ -48,11 +48,6 @@ static uint32_t width_of(const uint32_t *type)
     return spirv_is(type, SpvOpTypeVector) ? type[3] : 1;
 }
 
-static const uint32_t *scalar_of(const struct spirv *from, const uint32_t *type)
-{
-    return spirv_is(type, SpvOpTypeVector) ? spirv_definition(from, type[2]) : type;
-}
-
 static bool constant_of(const struct spirv *from, uint32_t id, uint32_t *value)
 {
     const uint32_t *constant = spirv_definition(from, id);
@@ -278,7 +273,7 @@ static bool find_check(const struct sanitizer *s, const uint32_t *instruction, s
         if (list[i].number == number) {
             *check = list[i];
             return extended ||
-                   spirv_letter(scalar_of(s->from, spirv_type(s->from, instruction[2])));
+                   spirv_letter(spirv_scalar(s->from, spirv_type(s->from, instruction[2])));
         }
     for (size_t i = 0; extended && i < DT_ARRAY_COUNT(finite_functions); i++)
         if (finite_functions[i] == number)
@@ -310,7 +305,7 @@ static uint32_t put_check(struct sanitizer *s, const struct check *check, const 
     int length = snprintf(mangled, sizeof mangled, "diptych_%s(", check->function);
     for (uint32_t i = 0; i < check->count; i++) {
         uint32_t id = operands[check->first + i];
-        const uint32_t *type = spirv_type(s->from, id), *scalar = scalar_of(s->from, type);
+        const uint32_t *type = spirv_type(s->from, id), *scalar = spirv_scalar(s->from, type);
         bool vector = spirv_is(type, SpvOpTypeVector);
         if (!spirv_letter(scalar))
             return 0;
@@ -374,7 +369,7 @@ static uint32_t put_safe(struct sanitizer *s, const struct check *check,
         for (uint32_t k = 0; k < check->count; k++) {
             uint32_t id = instruction[3 + check->first + k];
             const uint32_t *type = spirv_type(s->from, id);
-            char letter = spirv_letter(scalar_of(s->from, type));
+            char letter = spirv_letter(spirv_scalar(s->from, type));
             values.ids[k] = width > 1 ? put_part(s, id, type, i) : id;
             length += snprintf(mangled + length, sizeof mangled - (size_t)length, "%c1;",
                                letter ? letter : '?');
@@ -399,7 +394,7 @@ static uint32_t put_operands(struct sanitizer *s, const struct check *check,
         return 0;
     s->kind = SANITIZE_ARITHMETIC;
     const uint32_t *type = spirv_type(s->from, operands[check->first]);
-    spell(check, spirv_letter(scalar_of(s->from, type)), text, sizeof text);
+    spell(check, spirv_letter(spirv_scalar(s->from, type)), text, sizeof text);
     uint32_t site = sanitizer_site(s, check->word, "", text);
     for (uint32_t i = 0; i < check->count && !check->whole; i++) {
         uint32_t own = width_of(spirv_type(s->from, operands[check->first + i]));
@@ -436,7 +431,8 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
     uint32_t all = 0;
     if (spirv_is(type, SpvOpTypeMatrix)) {
         const uint32_t *column = spirv_definition(s->from, type[2]);
-        for (uint32_t i = 0; i < type[3] && spirv_letter(scalar_of(s->from, column)) == 'f'; i++) {
+        for (uint32_t i = 0; i < type[3] && spirv_letter(spirv_scalar(s->from, column)) == 'f';
+             i++) {
             char mangled[40];
             struct values values = {{put_part(s, id, type, i)}, 1};
             snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", column[3]);
@@ -444,7 +440,7 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
         }
         return all;
     }
-    if (spirv_letter(scalar_of(s->from, type)) != 'f')
+    if (spirv_letter(spirv_scalar(s->from, type)) != 'f')
         return 0;
     char mangled[40] = "diptych_finite(f1;";
     if (spirv_is(type, SpvOpTypeVector))
@@ -473,7 +469,7 @@ static bool has_floats(const struct spirv *from, const uint32_t *type)
 {
     if (spirv_is(type, SpvOpTypeMatrix))
         type = spirv_definition(from, type[2]);
-    return spirv_letter(scalar_of(from, type)) == 'f';
+    return spirv_letter(spirv_scalar(from, type)) == 'f';
 }
 
 /* Behind the operation: whether it made NaN or infinity of finite numbers. */
