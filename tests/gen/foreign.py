@@ -237,7 +237,7 @@ def members(tap):
         put("a.yaml", text.replace("a.comp", file))
         tap.result(f"members of structs and arrays in blocks, {file}", agrees([12, 20.125, 345, 18]))
     compute("struct A { float b_c; }; struct B { float c; }; uniform A a; uniform B a_b;\nbuffer Sums { float sums[]; };\nlayout(local_size_x = 8) in;\n"
-            "void main() { sums[gl_GlobalInvocationID.x] = a.b_c + a_b.c; }\n", head='values: {a_b_c: "1.0"}', kind="float")
+            "void main() { sums[gl_GlobalInvocationID.x] = a.b_c + a_b.c; }\n", head='values: {a_b_c: "float(1)"}', kind="float")
     tap.result("... of one name in a spec", told("two members of the shader's uniforms have the name `a_b_c` in a spec"))
 
 
