@@ -545,6 +545,18 @@ static const struct {
      .a = "{of: uint, count: 512}",
      .ranges = "r0: {of: a, count: 512}",
      .plan = "p.r0: shared, rolled"},
+    {.name = "... while the copies fit",
+     .gpu = true,
+     .a = "{of: mat4, count: 512}",
+     .ranges = "r0: {of: a, count: 512}, r1: {of: a, count: 512}, r2: {of: a, count: 512}, "
+               "r3: {of: a, count: 512}, r4: {of: a, count: 512}",
+     .plan = "p.r3: shared, rolled\n"
+             "p.r4: in place, rolled"},
+    {.name = "what the spec unrolls is copied",
+     .a = "{of: uint, count: 512}",
+     .ranges = "r0: {of: a, count: 64, loop: unroll}",
+     .reads_images = {true},
+     .plan = "p.r0: shared, unrolled, chunk 32, turn 1"},
     /* What does not fit is a loop, with several elements per turn while they are short: 4880 words, 1120 more, 510 more ... */
     {.name = "on a GPU what is unrolled fits an instruction cache",
      .gpu = true,
