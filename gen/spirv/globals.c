@@ -8,23 +8,11 @@
 #include "model/spirv_check.h"
 #include "passes.h"
 
-struct globals {
-    const struct spirv *from;
-    /* By id of a variable: the constant that main sets first; 0: nothing; itself: it changes. */
-    uint32_t *values;
-};
-
-static bool is_constant(const struct spirv *from, uint32_t id)
+/* values, by id of a variable: the constant that main stores before all branches and calls, and before it loads the
+ * variable; 0: nothing; itself: it changes. */
+static void read_code(const struct spirv *from, uint32_t *values)
 {
-    uint32_t opcode = spirv_opcode(spirv_definition(from, id));
-    return opcode >= SpvOpConstantTrue && opcode <= SpvOpConstantComposite;
-}
-
-/* A constant counts where main stores it before all branches and calls, and before it loads the variable. */
-static void read_code(struct globals *globals)
-{
-    const struct spirv *from = globals->from;
-    uint32_t *values = globals->values, entry = spirv_entry(from);
+    uint32_t entry = spirv_entry(from);
     bool first = false;
     SPIRV_EACH(from, at, from->code, from->count)
     {
@@ -36,8 +24,11 @@ static void read_code(struct globals *globals)
             first = false;
         if (opcode == SpvOpLoad && first && !values[i[3]])
             values[i[3]] = i[3];
-        if (opcode == SpvOpStore)
-            values[i[1]] = first && !values[i[1]] && is_constant(from, i[2]) ? i[2] : i[1];
+        if (opcode == SpvOpStore) {
+            uint32_t kind = spirv_opcode(spirv_definition(from, i[2]));
+            bool constant = kind >= SpvOpConstantTrue && kind <= SpvOpConstantComposite;
+            values[i[1]] = first && constant && !values[i[1]] ? i[2] : i[1];
+        }
         for (uint32_t word = 1; opcode != SpvOpLoad && word < spirv_length(i); word++)
             if (opcode != SpvOpStore && !spirv_is_literal(i, word) && i[word] < from->words[3])
                 values[i[word]] = i[word];
@@ -45,16 +36,16 @@ static void read_code(struct globals *globals)
 }
 
 /* Whether a global is a constant; forgets what is none, since other invocations and stages see it. */
-static bool find_constants(struct globals *globals)
+static bool find_constants(const struct spirv *from, uint32_t *values)
 {
     bool any = false;
-    SPIRV_EACH(globals->from, at, globals->from->declarations, globals->from->code)
+    SPIRV_EACH(from, at, from->declarations, from->code)
     {
-        const uint32_t *i = globals->from->words + at;
+        const uint32_t *i = from->words + at;
         bool global = spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassPrivate;
         uint32_t id = spirv_result(i);
-        any |= global && globals->values[id] && globals->values[id] != id;
-        globals->values[id] = global ? globals->values[id] : id;
+        any |= global && values[id] && values[id] != id;
+        values[id] = global ? values[id] : id;
     }
     return any;
 }
@@ -68,7 +59,7 @@ static bool is_kept(const uint32_t *i)
            (spirv_is_arithmetic(i) && opcode < SpvOpFOrdEqual);
 }
 
-static bool put_constants(struct globals *globals, struct spirv *module)
+static bool put_constants(struct spirv *module, const uint32_t *values)
 {
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
@@ -76,7 +67,7 @@ static bool put_constants(struct globals *globals, struct spirv *module)
     SPIRV_EACH(module, at, edit.failed ? module->count : module->code, module->count)
     {
         const uint32_t *i = module->words + at;
-        uint32_t value = spirv_is(i, SpvOpLoad) ? globals->values[i[3]] : 0;
+        uint32_t value = spirv_is(i, SpvOpLoad) ? values[i[3]] : 0;
         if (value && value != i[3])
             SPIRV_PUT(&edit, &edit.code, SpvOpCopyObject, i[1], i[2], value);
         else
@@ -89,12 +80,12 @@ static bool put_constants(struct globals *globals, struct spirv *module)
 
 bool spirv_settle_globals(struct spirv *module)
 {
-    struct globals globals = {module, calloc(module->words[3], sizeof *globals.values)};
-    bool good = globals.values;
+    uint32_t *values = calloc(module->words[3], sizeof *values);
+    bool good = values;
     if (good)
-        read_code(&globals);
-    if (good && find_constants(&globals))
-        good = put_constants(&globals, module) && spirv_reread(module, SPIRV_PRUNE);
-    free(globals.values);
+        read_code(module, values);
+    if (good && find_constants(module, values))
+        good = put_constants(module, values) && spirv_reread(module, SPIRV_PRUNE);
+    free(values);
     return good;
 }
