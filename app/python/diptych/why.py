@@ -16,7 +16,8 @@ from typing import Any, Iterator, Sequence
 import numpy as np
 
 from .console import Console
-from .why_faults import AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, SHOWN_FIRST, TRAITS, Array, Fault, Point, most_of, phrase, rows_of
+from .why_faults import (AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, SHOWN_FIRST, TRAITS, Array, Fault, Point, most_of, phrase, rows_of,
+                         usable)
 
 MOST_SAMPLES, MOST_COUNTED, CHUNK, FEW = 1500, 4 << 20, 1 << 16, 8
 NAME_BITS, NUMBER_BITS, DOUBT_BITS = 9, 20, 16  # of a fault's name, of a number that is measured; what must be earned above both
@@ -87,7 +88,7 @@ class Pair:
     """Both copies, of which `source` is the one that a fault predicts from; what faults may look at."""
 
     def __init__(self, question: Question, side: int, differing: Point, others: Point):
-        self.source, self.target, self.question = question.copies[side], question.copies[1 - side], question
+        self.source, self.target, self.question, self.side = question.copies[side], question.copies[1 - side], question, side
         self.labels = {"from": question.labels[side], "to": question.labels[1 - side]}
         self.relatives = {which: copy for (of, which), copy in question.relatives.items() if of == side}
         self.w, self.h, self.d, self.c, self.stride = self.target.w, self.target.h, self.target.d, self.target.c, self.target.stride
@@ -565,8 +566,8 @@ def related(values: Array, target: Array) -> tuple[float, tuple[float, ...]]:
 class Placed:
     """A fault of place, or none, with its numbers at samples: at a few of those that differ, at all of them, at others."""
 
-    def __init__(self, faults: list[Chosen], pair: Pair, side: int, choices: int = 1):
-        self.faults, self.pair, self.side, self.choices = faults, pair, side, choices
+    def __init__(self, faults: list[Chosen], pair: Pair, choices: int = 1):
+        self.faults, self.pair, self.choices = faults, pair, choices
         self.glance = placed_values(faults, pair, pair.glance)
 
     @cached_property
@@ -579,12 +580,12 @@ class Placed:
 
 
 def places(question: Question, faults: list[Fault]) -> Iterator[Placed]:
-    for side, pair in enumerate(question.pairs):
+    for pair in question.pairs:
         for fault in faults:
-            if pair.has(fault.applies) and not (side and not fault.sided):
+            if pair.has(fault.applies) and (fault.sided or pair.side == 0):
                 choices = fault.fit(pair, pair.differing, pair.differing_to) if fault.fit else [fault.p]
                 for p in choices:
-                    yield Placed([(fault, p)], pair, side, len(choices))
+                    yield Placed([(fault, p)], pair, len(choices))
 
 
 class Search:
@@ -596,7 +597,7 @@ class Search:
         self.hits = 0  # of the last trial, at a glance
 
     def attempt(self, placed: Placed, more: list[Chosen], only: tuple[int, ...] = ()) -> None:
-        pair, trial = placed.pair, Trial([*placed.faults, *more], placed.side, only, placed.choices)
+        pair, trial = placed.pair, Trial([*placed.faults, *more], placed.pair.side, only, placed.choices)
         if not trial.faults:
             return
         glance = trial.rest(pair, placed.glance, more)
@@ -625,8 +626,8 @@ class Search:
 
     def fits(self) -> Trial | None:
         """Faults alone whose numbers are measured."""
-        for side, pair in enumerate(self.question.pairs):
-            self.maps_on(Placed([], pair, side), [], True)
+        for pair in self.question.pairs:
+            self.maps_on(Placed([], pair), [], True)
         for placed in places(self.question, [fault for fault in PLACES if fault.name in LOCAL]):
             self.attempt(placed, [])
         return self.best or self.inside
@@ -640,17 +641,18 @@ class Search:
         for only in dict.fromkeys([(), (0, 1, 2) if pair.image and pair.c == 4 else (), question.touched]):
             count = list(only) or list(range(min(3, pair.c) if pair.image else pair.c))
             v, target = values[rows][:, count], pair.differing_to[rows][:, count]
+            own = usable(pair, v.ravel(), target.ravel())
             alone = not (fitted or before or placed.faults)  # then it may hold in a part
             ordered = alone or len(v) < 64 or follows(v[:256], target[:256]) > 0.4
             for fault in MAPS:
                 if pair.has(fault.applies) and (fault.fit if fitted else True) and (ordered or fault.loses or fault.name in UNORDERED):
-                    for p in fault.fit(pair, v.ravel(), target.ravel()) if fault.fit else [fault.p]:
+                    for p in fault.fit(pair, *own) if fault.fit else [fault.p]:
                         self.attempt(placed, [*before, (fault, p)], only)
 
     def run(self) -> Trial | None:
         """First one fault of each kind, then faults of numbers and channels where those of place come nearest."""
         kept: list[tuple[float, tuple[float, ...], Placed]] = []
-        for placed in [*(Placed([], pair, side) for side, pair in enumerate(self.question.pairs)), *places(self.question, PLACES)]:
+        for placed in [*(Placed([], pair) for pair in self.question.pairs), *places(self.question, PLACES)]:
             self.attempt(placed, [])
             kept.append((*related(placed.glance, placed.pair.glance_to), placed))
         plain = kept[:2]

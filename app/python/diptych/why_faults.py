@@ -278,11 +278,13 @@ def on_grid(pair: Any, p: Any, value: Array, target: Array) -> bool:
     return bool(exact.mean() > 0.995 and other[changed].mean() < 0.5 and len(np.unique(target[changed])) > 8)
 
 
-# Fits take numbers of `from` and of `to` that differ.
+# Fits take usable numbers of `from` and of `to` that differ.
 
 
-def middle(values: Array) -> float:
-    return float(np.median(values)) if len(values) else float("nan")
+def settled(values: Array) -> float:
+    """The mean of those near most; NaN of few."""
+    apart = np.abs(values - np.median(values)) if len(values) >= 4 else np.zeros(0)
+    return float(values[apart <= 3 * np.median(apart)].mean()) if len(apart) else np.nan
 
 
 def usable(pair: Any, v: Array, target: Array) -> tuple[Array, Array]:
@@ -300,8 +302,8 @@ def line_of(v: Array, target: Array) -> list[tuple[float, ...]]:
     wide = v[half:2 * half] - v[:half] > 0.05 * np.ptp(v) if half else np.zeros(0, bool)
     if wide.sum() < 4:
         return []
-    slope = middle((target[half:2 * half] - target[:half])[wide] / (v[half:2 * half] - v[:half])[wide])
-    offset = middle(target - slope * v)
+    slope = np.median((target[half:2 * half] - target[:half])[wide] / (v[half:2 * half] - v[:half])[wide])
+    offset = np.median(target - slope * v)
     for _ in range(4):
         apart = np.abs(target - slope * v - offset)
         near = apart <= max(3 * np.median(apart), 1e-12)
@@ -314,30 +316,23 @@ def line_of(v: Array, target: Array) -> list[tuple[float, ...]]:
 
 
 def fit_inverse(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    v, target = usable(pair, v, target)
     return line_of(v[target != 0], 1 / target[target != 0])
 
 
 def fit_factor(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    v, target = usable(pair, v, target)
     large = np.abs(v) > 0.1 * pair.range
-    factor = middle(target[large] / v[large])
-    if pair.one and large.sum() > 8:
-        factor = float((target[large] * v[large]).sum() / (v[large] ** 2).sum())
-    return [(factor, 0.)] if large.sum() >= 4 and abs(factor) > 1e-9 and abs(factor - 1) > 1e-5 else []
+    factor = settled(target[large] / v[large])
+    return [(factor, 0.)] if abs(factor) > 1e-9 and abs(factor - 1) > 1e-5 else []
 
 
 def fit_offset(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    v, target = usable(pair, v, target)
-    apart = target - v - middle(target - v)
-    offset = middle(target - v) + float(apart[np.abs(apart) <= 3 * np.median(np.abs(apart))].mean()) if len(v) >= 4 else 0.
-    return [(1., offset)] if offset != 0 else []
+    return [(1., offset) for offset in [settled(target - v)] if np.isfinite(offset) and offset != 0]
 
 
 def fit_power(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
     keep = (v > 0.02) & (v < 0.98) & (target > 0.001) & (target < 0.999)
-    exponent = middle(np.log(target[keep]) / np.log(v[keep]))
-    return [(exponent,)] if keep.sum() > 8 and 0.1 < exponent < 10 else []
+    exponent = settled(np.log(target[keep]) / np.log(v[keep]))
+    return [(exponent,)] if 0.1 < exponent < 10 else []
 
 
 # ---- Depth bias ----------------------------------------------------------------------------------
@@ -759,8 +754,7 @@ MAPS = [
     grid("float19", "rounded to 10 bits of fraction (TF32)", 10, 0, -126),
     Fault("factor", "with a factor of {0} on {from}", map=line, fit=fit_factor, found=1),
     Fault("offset", "with {1} added to {from}", map=line, fit=fit_offset, found=1),
-    Fault("affine", "with {0} v + {1} of {from}", map=line, found=2, applies="reals",
-          fit=lambda pair, v, target: line_of(*usable(pair, v, target))),
+    Fault("affine", "with {0} v + {1} of {from}", map=line, fit=lambda pair, *both: line_of(*both), found=2, applies="reals"),
     Fault("power", "with {from} to the power of {0}", map=power, fit=fit_power, found=1, applies="reals"),
 ]
 
