@@ -452,12 +452,12 @@ def explains(e: Evidence) -> bool:
 
 def falls(e: Evidence, rows: Array) -> bool:
     """Median and 99th percentile of the errors fall by ten, against those of one value for all, too; where a number was fitted by
-    more, and codes must be within the contract then. Integers are equal or not."""
+    more, in a part by far more, and codes must be within the contract then. Integers are equal or not."""
     if e.question.integer or not (rows & e.varied).any() or (e.is_fitted_map and e.question.one):
         return False
     before, after = (np.sort(errors)[[len(errors) // 2, int(0.99 * (len(errors) - 1))]]
                      for errors in (e.constant[rows & e.varied], e.worst[1][rows]))
-    return bool((after <= before / (30 if e.is_fitted_map else 10)).all())
+    return bool((after <= before / (30 if e.is_fitted_map else 10) / (20 if e.part else 1)).all())
 
 
 def spoils_nothing(e: Evidence) -> bool:

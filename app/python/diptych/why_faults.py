@@ -364,6 +364,12 @@ def fit_bias(pair: Any, points: Point, target: Array) -> list[tuple[float, ...]]
     return [p for p in line_of(slope[np.isfinite(slope)], error[np.isfinite(slope)]) if 0.01 < abs(p[0]) < 100]
 
 
+def has_slopes(pair: Any, p: Any, value: Array, target: Array) -> bool:
+    """One plane proves no bias."""
+    least, middle, most = np.nanquantile(slope_of(pair, *pair.all), (0.1, 0.5, 0.9))
+    return bool(most - least > 0.1 * middle)
+
+
 # ---- Where it shows ------------------------------------------------------------------------------
 
 
@@ -673,7 +679,7 @@ PLACES = [
     Fault("moved", "if all lies one number (4 bytes) later", at=lambda pair, p, z, y, x: pair.words(pair.byte(x) + 4), applies="long"),
     Fault("moved", "if all lies 16 bytes later", at=lambda pair, p, z, y, x: pair.words(pair.byte(x) + 16), applies="odd"),
     Fault("depth_bias", "with an error in proportion to the slope of depth: {0} slope + {1} (depth bias)", at=biased, fit=fit_bias,
-          found=2, applies="depth"),
+          found=2, applies="depth", loses=has_slopes),
 ]
 
 AFTER_TURN = [after_turn(turn, fault) for turn in PLACES[:3] for fault in PLACES
