@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include <EGL/egl.h>
+#include <EGL/eglext.h>
+
 struct heard heard;
 
 static void on_log(void *user, enum dt_level level, const char *message)
@@ -16,6 +19,33 @@ static void on_log(void *user, enum dt_level level, const char *message)
         snprintf(heard.text, sizeof heard.text, "%s", message);
 }
 const struct dt_log test_log = {.message = on_log};
+
+static EGLDisplay display;
+
+int open_opengl(void **state)
+{
+    (void)state;
+    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
+                                 4,
+                                 EGL_CONTEXT_MINOR_VERSION,
+                                 5,
+                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
+                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                                 EGL_NONE};
+    display = eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
+    assert_true(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API));
+    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
+    assert_true(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context));
+    return 0;
+}
+
+int close_opengl(void **state)
+{
+    (void)state;
+    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
+    eglTerminate(display);
+    return 0;
+}
 
 struct dt_frame frame_of(uint32_t index)
 {

@@ -35,6 +35,10 @@ extern const struct dt_log test_log;
             fail_msg("\"%s\" lacks \"%s\"", heard.text, words);                                    \
     } while (0)
 
+/* Setup and teardown of tests with a context of OpenGL 4.5, without a window. */
+int open_opengl(void **state);
+int close_opengl(void **state);
+
 /* A frame with identity matrices. */
 struct dt_frame frame_of(uint32_t index);
 

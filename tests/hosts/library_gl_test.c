@@ -4,8 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define GL_GLEXT_PROTOTYPES
 #include <EGL/egl.h>
-#include <EGL/eglext.h>
 #include <GL/glcorearb.h>
 
 #include "layouts.h"
@@ -15,36 +15,33 @@
 
 static _Alignas(16) char geometry[GEOMETRY_BYTES]; /* as of lay_triangle */
 
-static PFNGLCREATEBUFFERSPROC create_buffers;
-static PFNGLNAMEDBUFFERSTORAGEPROC buffer_storage;
-static PFNGLCREATETEXTURESPROC create_textures;
-static PFNGLTEXTURESTORAGE2DPROC texture_storage;
-static PFNGLGETERRORPROC get_error;
-static PFNGLENABLEPROC enable;
+static int open_with_triangle(void **state)
+{
+    lay_triangle(geometry);
+    return open_opengl(state);
+}
 
-static int open_opengl(void **state)
+/* What a test leaves: a context without errors. */
+static int is_without_error(void **state)
 {
     (void)state;
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION,
-                                 4,
-                                 EGL_CONTEXT_MINOR_VERSION,
-                                 5,
-                                 EGL_CONTEXT_OPENGL_PROFILE_MASK,
-                                 EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
-                                 EGL_NONE};
-    EGLDisplay display =
-        eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
-    assert_true(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API));
-    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    assert_true(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context));
-    create_buffers = (PFNGLCREATEBUFFERSPROC)eglGetProcAddress("glCreateBuffers");
-    buffer_storage = (PFNGLNAMEDBUFFERSTORAGEPROC)eglGetProcAddress("glNamedBufferStorage");
-    create_textures = (PFNGLCREATETEXTURESPROC)eglGetProcAddress("glCreateTextures");
-    texture_storage = (PFNGLTEXTURESTORAGE2DPROC)eglGetProcAddress("glTextureStorage2D");
-    get_error = (PFNGLGETERRORPROC)eglGetProcAddress("glGetError");
-    enable = (PFNGLENABLEPROC)eglGetProcAddress("glEnable");
-    lay_triangle(geometry);
+    assert_int_equal(glGetError(), GL_NO_ERROR);
     return 0;
+}
+
+static struct dt_gl_host gl_host(void)
+{
+    return (struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress};
+}
+
+/* A runtime; with shaders it has their pipeline, made for a frame. */
+static struct dt_gl_runtime *open_gl_runtime(struct dt_gl_host host,
+                                             const struct dt_shaders *shaders)
+{
+    struct dt_gl_runtime *rt = dt_gl_open(&host);
+    assert_non_null(rt);
+    assert_true(!shaders || (dt_gl_create(rt, shaders) && dt_gl_resize(rt, WIDTH, HEIGHT)));
+    return rt;
 }
 
 static void (*no_function(const char *name))(void)
@@ -56,9 +53,9 @@ static void (*no_function(const char *name))(void)
 static struct dt_gl_scene gl_scene(void)
 {
     GLuint buffers[2];
-    create_buffers(2, buffers);
-    buffer_storage(buffers[0], GEOMETRY_BYTES, geometry, 0);
-    buffer_storage(buffers[1], 12, geometry + INDICES, 0);
+    glCreateBuffers(2, buffers);
+    glNamedBufferStorage(buffers[0], GEOMETRY_BYTES, geometry, 0);
+    glNamedBufferStorage(buffers[1], 12, geometry + INDICES, 0);
     return (struct dt_gl_scene){
         .vertices = {buffers[0], 0, 3 * sizeof(struct dt_vertex)},
         .indices = {buffers[1], 0, 12},
@@ -71,8 +68,8 @@ static struct dt_gl_scene gl_scene(void)
 static GLuint texture_of(GLenum format, GLsizei width)
 {
     GLuint texture;
-    create_textures(GL_TEXTURE_2D, 1, &texture);
-    texture_storage(texture, 1, format, width, HEIGHT);
+    glCreateTextures(GL_TEXTURE_2D, 1, &texture);
+    glTextureStorage2D(texture, 1, format, width, HEIGHT);
     return texture;
 }
 
@@ -86,9 +83,7 @@ static void opengl_tells_wrong_calls(void **state)
     double ms[FEATURES_PASSES];
     REFUSED(dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = no_function}),
             "get_proc_address");
-    struct dt_gl_runtime *rt =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_non_null(rt);
+    struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), NULL);
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "import_scene");
     REFUSED(dt_gl_import_image(rt, FEATURES_RESOURCE_TRAIL, 1), "create comes first");
     REFUSED(dt_gl_create(rt, &features_vk), "the shaders are for vk; give features_gl");
@@ -119,9 +114,9 @@ static void opengl_tells_wrong_calls(void **state)
     scene.objects.buffer = 0;
     assert_true(dt_gl_import_scene(rt, &scene));
     assert_true(dt_gl_create(rt, &features_gl));
-    struct dt_gl_runtime *text = dt_gl_open(
-        &(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true});
-    assert_non_null(text);
+    struct dt_gl_host wants_text = gl_host();
+    wants_text.glsl = true;
+    struct dt_gl_runtime *text = open_gl_runtime(wants_text, NULL);
     REFUSED(dt_gl_create(text, &features_gl), "generate with diptych-gen --glsl");
     dt_gl_close(text);
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
@@ -152,17 +147,14 @@ static void opengl_tells_wrong_calls(void **state)
             "resource histogram: other passes may reuse its memory; give it `keep: true`");
     dt_gl_close(rt);
     dt_gl_close(NULL);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static void opengl_tells_errors_that_were_there(void **state)
 {
     (void)state;
-    enable(GL_RGBA8); /* no capability: GL_INVALID_ENUM */
+    glEnable(GL_RGBA8); /* no capability: GL_INVALID_ENUM */
     heard.warnings = heard.errors = 0;
-    struct dt_gl_runtime *rt =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_non_null(rt);
+    struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), NULL);
     assert_int_equal(heard.warnings, 1);
     assert_int_equal(heard.errors, 0);
     assert_non_null(strstr(heard.text, "0x500"));
@@ -173,9 +165,7 @@ static void opengl_needs_no_scene_that_nobody_sees(void **state)
 {
     (void)state;
     struct dt_frame frame = frame_of(0);
-    struct dt_gl_runtime *rt =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
+    struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), &layouts_gl);
     assert_true(dt_gl_record(rt, &frame, NULL));
     REFUSED(!dt_gl_create(rt, &features_gl) || dt_gl_resize(rt, WIDTH, HEIGHT), "import_scene");
     dt_gl_close(rt);
@@ -183,15 +173,13 @@ static void opengl_needs_no_scene_that_nobody_sees(void **state)
 
 static void opengl_draw(const struct dt_gl_scene *scene, uint8_t trail[TRAIL_BYTES])
 {
-    PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
     struct dt_frame frame = frame_of(0);
     struct dt_gl_resource resource = {0};
-    struct dt_gl_runtime *rt =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_true(rt && dt_gl_import_scene(rt, scene) && dt_gl_create(rt, &features_gl) &&
+    struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), NULL);
+    assert_true(dt_gl_import_scene(rt, scene) && dt_gl_create(rt, &features_gl) &&
                 dt_gl_resize(rt, WIDTH, HEIGHT) && dt_gl_record(rt, &frame, NULL) &&
                 dt_gl_get_resource(rt, FEATURES_RESOURCE_TRAIL, &resource));
-    get(resource.texture, 0, GL_RGBA, GL_FLOAT, TRAIL_BYTES, trail);
+    glGetTextureImage(resource.texture, 0, GL_RGBA, GL_FLOAT, TRAIL_BYTES, trail);
     dt_gl_close(rt);
 }
 
@@ -212,7 +200,6 @@ static void opengl_draws_vertices_of_another_layout(void **state)
         opengl_draw(&scene, found);
         assert_int_equal(memcmp(wanted, found, TRAIL_BYTES) != 0, turned);
     }
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static void opengl_shares_programs(void **state)
@@ -233,7 +220,6 @@ static void opengl_shares_programs(void **state)
     REFUSED(dt_gl_create_from(rt, other), "one runtime has GLSL text");
     dt_gl_close(rt);
     dt_gl_close(other);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static struct dt_gl_runtime *outside_gl_runtime;
@@ -252,11 +238,10 @@ static bool opengl_records(void)
 /* The picture of the last frame must have this colour. */
 static void opengl_painted(const uint8_t color[4])
 {
-    PFNGLGETTEXTUREIMAGEPROC get = (PFNGLGETTEXTUREIMAGEPROC)eglGetProcAddress("glGetTextureImage");
     static uint8_t texels[4 * WIDTH * HEIGHT];
     struct dt_gl_resource picture = {0};
     assert_true(dt_gl_get_resource(outside_gl_runtime, OUTSIDE_RESOURCE_PICTURE, &picture));
-    get(picture.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, sizeof texels, texels);
+    glGetTextureImage(picture.texture, 0, GL_RGBA, GL_UNSIGNED_BYTE, sizeof texels, texels);
     is_painted(texels, color);
 }
 
@@ -275,12 +260,9 @@ static bool opengl_records_passes(uint32_t first, uint32_t end)
 static void opengl_records_parts(void **state)
 {
     (void)state;
-    PFNGLCLEARTEXIMAGEPROC clear = (PFNGLCLEARTEXIMAGEPROC)eglGetProcAddress("glClearTexImage");
     const float one[4] = {1, 1, 1, 1};
     struct dt_gl_resource blurred = {0}, picture;
-    struct dt_gl_runtime *rt = outside_gl_runtime =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_true(rt && dt_gl_create(rt, &outside_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
+    struct dt_gl_runtime *rt = outside_gl_runtime = open_gl_runtime(gl_host(), &outside_gl);
     write_for_blurred(opengl_writes);
     REFUSED(opengl_records_passes(1, 2), "begins with pass 1, but the frame goes on with pass 0");
     opengl_paints(black);
@@ -290,11 +272,10 @@ static void opengl_records_parts(void **state)
             "resource picture: a later part of this frame writes it");
     REFUSED(opengl_records(),
             "record: begins with pass 0, but the frame goes on with pass 1, grade");
-    clear(blurred.texture, 0, GL_RGBA, GL_FLOAT, one);
+    glClearTexImage(blurred.texture, 0, GL_RGBA, GL_FLOAT, one);
     assert_true(opengl_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES));
     opengl_painted(white);
     dt_gl_close(rt);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 /* `glsl`: uses the GLSL text in the generated C, not the SPIR-V. */
@@ -323,7 +304,6 @@ static void take_inputs(bool glsl)
     REFUSED(opengl_writes(OUTSIDE_RESOURCE_PHOTO, 0, &photo), "write: call resize first");
     free(photo.data);
     dt_gl_close(rt);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static void opengl_takes_inputs(void **state)
@@ -343,7 +323,7 @@ static int links; /* programs that the runtime links itself */
 static void APIENTRY count_link(GLuint program)
 {
     links++;
-    ((PFNGLLINKPROGRAMPROC)eglGetProcAddress("glLinkProgram"))(program);
+    glLinkProgram(program);
 }
 
 static void (*address_of(const char *name))(void)
@@ -391,22 +371,18 @@ static void opengl_takes_and_gives_a_cache(void **state)
     cache.data[8] ^= 1; /* of another driver */
     assert_int_equal(links_with(cache), OUTSIDE_PASSES);
     free(cache.data);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static void opengl_takes_buffers_and_describes_all(void **state)
 {
     (void)state;
-    PFNGLNAMEDBUFFERSUBDATAPROC update =
-        (PFNGLNAMEDBUFFERSUBDATAPROC)eglGetProcAddress("glNamedBufferSubData");
     struct dt_gl_range weights = {.offset = 1024, .size = 16};
     struct dt_gl_resource found;
-    create_buffers(1, &weights.buffer);
-    buffer_storage(weights.buffer, 4096, NULL, GL_DYNAMIC_STORAGE_BIT);
-    update(weights.buffer, 1024, sizeof graded_alone, graded_alone);
-    struct dt_gl_runtime *rt = outside_gl_runtime =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_true(rt && dt_gl_create(rt, &outside_gl));
+    glCreateBuffers(1, &weights.buffer);
+    glNamedBufferStorage(weights.buffer, 4096, NULL, GL_DYNAMIC_STORAGE_BIT);
+    glNamedBufferSubData(weights.buffer, 1024, sizeof graded_alone, graded_alone);
+    struct dt_gl_runtime *rt = outside_gl_runtime = open_gl_runtime(gl_host(), NULL);
+    assert_true(dt_gl_create(rt, &outside_gl));
     REFUSED(dt_gl_import_buffer(rt, OUTSIDE_RESOURCE_PHOTO, &weights), "has no buffer");
     assert_true(dt_gl_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights));
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "weights: 16 bytes at offset 1024 given; at least 32");
@@ -416,7 +392,7 @@ static void opengl_takes_buffers_and_describes_all(void **state)
     write_inputs(opengl_writes, OUTSIDE_RESOURCE_WEIGHTS);
     write_grade(opengl_writes, first_color);
     opengl_paints(first_color);
-    update(weights.buffer, 1024, sizeof nothing, nothing);
+    glNamedBufferSubData(weights.buffer, 1024, sizeof nothing, nothing);
     opengl_paints(black);
     assert_true(dt_gl_get_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
     assert_true(found.buffer == weights.buffer && found.offset == 1024 && found.size == 32 &&
@@ -425,52 +401,41 @@ static void opengl_takes_buffers_and_describes_all(void **state)
     assert_true(found.texture && found.target == GL_TEXTURE_2D && found.format == GL_RGBA16F &&
                 found.layers == 1 && found.mips == 3 && !found.buffer);
     dt_gl_close(rt);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 static void opengl_takes_3d_images_and_cubes(void **state)
 {
     (void)state;
-    PFNGLTEXTURESTORAGE3DPROC storage =
-        (PFNGLTEXTURESTORAGE3DPROC)eglGetProcAddress("glTextureStorage3D");
-    PFNGLGETTEXTURESUBIMAGEPROC get =
-        (PFNGLGETTEXTURESUBIMAGEPROC)eglGetProcAddress("glGetTextureSubImage");
     struct dt_frame frame = frame_of(0);
     uint16_t texel[4];
     GLuint fog, sky, probes, flat = texture_of(GL_RGBA16F, 8);
-    create_textures(GL_TEXTURE_3D, 1, &fog);
-    storage(fog, 3, GL_RGBA16F, 8, 6, 5);
-    create_textures(GL_TEXTURE_CUBE_MAP, 1, &sky);
-    texture_storage(sky, 2, GL_RGBA16F, 8, 8);
-    create_textures(GL_TEXTURE_CUBE_MAP_ARRAY, 1, &probes);
-    storage(probes, 1, GL_RGBA8, 4, 4, 12);
-    struct dt_gl_runtime *rt =
-        dt_gl_open(&(struct dt_gl_host){.log = test_log, .get_proc_address = eglGetProcAddress});
-    assert_true(rt && dt_gl_create(rt, &shapes_gl));
+    glCreateTextures(GL_TEXTURE_3D, 1, &fog);
+    glTextureStorage3D(fog, 3, GL_RGBA16F, 8, 6, 5);
+    glCreateTextures(GL_TEXTURE_CUBE_MAP, 1, &sky);
+    glTextureStorage2D(sky, 2, GL_RGBA16F, 8, 8);
+    glCreateTextures(GL_TEXTURE_CUBE_MAP_ARRAY, 1, &probes);
+    glTextureStorage3D(probes, 1, GL_RGBA8, 4, 4, 12);
+    struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), NULL);
+    assert_true(dt_gl_create(rt, &shapes_gl));
     assert_true(dt_gl_import_image(rt, SHAPES_RESOURCE_FOG, flat));
     REFUSED(dt_gl_resize(rt, WIDTH, HEIGHT), "image fog: imported");
     assert_true(dt_gl_import_image(rt, SHAPES_RESOURCE_FOG, fog) &&
                 dt_gl_import_image(rt, SHAPES_RESOURCE_SKY, sky) &&
                 dt_gl_import_image(rt, SHAPES_RESOURCE_PROBES, probes) &&
                 dt_gl_resize(rt, WIDTH, HEIGHT) && dt_gl_record(rt, &frame, NULL));
-    get(fog, 0, 7, 5, 4, 1, 1, 1, GL_RGBA, GL_HALF_FLOAT, sizeof texel, texel);
+    glGetTextureSubImage(fog, 0, 7, 5, 4, 1, 1, 1, GL_RGBA, GL_HALF_FLOAT, sizeof texel, texel);
     is_last_fog(texel);
     dt_gl_close(rt);
-    assert_int_equal(get_error(), GL_NO_ERROR);
 }
 
 /* If the host has bound a query buffer, OpenGL would write the times into this buffer. */
 static void opengl_takes_times_beside_a_query_buffer(void **state)
 {
     (void)state;
-    PFNGLGENBUFFERSPROC generate = (PFNGLGENBUFFERSPROC)eglGetProcAddress("glGenBuffers");
-    PFNGLBINDBUFFERPROC bind = (PFNGLBINDBUFFERPROC)eglGetProcAddress("glBindBuffer");
-    PFNGLGETINTEGERVPROC get = (PFNGLGETINTEGERVPROC)eglGetProcAddress("glGetIntegerv");
     struct dt_frame frame = frame_of(0);
     double ms[LAYOUTS_PASSES];
     GLuint buffer = 0;
     GLint bound = 0;
-    PFNGLFINISHPROC finish = (PFNGLFINISHPROC)eglGetProcAddress("glFinish");
     struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true, .frames = 2});
     assert_true(rt && dt_gl_create(rt, &layouts_gl) && dt_gl_resize(rt, WIDTH, HEIGHT));
@@ -479,38 +444,38 @@ static void opengl_takes_times_beside_a_query_buffer(void **state)
     assert_true(dt_gl_record(rt, &frame, NULL) && dt_gl_timings(rt, 1, ms));
     for (int i = 0; i < LAYOUTS_PASSES; i++)
         assert_true(ms[i] >= 0 || isnan(ms[i])); /* never waits */
-    finish();
+    glFinish();
     assert_true(dt_gl_timings(rt, 1, ms));
     for (int i = 0; i < LAYOUTS_PASSES; i++)
         assert_true(ms[i] >= 0);
-    generate(1, &buffer);
-    bind(GL_QUERY_BUFFER, buffer);
+    glGenBuffers(1, &buffer);
+    glBindBuffer(GL_QUERY_BUFFER, buffer);
     heard.errors = 0;
     assert_true(dt_gl_timings(rt, 0, ms));
     assert_int_equal(heard.errors, 0);
     for (int i = 0; i < LAYOUTS_PASSES; i++)
         assert_true(ms[i] >= 0);
-    get(GL_QUERY_BUFFER_BINDING, &bound);
+    glGetIntegerv(GL_QUERY_BUFFER_BINDING, &bound);
     assert_int_equal(bound, buffer);
-    bind(GL_QUERY_BUFFER, 0);
+    glBindBuffer(GL_QUERY_BUFFER, 0);
     dt_gl_close(rt);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(opengl_tells_wrong_calls),
-        cmocka_unit_test(opengl_tells_errors_that_were_there),
-        cmocka_unit_test(opengl_needs_no_scene_that_nobody_sees),
-        cmocka_unit_test(opengl_draws_vertices_of_another_layout),
-        cmocka_unit_test(opengl_takes_times_beside_a_query_buffer),
-        cmocka_unit_test(opengl_shares_programs),
-        cmocka_unit_test(opengl_takes_and_gives_a_cache),
-        cmocka_unit_test(opengl_takes_inputs),
-        cmocka_unit_test(opengl_takes_text),
-        cmocka_unit_test(opengl_takes_buffers_and_describes_all),
-        cmocka_unit_test(opengl_records_parts),
-        cmocka_unit_test(opengl_takes_3d_images_and_cubes),
+        cmocka_unit_test_teardown(opengl_tells_wrong_calls, is_without_error),
+        cmocka_unit_test_teardown(opengl_tells_errors_that_were_there, is_without_error),
+        cmocka_unit_test_teardown(opengl_needs_no_scene_that_nobody_sees, is_without_error),
+        cmocka_unit_test_teardown(opengl_draws_vertices_of_another_layout, is_without_error),
+        cmocka_unit_test_teardown(opengl_takes_times_beside_a_query_buffer, is_without_error),
+        cmocka_unit_test_teardown(opengl_shares_programs, is_without_error),
+        cmocka_unit_test_teardown(opengl_takes_and_gives_a_cache, is_without_error),
+        cmocka_unit_test_teardown(opengl_takes_inputs, is_without_error),
+        cmocka_unit_test_teardown(opengl_takes_text, is_without_error),
+        cmocka_unit_test_teardown(opengl_takes_buffers_and_describes_all, is_without_error),
+        cmocka_unit_test_teardown(opengl_records_parts, is_without_error),
+        cmocka_unit_test_teardown(opengl_takes_3d_images_and_cubes, is_without_error),
     };
-    return cmocka_run_group_tests_name("opengl", tests, open_opengl, NULL);
+    return cmocka_run_group_tests_name("opengl", tests, open_with_triangle, close_opengl);
 }

@@ -1,51 +1,12 @@
 /* Every function of the headers of renderers with NULL for every pointer: hosts go on after an open that failed,
  * and forget arguments. Without a runtime there is no log; with one, the error names what is missing. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <stdio.h>
-#include <stdlib.h>
-#include <string.h>
-
-#include <cmocka.h>
-
 #include <EGL/egl.h>
-#include <EGL/eglext.h>
 
+#include "library_vk.h"
 #include "runtime_gl/diptych_gl.h"
 #include "diptych_scene.h"
-#include "runtime_vk/diptych_vk.h"
-#include "outside.h"
 
 extern const struct dt_shaders bloom_vk;
-
-/* ---- The log --------------------------------------------------------------------------------- */
-
-static struct heard {
-    unsigned errors;
-    char text[512]; /* the last error */
-} heard;
-
-static void hear(void *user, enum dt_level level, const char *message)
-{
-    (void)user;
-    if (level != DT_ERROR)
-        return;
-    heard.errors++;
-    snprintf(heard.text, sizeof heard.text, "%s", message);
-}
-
-static const struct dt_log test_log = {.message = hear};
-
-#define REFUSED(call, words)                                                                       \
-    do {                                                                                           \
-        heard = (struct heard){0};                                                                 \
-        assert_false(call);                                                                        \
-        assert_int_equal(heard.errors, 1);                                                         \
-        if (!strstr(heard.text, words))                                                            \
-            fail_msg("\"%s\" lacks \"%s\"", heard.text, words);                                    \
-    } while (0)
 
 /* ---- Nothing at all -------------------------------------------------------------------------- */
 
@@ -132,13 +93,6 @@ static const struct dt_bytes weights = {.size = 32, .extent = {2, 1, 1}}; /* wit
 static void opengl_names_what_is_missing(void **state)
 {
     (void)state;
-    const EGLint attributes[] = {EGL_CONTEXT_MAJOR_VERSION, 4, EGL_CONTEXT_MINOR_VERSION, 5,
-                                 EGL_NONE};
-    EGLDisplay display =
-        eglGetPlatformDisplay(EGL_PLATFORM_SURFACELESS_MESA, EGL_DEFAULT_DISPLAY, NULL);
-    assert_true(eglInitialize(display, NULL, NULL) && eglBindAPI(EGL_OPENGL_API));
-    EGLContext context = eglCreateContext(display, EGL_NO_CONFIG_KHR, EGL_NO_CONTEXT, attributes);
-    assert_true(eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, context));
     REFUSED(dt_gl_open(&(struct dt_gl_host){.log = test_log}), "get_proc_address");
     struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true});
@@ -156,41 +110,15 @@ static void opengl_names_what_is_missing(void **state)
             "`data` of the struct dt_bytes");
     REFUSED(dt_gl_record(rt, NULL, NULL), "record: ");
     dt_gl_close(rt);
-    eglMakeCurrent(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
-    eglTerminate(display);
 }
 
 static void vulkan_names_what_is_missing(void **state)
 {
     (void)state;
-    const VkApplicationInfo application = {.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO,
-                                           .apiVersion = VK_API_VERSION_1_3};
-    const VkInstanceCreateInfo instance = {.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                           .pApplicationInfo = &application};
-    VkPhysicalDeviceVulkan13Features vulkan13 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features vulkan12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
-    VkPhysicalDeviceVulkan11Features vulkan11 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
-    VkPhysicalDeviceFeatures core = {0};
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &(float){1}};
-    const VkDeviceCreateInfo device = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                       .pNext = &vulkan11,
-                                       .queueCreateInfoCount = 1,
-                                       .pQueueCreateInfos = &queue,
-                                       .pEnabledFeatures = &core};
     struct dt_vk_host host = {.log = test_log, .get_instance_proc_addr = vkGetInstanceProcAddr};
-    uint32_t count = 1;
     REFUSED(dt_vk_open(&host), "struct dt_vk_host: instance, ");
-    assert_int_equal(vkCreateInstance(&instance, NULL, &host.instance), VK_SUCCESS);
-    assert_true(vkEnumeratePhysicalDevices(host.instance, &count, &host.physical_device) >= 0);
+    host = vk_host();
     REFUSED(dt_vk_suits(&host, NULL), "suits: the struct dt_shaders is NULL");
-    dt_vk_need_features(&outside_vk, &core, &vulkan11, &vulkan12, &vulkan13);
-    dt_vk_need_features(&bloom_vk, &core, &vulkan11, &vulkan12, &vulkan13);
-    assert_int_equal(vkCreateDevice(host.physical_device, &device, NULL, &host.device), VK_SUCCESS);
     struct dt_vk_runtime *rt = dt_vk_open(&host);
     assert_non_null(rt);
     const uint32_t kernel = OUTSIDE_RESOURCE_KERNEL, picture = OUTSIDE_RESOURCE_PICTURE;
@@ -210,8 +138,6 @@ static void vulkan_names_what_is_missing(void **state)
     const struct dt_frame frame = {0};                                   /* and without scene */
     REFUSED(dt_vk_record(rt, NULL, &frame, NULL), "record: the command buffer is NULL");
     dt_vk_close(rt);
-    vkDestroyDevice(host.device, NULL);
-    vkDestroyInstance(host.instance, NULL);
 }
 
 int main(void)
@@ -220,8 +146,8 @@ int main(void)
         cmocka_unit_test(nothing_for_vulkan),
         cmocka_unit_test(nothing_for_opengl),
         cmocka_unit_test(nothing_for_scenes),
-        cmocka_unit_test(opengl_names_what_is_missing),
-        cmocka_unit_test(vulkan_names_what_is_missing),
+        cmocka_unit_test_setup_teardown(opengl_names_what_is_missing, open_opengl, close_opengl),
+        cmocka_unit_test_setup_teardown(vulkan_names_what_is_missing, open_vulkan, close_vulkan),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
