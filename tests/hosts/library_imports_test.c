@@ -22,8 +22,7 @@ static struct own_image make_textures(const uint8_t texels[2][4])
                            1, &region);
     move_image(commands, own.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
-    submit_commands(commands);
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    finish_commands(commands);
     return own;
 }
 
@@ -31,17 +30,12 @@ static struct own_image make_textures(const uint8_t texels[2][4])
  * rounding. */
 static void draws(struct dt_vk_runtime *rt, const struct own_image *color, const double codes[3])
 {
-    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
-                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                      .imageExtent = {WIDTH, HEIGHT, 1}};
     struct dt_frame frame = frame_of(0);
     VkCommandBuffer commands = begin_commands();
     assert_true(dt_vk_record(rt, commands, &frame, NULL));
-    vkCmdCopyImageToBuffer(commands, color->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
-                           vk.geometry, 1, &region);
-    submit_commands(commands);
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
-    const uint8_t *texels = (const uint8_t *)vk.bytes + region.bufferOffset;
+    copy_image(commands, color->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, GEOMETRY_BYTES / 2);
+    finish_commands(commands);
+    const uint8_t *texels = (const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2;
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         for (int c = 0; c < 3; c++)
             if (fabs(texels[4 * i + c] - codes[c]) > 2)
@@ -84,7 +78,6 @@ static void vulkan_draws_the_hosts_textures(void **state)
     destroy_image(&textures); /* the runtime did not destroy them */
     destroy_image(&color);
     memset(material, 0, sizeof *material);
-    assert_int_equal(heard.validation, 0);
 }
 
 /* A 3D image and a cube of the host's. */
@@ -116,9 +109,8 @@ static void vulkan_takes_3d_images_and_cubes(void **state)
                                 .layers = 1,
                                 .mips = 3,
                                 .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL};
-    struct dt_vk_host host = vk_host();
-    struct dt_vk_runtime *rt = dt_vk_open(&host);
-    assert_true(rt && dt_vk_create(rt, &shapes_vk));
+    struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
+    assert_true(dt_vk_create(rt, &shapes_vk));
     assert_true(dt_vk_import_image(rt, SHAPES_RESOURCE_FOG, &given));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "8x6 texels, 1 layers, 3 mips, but the pipeline");
     given.layers = 5;
@@ -134,13 +126,11 @@ static void vulkan_takes_3d_images_and_cubes(void **state)
     assert_true(dt_vk_record(rt, commands, &frame, NULL));
     vkCmdCopyImageToBuffer(commands, fog.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, vk.geometry,
                            1, &region);
-    submit_commands(commands);
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    finish_commands(commands);
     is_last_fog((const uint16_t *)((char *)vk.bytes + region.bufferOffset) + 4 * (8 * 6 * 5 - 1));
     dt_vk_close(rt);
     destroy_image(&fog);
     destroy_image(&sky);
-    assert_int_equal(heard.validation, 0);
 }
 
 /* If content is replaced between two frames of one command buffer, only the second frame has the
@@ -149,9 +139,7 @@ static void vulkan_takes_inputs(void **state)
 {
     (void)state;
     enum { FIRST = GEOMETRY_BYTES / 2, SECOND = FIRST + 4 * WIDTH * HEIGHT };
-    struct dt_vk_host host = vk_host();
-    outside.rt = dt_vk_open(&host);
-    assert_true(outside.rt && dt_vk_create(outside.rt, &outside_vk));
+    outside.rt = open_vk_runtime(vk_host(), &outside_vk);
     const struct dt_vk_image image = {.image = (VkImage)&heard /* never used as one */};
     REFUSED(dt_vk_import_image(outside.rt, OUTSIDE_RESOURCE_PHOTO, &image),
             "which the layout_before");    /* no import: hand_in writes the photo */
@@ -163,13 +151,11 @@ static void vulkan_takes_inputs(void **state)
         record_picture(FIRST);
         write_grade(vulkan_writes, second_color);
         record_picture(SECOND);
-        submit_commands(outside.commands);
-        assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+        finish_commands(outside.commands);
         is_painted((const uint8_t *)vk.bytes + FIRST, first_color);
         is_painted((const uint8_t *)vk.bytes + SECOND, second_color);
     }
     dt_vk_close(outside.rt);
-    assert_int_equal(heard.validation, 0);
 }
 
 /* Renders with these weights in the host's buffer; the picture must have this colour. */
@@ -177,8 +163,7 @@ static void vulkan_paints_with(const float weights[8], VkDeviceSize at, const ui
 {
     memcpy((char *)vk.bytes + at, weights, sizeof graded_alone);
     record_picture(GEOMETRY_BYTES / 2);
-    submit_commands(outside.commands);
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    finish_commands(outside.commands);
     is_painted((const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2, color);
 }
 
@@ -187,9 +172,8 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
     (void)state;
     const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, 16};
-    struct dt_vk_host host = vk_host();
     struct dt_vk_resource found;
-    struct dt_vk_runtime *rt = outside.rt = dt_vk_open(&host);
+    struct dt_vk_runtime *rt = outside.rt = open_vk_runtime(vk_host(), NULL);
     REFUSED(dt_vk_add_buffer_usage(rt, OUTSIDE_RESOURCE_KERNEL, 0), "create comes first");
     assert_true(dt_vk_create(rt, &outside_vk));
     REFUSED(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_PHOTO, &weights), "has no buffer");
@@ -226,10 +210,8 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     outside.commands = begin_commands();
     hand_in(vulkan_writes, vulkan_records, second_color);
-    submit_commands(outside.commands);
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    finish_commands(outside.commands);
     dt_vk_close(rt);
-    assert_int_equal(heard.validation, 0);
 }
 
 /* Imports made as described fit, and have the stages of the passes that write them. */
@@ -285,17 +267,16 @@ static void vulkan_describes_imports(void **state)
     dt_vk_close(rt);
     for (size_t i = 0; i < DT_ARRAY_COUNT(cases); i++)
         destroy_image(&images[i]);
-    assert_int_equal(heard.validation, 0);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(vulkan_describes_imports),
-        cmocka_unit_test(vulkan_draws_the_hosts_textures),
-        cmocka_unit_test(vulkan_takes_inputs),
-        cmocka_unit_test(vulkan_takes_buffers_and_describes_all),
-        cmocka_unit_test(vulkan_takes_3d_images_and_cubes),
+        cmocka_unit_test_teardown(vulkan_describes_imports, is_silent),
+        cmocka_unit_test_teardown(vulkan_draws_the_hosts_textures, is_silent),
+        cmocka_unit_test_teardown(vulkan_takes_inputs, is_silent),
+        cmocka_unit_test_teardown(vulkan_takes_buffers_and_describes_all, is_silent),
+        cmocka_unit_test_teardown(vulkan_takes_3d_images_and_cubes, is_silent),
     };
     return cmocka_run_group_tests_name("imports", tests, open_vulkan, close_vulkan);
 }

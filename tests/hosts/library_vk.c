@@ -145,6 +145,13 @@ int close_vulkan(void **state)
     return heard.validation; /* includes objects that pipelines left behind */
 }
 
+int is_silent(void **state)
+{
+    (void)state;
+    assert_int_equal(heard.validation, 0);
+    return 0;
+}
+
 struct dt_vk_host vk_host(void)
 {
     return (struct dt_vk_host){.log = test_log,
@@ -153,6 +160,14 @@ struct dt_vk_host vk_host(void)
                                .device = vk.device,
                                .get_instance_proc_addr = vkGetInstanceProcAddr,
                                .labels = true};
+}
+
+struct dt_vk_runtime *open_vk_runtime(struct dt_vk_host host, const struct dt_shaders *shaders)
+{
+    struct dt_vk_runtime *rt = dt_vk_open(&host);
+    assert_non_null(rt);
+    assert_true(!shaders || (dt_vk_create(rt, shaders) && dt_vk_resize(rt, WIDTH, HEIGHT)));
+    return rt;
 }
 
 VkCommandBuffer begin_commands(void)
@@ -177,6 +192,20 @@ void submit_commands(VkCommandBuffer commands)
     assert_int_equal(vkQueueSubmit(vk.queue, 1, &info, VK_NULL_HANDLE), VK_SUCCESS);
 }
 
+void finish_commands(VkCommandBuffer commands)
+{
+    submit_commands(commands);
+    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+}
+
+void copy_image(VkCommandBuffer commands, VkImage image, VkImageLayout layout, VkDeviceSize offset)
+{
+    const VkBufferImageCopy region = {.bufferOffset = offset,
+                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
+                                      .imageExtent = {WIDTH, HEIGHT, 1}};
+    vkCmdCopyImageToBuffer(commands, image, layout, vk.geometry, 1, &region);
+}
+
 void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
 {
     struct dt_vk_resource resource;
@@ -196,13 +225,9 @@ void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BY
     assert_int_equal(resource.height, HEIGHT);
     assert_int_equal(resource.layers, 1);
     assert_int_equal(resource.mips, 1);
-    const VkBufferImageCopy region = {.bufferOffset = GEOMETRY_BYTES / 2,
-                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                      .imageExtent = {WIDTH, HEIGHT, 1}};
     VkCommandBuffer commands = begin_commands();
-    vkCmdCopyImageToBuffer(commands, resource.image, resource.layout, vk.geometry, 1, &region);
-    submit_commands(commands);
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
+    copy_image(commands, resource.image, resource.layout, GEOMETRY_BYTES / 2);
+    finish_commands(commands);
     memcpy(trail, (const char *)vk.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
 }
 
@@ -213,9 +238,7 @@ void run_frames(struct dt_vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
 
 struct dt_vk_runtime *open_features(void)
 {
-    struct dt_vk_host host = vk_host();
-    struct dt_vk_runtime *rt = dt_vk_open(&host);
-    assert_non_null(rt);
+    struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
     assert_true(dt_vk_import_scene(rt, &vk.scene));
     assert_true(dt_vk_create(rt, &features_vk));
     return rt;
@@ -223,9 +246,8 @@ struct dt_vk_runtime *open_features(void)
 
 void vulkan_draw(const struct dt_vk_scene *scene, uint8_t trail[TRAIL_BYTES])
 {
-    struct dt_vk_host host = vk_host();
-    struct dt_vk_runtime *rt = dt_vk_open(&host);
-    assert_true(rt && dt_vk_import_scene(rt, scene) && dt_vk_create(rt, &features_vk) &&
+    struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
+    assert_true(dt_vk_import_scene(rt, scene) && dt_vk_create(rt, &features_vk) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, trail);
     dt_vk_close(rt);
@@ -314,9 +336,5 @@ void record_picture(VkDeviceSize offset)
     struct dt_vk_resource picture = {0};
     assert_true(vulkan_records() &&
                 dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
-    const VkBufferImageCopy region = {.bufferOffset = offset,
-                                      .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
-                                      .imageExtent = {WIDTH, HEIGHT, 1}};
-    vkCmdCopyImageToBuffer(outside.commands, picture.image, picture.layout, vk.geometry, 1,
-                           &region);
+    copy_image(outside.commands, picture.image, picture.layout, offset);
 }

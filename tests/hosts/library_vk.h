@@ -24,10 +24,20 @@ extern struct vk {
 int open_vulkan(void **state);
 int close_vulkan(void **state);
 
+/* Teardown of a test: validation was silent. */
+int is_silent(void **state);
+
 struct dt_vk_host vk_host(void);
+
+/* A runtime; with shaders it has their pipeline, made for a frame. */
+struct dt_vk_runtime *open_vk_runtime(struct dt_vk_host host, const struct dt_shaders *shaders);
 VkDeviceMemory allocate_memory(VkMemoryRequirements needs, VkMemoryPropertyFlags wanted);
 VkCommandBuffer begin_commands(void);
 void submit_commands(VkCommandBuffer commands);
+void finish_commands(VkCommandBuffer commands); /* submits, and waits for all work */
+
+/* Records a copy of the first layer of an image of WIDTH x HEIGHT to `offset` in the geometry's buffer. */
+void copy_image(VkCommandBuffer commands, VkImage image, VkImageLayout layout, VkDeviceSize offset);
 
 /* A runtime with the scene and the pipeline of tests/specs/features.yaml. */
 struct dt_vk_runtime *open_features(void);
