@@ -1,8 +1,6 @@
 /* From a spec to tables; see load.h. */
 #include "load.h"
 
-#include <string.h>
-
 #include "check/check.h"
 #include "plan/plan.h"
 #include "plan/sanitize.h"

@@ -3,7 +3,6 @@
 
 #include <sys/types.h>
 
-#include "base/installed.h"
 #include "console/console.h"
 
 struct tool {

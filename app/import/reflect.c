@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "base/text.h"
 #include "diptych.h"
 #include "formats.h"

@@ -2,7 +2,6 @@
  * branch of #if. */
 #include "import/slang.h"
 
-#include <ctype.h>
 #include <float.h>
 #include <math.h>
 #include <stdio.h>

@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
-
 bool format_is_depth(enum dt_format format)
 {
     return format == DT_FORMAT_D32F || (int)format >= FORMAT_D16;

@@ -1,5 +1,4 @@
 /* Two copies of a resource from different renderers in one form; see dumps.h. */
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,7 +5,6 @@
 #include <sys/stat.h>
 
 #include "console/console.h"
-#include "base/files.h"
 #include "base/foreign.h"
 #include "scenes/image.h"
 #include "theirs/theirs.h"

@@ -5,7 +5,6 @@
 #include "formats.h"
 #include "plan/sanitize.h"
 
-#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <string.h>

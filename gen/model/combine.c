@@ -5,7 +5,6 @@
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "foreign.h"
 

@@ -2,7 +2,6 @@
  * `record`, a function per pass. */
 #include <inttypes.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "emit_c.h"
 #include "lower/members.h"

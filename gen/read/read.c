@@ -1,7 +1,6 @@
 /* YAML -> model. A section is read after the sections whose names it may use, in any order of the
  * file. */
 #include <stdlib.h>
-#include <string.h>
 
 #include "reader.h"
 

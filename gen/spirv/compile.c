@@ -15,7 +15,6 @@
 #include "values.h"
 #include "whole.h"
 
-#include <ctype.h>
 #include <glslang/build_info.h>
 #include <spirv-tools/libspirv.h>
 #include <spirv/unified1/spirv.h>

@@ -4,7 +4,6 @@
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "glsl/glsl.h"
 #include "sanitizer.h"

@@ -6,7 +6,6 @@
  * and 17. Left out are draws of the scene where the contract `raster` covers the difference: edges,
  * depth and clipped triangles. Clear values are rounded by lower.c. */
 #include <spirv/unified1/spirv.h>
-#include <string.h>
 
 #include "model/source.h"
 #include "plan/plan.h"

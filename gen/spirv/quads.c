@@ -7,7 +7,6 @@
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 #include "prove.h"
 #include "sanitizer.h"

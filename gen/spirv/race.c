@@ -2,7 +2,6 @@
  * touches it; before a barrier, the workgroup learns which barrier comes. See templates/glsl/cells.glsl. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <string.h>
 
 #include "sanitizer.h"
 

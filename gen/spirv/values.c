@@ -8,7 +8,6 @@
 #include <stdlib.h>
 #include <xxhash.h>
 
-#include "base/files.h"
 #include "formats.h"
 #include "link.h"
 
