@@ -22,24 +22,21 @@ static const struct verb verbs[] = {
      "run two or more backends, or take dumps, and compare every resource after every pass",
      "Prints a table. Its last line names the guilty pass: the first with an error of its own when "
      "it gets\nthe first side's inputs.\nWith dumps nothing is run but --run: the last line names "
-     "the "
-     "first pass that differs, lines before it say "
-     "why.\nLines that begin with `elsewhere:` tell what other devices or runs may do.\nThe "
-     "verdict `not finite`: both have NaN or infinity in the same places, which no contract "
-     "accepts.\nExit status: 0 the backends agree, 1 they differ, or leave NaN or infinity, or "
-     "--sanitize or --repeat has found something, 2 it could not run.",
+     "the first pass that differs, lines before it say why.\nLines that begin with `elsewhere:` "
+     "tell what other devices or runs may do.\nThe verdict `not finite`: both have NaN or infinity "
+     "in the same places, which no contract accepts.\nExit status: 0 the backends agree, 1 they "
+     "differ, or leave NaN or infinity, or --sanitize or --repeat has found something, 2 it could "
+     "not run.",
      verb_compare, EXIT_USAGE},
     {"capture", VERB_CAPTURE, "capture a frame of any program that draws with OpenGL or Vulkan",
      "RenderDoc runs the program and writes a frame; compare takes two such files. Needs the "
      "packages\nrenderdoc and python3-renderdoc. The program is ended then.\nExit status: 0 done, "
-     "1 "
-     "it failed (the reason is on stderr), 2 wrong usage.",
+     "1 it failed (the reason is on stderr), 2 wrong usage.",
      verb_capture, EXIT_FAILED},
     {"import", VERB_IMPORT, "make a spec of shaders, or of a preset of RetroArch",
      "The shaders stay as they are; the spec declares what they read and write. It checks and runs "
-     "at "
-     "once;\ncomments name what a shader does not tell, such as sizes.\nExit status: 0 done, 1 it "
-     "failed (the reason is on stderr), 2 wrong usage.",
+     "at once;\ncomments name what a shader does not tell, such as sizes.\nExit status: 0 done, 1 "
+     "it failed (the reason is on stderr), 2 wrong usage.",
      verb_import, EXIT_FAILED},
     {"list", VERB_LIST, "name the parameters, resources and passes of a pipeline",
      "Parameters have their type, value and range; resources their format and size; passes what "
@@ -76,9 +73,8 @@ static const struct verb verbs[] = {
      verb_bench, EXIT_FAILED},
     {"cost", VERB_COST, "what a frame costs on a GPU, by its compiler, without the GPU",
      "Compiles every pass for chips of AMD with RADV on its null hardware, and prints registers, "
-     "waves, "
-     "code\nand cycles of each stage. With the plan's counts they make lower bounds of times: of "
-     "arithmetic, of one\nwave's latency, and of bytes.\n"
+     "waves, code\nand cycles of each stage. With the plan's counts they make lower bounds of "
+     "times: of arithmetic, of one\nwave's latency, and of bytes.\n"
      "Exit status: 0 done, 1 --against: a pass is worse beyond the limit, 2 it could not run.",
      verb_cost, EXIT_USAGE},
     {"report", VERB_REPORT, "one HTML page: pictures beside their reference, errors, times",
@@ -118,9 +114,8 @@ static const struct verb verbs[] = {
      "Tries other workgroups, and other storage and loops of ranges, which a spec leaves to the "
      "generator.\nA change is kept if it makes its pass faster in frames that take turns; passes "
      "below 1 % of the frame\nare left as they are. --gpu goes by the figures of a GPU's compiler, "
-     "as `cost` does, and leaves loops "
-     "out. --set keeps a value. At the end, all resources "
-     "of all passes must have the same bits.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
+     "as `cost` does, and leaves loops out. --set keeps a value. At the end, all resources of all "
+     "passes must have the same bits.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_tune, EXIT_FAILED},
     {"help", VERB_HELP, "list the verbs, or the options of one",
      "Exit status: 0 done, 2 wrong usage.", verb_help, EXIT_USAGE},

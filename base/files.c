@@ -79,9 +79,7 @@ bool file_write(const char *path, const void *data, size_t size, const struct dt
     } else {
         good = write_and_rename(path, exists ? &old : NULL, data, size);
     }
-    if (!good)
-        report_error(log, "%s: cannot be written: %s", path, strerror(errno));
-    return good;
+    return good || report_error(log, "%s: cannot be written: %s", path, strerror(errno));
 }
 
 bool file_write_json(const char *path, const struct cJSON *value, const struct dt_log *log)
@@ -100,9 +98,7 @@ bool file_draft_begin(struct file_draft *draft, const struct dt_log *log)
 {
     *draft = (struct file_draft){0};
     draft->out = open_memstream(&draft->text, &draft->size);
-    if (!draft->out)
-        report_error(log, "out of memory");
-    return draft->out;
+    return draft->out || report_error(log, "out of memory");
 }
 
 bool file_draft_end(struct file_draft *draft, const char *path, const struct dt_log *log)

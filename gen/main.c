@@ -56,23 +56,19 @@ static const struct option_row option_rows[] = {
         "(Vulkan: it gives `texture_codes`) or immutable (OpenGL)"),
     ROW("--sanitize", OPTION_WORDS, sanitize, "KINDS",
         "generated shaders look for undefined behaviour, and NAME_report() logs what they found, "
-        "in "
-        "file and line; --sanitize=KINDS: some of index, arithmetic, loop, variable, content, "
-        "race, "
-        "flow"),
+        "in file and line; --sanitize=KINDS: some of index, arithmetic, loop, variable, content, "
+        "race, flow"),
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
     ROW("--prove", OPTION_FLAG, prove, NULL,
         "check only, and prove that the pipeline is exact: a remark for each operation that a "
-        "driver "
-        "may round as it likes, with the form that has one result, and the values of its operands: "
-        "`library` (the whole function), `constant` (shorter, for a constant operand), `product` "
-        "(with the reciprocal), `instruction` (the driver's own, which those values allow); an "
-        "error for each operation and input "
-        "whose bits the standards leave open, and for blending, lines, points and other fixed "
-        "functions "
-        "of draws, in passes that write a resource whose contract is exact; prints what the proof "
-        "assumes; a warning for each value of the rasterizer in draws of the scene that leave only "
-        "numbers and depth, where it decides edges"),
+        "driver may round as it likes, with the form that has one result, and the values of its "
+        "operands: `library` (the whole function), `constant` (shorter, for a constant operand), "
+        "`product` (with the reciprocal), `instruction` (the driver's own, which those values "
+        "allow); an error for each operation and input whose bits the standards leave open, and "
+        "for blending, lines, points and other fixed functions of draws, in passes that write a "
+        "resource whose contract is exact; prints what the proof assumes; a warning for each value "
+        "of the rasterizer in draws of the scene that leave only numbers and depth, where it "
+        "decides edges"),
     ROW("--needs", OPTION_FLAG, needs, NULL,
         "check only, and print what the passes need of a Vulkan device, against the profiles "
         "Roadmap 2022, Android baseline 2022 and what MoltenVK has"),

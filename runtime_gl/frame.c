@@ -379,12 +379,6 @@ bool gl_pause(struct dt_core *core)
     return gl_finish((struct dt_gl_runtime *)core, core->pipeline->passes[core->pass].name);
 }
 
-bool gl_resume(struct dt_core *core)
-{
-    (void)core;
-    return true;
-}
-
 /* A host never waits here; the app waits. */
 bool gl_timing(struct dt_core *core, uint32_t run, const char *name, double *ms)
 {

@@ -210,7 +210,6 @@ extern const struct dt_commands gl_commands;
 bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *live);
 bool gl_timing(struct dt_core *core, uint32_t run, const char *name, double *ms);
 bool gl_pause(struct dt_core *core);
-bool gl_resume(struct dt_core *core);
 
 /* ---- scene.c --------------------------------------------------------------------------------- */
 

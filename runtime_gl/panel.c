@@ -147,12 +147,6 @@ static void destroy_program(struct dt_core *core, void *made)
     free(program->users);
 }
 
-/* A program holds nothing that depends on the panel. */
-static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
-{
-    (void)core, (void)program, (void)pass;
-}
-
 /* ---- Framebuffers of draws, and views of mips and layers -------------------------------------- */
 
 static bool attach(struct dt_gl_runtime *rt, GLuint framebuffer, GLenum point,
@@ -399,7 +393,6 @@ const struct dt_backend gl_backend = {
     .create_program = create_program,
     .share_program = share_program,
     .destroy_program = destroy_program,
-    .adopt_program = adopt_program,
     .create_resource = create_resource,
     .place_resources = place_resources,
     .fill_resource = fill_resource,
@@ -412,6 +405,5 @@ const struct dt_backend gl_backend = {
     .write = gl_write,
     .commands = &gl_commands,
     .pause = gl_pause,
-    .resume = gl_resume,
     .timing = gl_timing,
 };

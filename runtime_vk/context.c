@@ -116,8 +116,7 @@ static bool no_such_device(const struct dt_vk_runtime *rt, const VkPhysicalDevic
                                  properties.deviceName);
     }
     return dt_error(&rt->core,
-                    "no Vulkan device is called `%s`; choose a part of a name or an index "
-                    "from: %s",
+                    "no Vulkan device is called `%s`; choose a part of a name or an index from: %s",
                     wanted, list);
 }
 
@@ -149,8 +148,7 @@ static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_opti
     vk_device_describe(rt, devices[chosen]);
     if (!vk_device_suits(rt, rt->physical, options->panel, missing, sizeof missing))
         return dt_error(&rt->core,
-                        "Vulkan device %s: missing %s; update its driver or use another "
-                        "device",
+                        "Vulkan device %s: missing %s; update its driver or use another device",
                         rt->core.device_name, missing);
     return vk_device_is_enough(rt, rt->physical, options->panel, missing, sizeof missing) ||
            dt_error(&rt->core, "%s", missing);

@@ -323,9 +323,8 @@ struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt,
                                      const struct vk_program *program,
                                      const struct vk_program_info *info);
 /* Uses the pipeline of another runtime's program. */
-bool vk_program_share(struct dt_vk_runtime *rt, struct vk_program *program,
-                      const struct vk_program *other, const struct vk_program_info *info);
-void vk_program_destroy(struct dt_vk_runtime *rt, struct vk_program *program);
+bool vk_program_share(struct dt_core *core, void *made, const void *other, uint32_t pass);
+void vk_program_destroy(struct dt_core *core, void *made);
 /* Of a pass of the core's panel (panel.c). */
 struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t pass);
 

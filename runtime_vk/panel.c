@@ -140,17 +140,6 @@ static bool create_program(struct dt_core *core, void *program, uint32_t pass)
     return vk_program_begin(vk_runtime_of(core), program, &info);
 }
 
-static bool share_program(struct dt_core *core, void *program, const void *other, uint32_t pass)
-{
-    struct vk_program_info info = vk_program_info_of(core, pass);
-    return vk_program_share(vk_runtime_of(core), program, other, &info);
-}
-
-static void destroy_program(struct dt_core *core, void *program)
-{
-    vk_program_destroy(vk_runtime_of(core), program);
-}
-
 static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
 {
     const struct vk_program *adopted = program;
@@ -450,12 +439,6 @@ static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
     return true;
 }
 
-/* Nothing to do: the next connection rewrites the set. */
-static void disconnect_program(struct dt_core *core, void *program)
-{
-    (void)core, (void)program;
-}
-
 static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
 {
     const struct vk_builtin *builtin = &((const struct dt_vk_runtime *)core)->builtin;
@@ -479,14 +462,13 @@ const struct dt_backend vk_backend = {
     .destroy_sampler = vk_sampler_destroy,
     .create_program = create_program,
     .compile_programs = compile_programs,
-    .share_program = share_program,
-    .destroy_program = destroy_program,
+    .share_program = vk_program_share,
+    .destroy_program = vk_program_destroy,
     .adopt_program = adopt_program,
     .create_resource = create_resource,
     .place_resources = place_resources,
     .fill_resource = fill_resource,
     .connect_program = connect_program,
-    .disconnect_program = disconnect_program,
     .destroy_resource = destroy_resource,
     .detach_resource = detach_resource,
     .adopt_resource = adopt_resource,

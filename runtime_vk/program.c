@@ -437,20 +437,23 @@ bool vk_program_create(struct dt_vk_runtime *rt, struct vk_program *program,
         if (vk_check(rt, outcome.result, outcome.call, info->name))
             return true;
     }
-    vk_program_destroy(rt, program);
+    vk_program_destroy(&rt->core, program);
     return false;
 }
 
-bool vk_program_share(struct dt_vk_runtime *rt, struct vk_program *program,
-                      const struct vk_program *other, const struct vk_program_info *info)
+bool vk_program_share(struct dt_core *core, void *made, const void *other, uint32_t pass)
 {
-    *program = (struct vk_program){.pipeline = other->pipeline};
+    const struct vk_program_info info = vk_program_info_of(core, pass);
+    struct vk_program *program = made;
+    *program = (struct vk_program){.pipeline = ((const struct vk_program *)other)->pipeline};
     program->pipeline->users++;
-    return create_set(rt, program, info);
+    return create_set(vk_runtime_of(core), program, &info);
 }
 
-void vk_program_destroy(struct dt_vk_runtime *rt, struct vk_program *program)
+void vk_program_destroy(struct dt_core *core, void *made)
 {
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
+    struct vk_program *program = made;
     struct vk_pipeline *pipeline = program->pipeline;
     rt->vk.DestroyDescriptorPool(rt->device, program->pool, rt->callbacks); /* frees the set */
     *program = (struct vk_program){0};

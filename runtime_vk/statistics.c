@@ -94,7 +94,7 @@ static bool ask_pass(struct asking *asking, uint32_t pass)
     if (!vk_program_create(rt, &program, &info))
         return false;
     bool good = ask_pipeline(asking, pass, program.pipeline->handle);
-    vk_program_destroy(rt, &program);
+    vk_program_destroy(&rt->core, &program);
     return good;
 }
 

@@ -39,12 +39,11 @@ char *mesh_path_beside(const char *mesh_path, const char *name)
 bool mesh_may_name(const struct mesh *mesh, const char *path, const struct dt_log *log)
 {
     bool may = foreign_is_beside(path, mesh->path) || foreign_is_beside(path, mesh->scene_path);
-    if (!may)
-        report_error(log,
-                     "%s: %s names this file, which is outside the folders of the mesh and of the "
-                     "scene file; move one of them",
-                     path, mesh->path);
-    return may;
+    return may || report_error(
+                      log,
+                      "%s: %s names this file, which is outside the folders of the mesh and of the "
+                      "scene file; move one of them",
+                      path, mesh->path);
 }
 
 int32_t mesh_add_texture(struct mesh *mesh, struct mesh_texture texture)
@@ -336,9 +335,8 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){0};
 }
 
-/* Bounds of the triangles of `count` indices. */
-static void bound(const struct mesh *mesh, const uint32_t *indices, uint32_t count, float low[3],
-                  float high[3], float center[3], float *radius)
+void mesh_bounds(const struct mesh *mesh, const uint32_t *indices, uint32_t count, float low[3],
+                 float high[3], float center[3], float *radius)
 {
     for (int i = 0; i < 3; i++) {
         low[i] = high[i] = mesh->vertices[indices[0]].position[i];
@@ -358,12 +356,6 @@ static void bound(const struct mesh *mesh, const uint32_t *indices, uint32_t cou
         largest = square > largest ? square : largest;
     }
     *radius = nextafterf((float)sqrt(largest), INFINITY);
-}
-
-void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
-                 float *radius)
-{
-    bound(mesh, mesh->indices, mesh->index_count, low, high, center, radius);
 }
 
 bool mesh_number(struct mesh *mesh, const struct dt_log *log)
@@ -402,7 +394,7 @@ void mesh_bound_objects(struct mesh *mesh)
             end += 3;
         object->index_count = end - object->first_index;
         if (object->index_count)
-            bound(mesh, &mesh->indices[object->first_index], object->index_count, low, high,
-                  object->center, &object->radius);
+            mesh_bounds(mesh, &mesh->indices[object->first_index], object->index_count, low, high,
+                        object->center, &object->radius);
     }
 }

@@ -92,9 +92,9 @@ bool obj_has_name(const char *names, const char *name);
 
 /* ---- For scene.c ----------------------------------------------------------------------------- */
 
-/* Bounding box of the triangles, and a sphere about its centre that holds them all. */
-void mesh_bounds(const struct mesh *mesh, float low[3], float high[3], float center[3],
-                 float *radius);
+/* Bounding box of the triangles of `count` indices, and a sphere about its centre that holds them all. */
+void mesh_bounds(const struct mesh *mesh, const uint32_t *indices, uint32_t count, float low[3],
+                 float high[3], float center[3], float *radius);
 
 /* Completes the objects, when the triangles are final. */
 void mesh_bound_objects(struct mesh *mesh);

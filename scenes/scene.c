@@ -104,8 +104,7 @@ static char *find_mesh(struct reader *reader, struct fy_node *node, const char *
         reader_report(reader, node,
                       "mesh `%s` not found: looked for %s%s%s; name the folder that holds it as "
                       "folder of scenes, or in the environment variable DIPTYCH_SCENES%s (the "
-                      "well-known test scenes are at "
-                      "https://casual-effects.com/data)",
+                      "well-known test scenes are at https://casual-effects.com/data)",
                       name, candidate[0], candidate[1] ? " and " : "",
                       candidate[1] ? candidate[1] : "",
                       scenes_dir ? "" : ", neither of which is given now");
@@ -245,7 +244,8 @@ static bool load_mesh(struct scene *scene, const struct settings *settings,
             settings->mesh_path, MOST_OPEN_FILES);
     if (!mesh_import(&mesh, settings->mesh_path, scene->path, settings->scale, log))
         return false;
-    mesh_bounds(&mesh, scene->bounds_min, scene->bounds_max, scene->center, &scene->radius);
+    mesh_bounds(&mesh, mesh.indices, mesh.index_count, scene->bounds_min, scene->bounds_max,
+                scene->center, &scene->radius);
     bool ok = take_views(scene, settings, &mesh, log);
     ok = ok && texture_array(&scene->data, &mesh, settings->texture_size, log);
     if (ok) {
@@ -329,9 +329,7 @@ static bool read_mesh(struct scene *scene, FILE *result, const struct dt_log *lo
         *arrays[i].data = memory;
         good = memory && fread(memory, 1, arrays[i].bytes, result) == arrays[i].bytes;
     }
-    if (!good)
-        report_error(log, "%s: out of memory", scene->path);
-    return good;
+    return good || report_error(log, "%s: out of memory", scene->path);
 }
 
 static bool load_mesh_apart(struct scene *scene, struct settings *settings,
@@ -349,9 +347,7 @@ static bool load_mesh_apart(struct scene *scene, struct settings *settings,
 static bool copy_path(struct scene *scene, const char *path, const struct dt_log *log)
 {
     scene->path = strdup(path);
-    if (!scene->path)
-        report_error(log, "%s: out of memory", path);
-    return scene->path;
+    return scene->path || report_error(log, "%s: out of memory", path);
 }
 
 bool scene_load(struct scene *scene, const char *path, const char *scenes_dir, bool apart,

@@ -163,9 +163,7 @@ static bool keep_edges(void *user, const struct dt_resource *resource,
     if (resource)
         memcpy(judge->edges_extent, copies[0].extent, sizeof judge->edges_extent);
     bool good = !resource || edges_find(&judge->edges, resource, copies);
-    if (!good)
-        report_error(&judge->replay->console->log, "out of memory");
-    return good;
+    return good || report_error(&judge->replay->console->log, "out of memory");
 }
 
 static bool add_coincident(void *user, const struct dt_bytes copies[2])

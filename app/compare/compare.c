@@ -66,9 +66,7 @@ static bool compare_copies(struct compare *compare, const struct row *row, uint3
         if (good)
             ask_why(pair, resource, copies, compare->console);
     }
-    if (!good)
-        report_error(&compare->console->log, "out of memory");
-    return good;
+    return good || report_error(&compare->console->log, "out of memory");
 }
 
 /* Both copies of a pair at this stop. */
@@ -437,8 +435,7 @@ static void conclude_blame(struct compare *compare, struct pair *pair)
     if (blame->outcome != BLAME_GUILTY)
         return;
     sheet->guilty = new_event(row, blame->frame);
-    if (row->body)
-        cJSON_AddStringToObject(sheet->guilty.more, "shader", row->body);
+    cJSON_AddStringToObject(sheet->guilty.more, "shader", row->body);
     if (compare->region && pair == compare->bisected)
         add_region(compare, sheet->guilty.more);
     if (!pair->unwritten && row == pair->broken && blame->frame == pair->broken_frame)
@@ -464,8 +461,7 @@ static void conclude(struct compare *compare)
             continue;
         sheet->first_break = new_event(pair->broken, pair->broken_frame);
         pair->broken->text = pair->unwritten;
-        if (pair->unwritten)
-            cJSON_AddStringToObject(sheet->first_break.more, "unwritten", pair->unwritten);
+        cJSON_AddStringToObject(sheet->first_break.more, "unwritten", pair->unwritten);
     }
 }
 
@@ -591,10 +587,8 @@ static void compare_release(struct compare *compare)
 /* Comparing no element would always agree: an error. */
 static bool compares_something(const struct compare *compare, uint64_t count, const char *what)
 {
-    if (!count)
-        report_error(&compare->console->log, "%s: %s: nothing to compare",
-                     compare->pipeline.info->name, what);
-    return count;
+    return count || report_error(&compare->console->log, "%s: %s: nothing to compare",
+                                 compare->pipeline.info->name, what);
 }
 
 /* Takes size and frame from the dump; before the pipeline is loaded. */
@@ -612,20 +606,8 @@ static bool check_dump(struct compare *compare)
     const struct options *options = &compare->options;
     const struct dt_log *log = &compare->console->log;
     const cJSON *manifest = compare->dump.manifest;
-    uint32_t count;
-    const char *const *sources = plan_sources(compare->pipeline.plan, &count);
-    const struct identity identity = {.pipeline = compare->pipeline.info,
-                                      .live = compare->pipeline.live,
-                                      .spec = compare->pipeline.spec,
-                                      .templates = compare->pipeline.templates,
-                                      .sources = sources,
-                                      .source_count = count,
-                                      .inputs = compare->pipeline.input_hashes,
-                                      .input_count = compare->pipeline.input_hash_count,
-                                      .scene = &compare->scene,
-                                      .setup = &options->setup,
-                                      .size = {options->setup.size[0], options->setup.size[1]},
-                                      .frame = options->setup.frames - 1};
+    const struct identity identity =
+        pipeline_identity(&compare->pipeline, &compare->scene, &options->setup);
     compare->dump.pipeline = compare->pipeline.info;
     memcpy(compare->dump.size, options->setup.size, sizeof compare->dump.size);
     return identity_check(manifest, options->setup.against, &identity, log) &&

@@ -219,8 +219,7 @@ static bool write_all(struct compare *compare)
         const struct row *row = &compare->rows.outputs.list[i];
         cJSON *item = row_result(compare, i);
         char *name = has_picture(compare, row) ? picture_name(compare, row) : NULL;
-        if (name)
-            cJSON_AddStringToObject(item, "picture", name);
+        cJSON_AddStringToObject(item, "picture", name);
         free(name);
         cJSON_AddItemToArray(results, item);
     }

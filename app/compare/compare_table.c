@@ -120,13 +120,6 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     measured_grown(&pair->sheet);
 }
 
-static void print_far(const struct twin *twin)
-{
-    if (twin)
-        printf("too far from exact: pass %s (shader %s): resource %s on %s\n", twin->broken->pass,
-               twin->broken->body, twin->broken->name, twin->sheet.labels[0]);
-}
-
 void compare_print(const struct compare *compare)
 {
     bool several = compare->pair_count > 1;
@@ -158,5 +151,8 @@ void compare_print(const struct compare *compare)
     elsewhere_print(&compare->elsewhere);
     print_clues(compare, told);
     print_outcome(compare, told); /* the last line is the verdict */
-    print_far(compare_far_twin(compare));
+    const struct twin *far = compare_far_twin(compare);
+    if (far)
+        printf("too far from exact: pass %s (shader %s): resource %s on %s\n", far->broken->pass,
+               far->broken->body, far->broken->name, far->sheet.labels[0]);
 }

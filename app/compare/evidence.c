@@ -276,12 +276,6 @@ static char *body_name(const struct writing *writing)
     return search.name;
 }
 
-/* Length of a label without "#2", which --backend does not take. */
-static int label_length(const struct side *side)
-{
-    return (int)strcspn(side->label, "#");
-}
-
 static bool write_readme(const struct writing *writing)
 {
     const struct evidence *evidence = writing->evidence;
@@ -309,7 +303,8 @@ static bool write_readme(const struct writing *writing)
         evidence->sides[0]->label, evidence->sides[1]->label, row->name, region ? region : "",
         evidence->sides[0]->label, evidence->devices[0], evidence->sides[1]->label,
         evidence->devices[1], body ? body : writing->spec_name, info->name, pass, info->name, pass,
-        label_length(evidence->sides[1]), evidence->sides[1]->label);
+        (int)strcspn(evidence->sides[1]->label, "#"), /* "#2" --backend does not take */
+        evidence->sides[1]->label);
     free(region);
     free(body);
     return write_evidence_text(writing, "README.txt", text);

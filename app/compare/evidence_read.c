@@ -204,12 +204,10 @@ static bool check_scene(const struct evidence_case *evidence)
                    scene->index_count;
     for (uint32_t i = 0; good && i < scene->material_count; i++)
         good = scene->materials[i].texture < (int32_t)scene->texture_layers;
-    if (!good)
-        report_error(log_of(evidence),
-                     "%s: its scene names vertices, materials, objects or textures that "
-                     "it does not have: the folder is damaged",
-                     evidence->folder);
-    return good;
+    return good || report_error(log_of(evidence),
+                                "%s: its scene names vertices, materials, objects or textures that "
+                                "it does not have: the folder is damaged",
+                                evidence->folder);
 }
 
 static bool check_texture(const struct evidence_case *evidence)

@@ -266,8 +266,7 @@ static cJSON *replay_json(const struct lone_pass *alone)
         cJSON *entry = cJSON_CreateObject();
         sheet_row_json(entry, &alone->sheet, &alone->sheet.rows[i]);
         cJSON_AddBoolToObject(entry, "as_actual", alone->outputs[i].recorded);
-        if (alone->sheet.rows[i].text)
-            cJSON_AddStringToObject(entry, "unwritten", alone->sheet.rows[i].text);
+        cJSON_AddStringToObject(entry, "unwritten", alone->sheet.rows[i].text);
         cJSON_AddItemToArray(results, entry);
     }
     cJSON_AddBoolToObject(root, "as_expected", !first_difference(alone));

@@ -147,9 +147,7 @@ static bool compare_runs(struct runs *runs, char **text)
         free(*text);
         *text = NULL;
     }
-    if (!good)
-        report_error(&runs->info->session.console->log, "out of memory");
-    return good;
+    return good || report_error(&runs->info->session.console->log, "out of memory");
 }
 
 bool unwritten_find(const struct worker_info *worker, const struct row *row, uint32_t frame,

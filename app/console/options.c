@@ -28,8 +28,7 @@ static const struct option_row rows[] = {
     {"A B...", OPTION_TEXTS, AT(dumps), VERB_COMPARE, 0, NULL,
      "folders with dumps of any renderers (diptych_tap.h, render --dump, or PASS.RESOURCE.png, "
      ".exr, .npy), or captures of RenderDoc (.rdc; with --measure several, like a1.rdc,a2.rdc); "
-     "the "
-     "first is compared with each of the others, and nothing is run"},
+     "the first is compared with each of the others, and nothing is run"},
     {"COMMAND...", OPTION_TEXTS, AT(dumps), VERB_CAPTURE, 0, NULL,
      "the program and its arguments, behind --"},
     {"-o", OPTION_STRING, AT(output), VERB_CAPTURE, VERB_CAPTURE, "FILE.rdc", "capture to write"},
@@ -90,8 +89,7 @@ static const struct option_row rows[] = {
      "needed with --dump, --timings or --capture"},
     {"--gpu", OPTION_STRING, AT(gpu), VERB_TUNE, 0, "NAME",
      "estimate for this chip, as `cost` does, instead of timing; --backend, if given, says where "
-     "the "
-     "bits are compared (default: vk)"},
+     "the bits are compared (default: vk)"},
     {"--spec", OPTION_STRING, AT(setup.spec), MAKING, 0, "SPEC",
      "pipeline: a file, or the name of a shipped one, like rsm (default: ssvp)"},
     {"--set", OPTION_SET, AT(setup.set_list), MAKING, 0, "PATH=VALUE",
@@ -101,8 +99,7 @@ static const struct option_row rows[] = {
     {"--input", OPTION_SET, AT(setup.inputs), SPEC | VERB_REPORT | VERB_COST | VERB_LIST, 0,
      "NAME=FILE",
      "content of an input of the pipeline: a picture (PNG, JPEG, OpenEXR, HDR) for an image, a "
-     ".npy "
-     "array for a buffer; may be repeated"},
+     ".npy array for a buffer; may be repeated"},
     {"--size", OPTION_SIZE, AT(setup.size), (SCENE & ~VERB_VIEW) | VERB_REPORT | VERB_LIST, 0,
      "WxH",
      "frame size in pixels (default: that of an --input that fills the frame, else 1920x1080)"},
@@ -209,8 +206,7 @@ static const struct option_row rows[] = {
      "arithmetic, loop, variable, content, race, flow"},
     {"--repeat", OPTION_COUNT, AT(repeat), VERB_COMPARE, 0, "N",
      "run each backend N times more, Mesa's software drivers with other numbers of threads, and "
-     "count "
-     "the distinct results of each pass"},
+     "count the distinct results of each pass"},
     {"-o", OPTION_STRING, AT(output), VERB_REFERENCE, VERB_REFERENCE, "FILE.exr",
      "picture, linear, as render writes it"},
     {"--spp", OPTION_COUNT, AT(spp), TRACING, 0, "N",

@@ -3,6 +3,7 @@
 
 #include <sys/types.h>
 
+#include "base/installed.h"
 #include "console/console.h"
 
 struct tool {

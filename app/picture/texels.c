@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/files.h"
+
 bool format_is_depth(enum dt_format format)
 {
     return format == DT_FORMAT_D32F || (int)format >= FORMAT_D16;

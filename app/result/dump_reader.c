@@ -38,9 +38,7 @@ bool dump_reader_open(struct dump_reader *reader, const char *folder, const stru
     const char *backend = manifest_text(reader->manifest, "backend");
     reader->device = format_string("%s, by %s, in %s", device ? device : "an unknown device",
                                    backend ? backend : "an unknown backend", folder);
-    if (!reader->device)
-        report_error(log, "out of memory");
-    return reader->device;
+    return reader->device || report_error(log, "out of memory");
 }
 
 void dump_reader_close(struct dump_reader *reader)

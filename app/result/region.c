@@ -110,9 +110,7 @@ bool region_find(struct region *region, const struct dt_resource *resource,
         halve(&map, region->smallest, high);
     }
     free(map.fails);
-    if (!good)
-        report_error(log, "out of memory");
-    return good;
+    return good || report_error(log, "out of memory");
 }
 
 /* "4..9", or "4" when that is all. */

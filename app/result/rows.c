@@ -87,9 +87,7 @@ bool rows_make(struct rows *rows, const struct dt_pipeline *pipeline, const stru
         rows->outputs.first[pass + 1] = rows->outputs.count;
         rows->inputs.first[pass + 1] = rows->inputs.count;
     }
-    if (!good)
-        report_error(log, "out of memory");
-    return good;
+    return good || report_error(log, "out of memory");
 }
 
 static bool is_same_row(const struct row *a, const struct row *b)

@@ -11,9 +11,7 @@
 bool sheet_begin(struct sheet *sheet, uint32_t rows, const struct dt_log *log)
 {
     sheet->rows = calloc((size_t)rows + 1, sizeof *sheet->rows);
-    if (!sheet->rows)
-        report_error(log, "out of memory");
-    return sheet->rows;
+    return sheet->rows || report_error(log, "out of memory");
 }
 
 void sheet_free(struct sheet *sheet)

@@ -54,8 +54,7 @@ void sheet_row_json(cJSON *root, const struct sheet *sheet, const struct sheet_r
         cJSON_AddNumberToObject(root, "not_finite_in_both", (double)row->not_finite);
     if (row->shown.strip)
         add_picture(root, row);
-    if (row->inputs)
-        cJSON_AddStringToObject(root, "inputs", row->inputs);
+    cJSON_AddStringToObject(root, "inputs", row->inputs);
     if (row->own)
         difference_json(cJSON_AddObjectToObject(root, "own_error"), row->own, row->resource,
                         sheet->labels);
@@ -208,10 +207,8 @@ void sheets_page(cJSON *page, const struct sheet *const *sheets, uint32_t count)
 bool sheets_write(cJSON *page, const struct options *options, struct console *console)
 {
     char *templates = templates_folder(&console->log);
-    if (options->html)
-        cJSON_AddStringToObject(page, "html", options->html);
-    if (options->junit)
-        cJSON_AddStringToObject(page, "junit", options->junit);
+    cJSON_AddStringToObject(page, "html", options->html);
+    cJSON_AddStringToObject(page, "junit", options->junit);
     add_shown_text(page, "templates", templates);
     free(templates);
     return python_child(console, "comparison", "writing the page", page, -1);

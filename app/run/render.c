@@ -324,24 +324,11 @@ static bool run_frames(struct render *render)
 /* Adds backend, pipeline, scene and frame to the dump's manifest. */
 static bool identify(struct render *render)
 {
-    const struct options *options = &render->options;
     const struct session *session = &render->session;
-    uint32_t count;
-    const char *const *sources = plan_sources(render->pipeline.plan, &count);
-    const struct identity identity = {.backend = render->side.label,
-                                      .device = session->runtime->device_name(session->handle),
-                                      .pipeline = render->pipeline.info,
-                                      .live = render->pipeline.live,
-                                      .spec = render->pipeline.spec,
-                                      .templates = render->pipeline.templates,
-                                      .sources = sources,
-                                      .source_count = count,
-                                      .inputs = render->pipeline.input_hashes,
-                                      .input_count = render->pipeline.input_hash_count,
-                                      .scene = &render->scene,
-                                      .setup = &options->setup,
-                                      .size = {options->setup.size[0], options->setup.size[1]},
-                                      .frame = options->setup.frames - 1};
+    struct identity identity =
+        pipeline_identity(&render->pipeline, &render->scene, &render->options.setup);
+    identity.backend = render->side.label;
+    identity.device = session->runtime->device_name(session->handle);
     return identity_add(render->dump.manifest, &identity, &render->console->log);
 }
 
@@ -416,12 +403,9 @@ static cJSON *render_json(const struct render *render)
         cJSON_AddStringToObject(root, "output", options->output);
         cJSON_AddStringToObject(root, "resource", info->resources[render->shown].name);
     }
-    if (options->dump)
-        cJSON_AddStringToObject(root, "dump", options->dump);
-    if (options->timings)
-        cJSON_AddStringToObject(root, "timings", options->timings);
-    if (options->setup.capture)
-        cJSON_AddStringToObject(root, "capture", options->setup.capture);
+    cJSON_AddStringToObject(root, "dump", options->dump);
+    cJSON_AddStringToObject(root, "timings", options->timings);
+    cJSON_AddStringToObject(root, "capture", options->setup.capture);
     if (options->setup.sanitize)
         cJSON_AddItemToObject(
             root, "undefined",

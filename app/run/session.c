@@ -83,9 +83,7 @@ static bool set_environment(const struct session_info *info)
                             setenv("LIBGL_ALWAYS_SOFTWARE", "1", 0) == 0 &&
                             setenv("NODEVICE_SELECT", "1", 0) == 0)) &&
                  (!debug || setenv("VK_LAYER_SYNCVAL_SHADER_ACCESSES_HEURISTIC", "1", 0) == 0));
-    if (!good)
-        report_error(&info->console->log, "out of memory");
-    return good;
+    return good || report_error(&info->console->log, "out of memory");
 }
 
 bool session_open(struct session *session, const struct session_info *info)

@@ -161,9 +161,7 @@ static bool add_dump(struct sides *sides, const char *folder, const struct dt_lo
     if (!side)
         return false;
     *side = (struct side){.label = strdup("dump"), .folder = folder};
-    if (!side->label)
-        report_error(log, "out of memory");
-    return side->label;
+    return side->label || report_error(log, "out of memory");
 }
 
 static const char *backend_list(const struct setup *setup)

@@ -44,9 +44,7 @@ bool undefined_add(struct undefined *undefined, const struct pipeline *pipeline,
     for (uint32_t i = 0; sides && i < count; i++)
         add_report(undefined, &found[i], side);
     free(found);
-    if (!sides)
-        report_error(log, "out of memory");
-    return sides;
+    return sides || report_error(log, "out of memory");
 }
 
 void undefined_free(struct undefined *undefined)

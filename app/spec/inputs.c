@@ -126,9 +126,7 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
     }
     if (result)
         fclose(result);
-    if (!good)
-        refuse_input(loading, "%s", heard.reason);
-    return good;
+    return good || refuse_input(loading, "%s", heard.reason);
 }
 
 static size_t row_from_top(const struct loading *loading, const struct picture_level *level,
@@ -211,8 +209,7 @@ static bool encode_input(const struct loading *loading, const struct picture_lev
                 !number_store(channel.kind, (double)value, bytes->data + i * size + channel.offset))
                 return refuse_input(
                     loading,
-                    "its texel (%zu, %zu), from the top left, is %.9g, beyond the range "
-                    "of %s",
+                    "its texel (%zu, %zu), from the top left, is %.9g, beyond the range of %s",
                     i % level->width, row_from_top(loading, level, i), (double)value,
                     format_info(format)->name);
         }

@@ -99,8 +99,7 @@ static cJSON *resource_json(const struct dt_pipeline *info, uint32_t index, cons
     }
     cJSON_AddBoolToObject(item, "history", resource->history);
     cJSON_AddBoolToObject(item, "input", resource->input);
-    if (resource->file)
-        cJSON_AddStringToObject(item, "file", resource->file);
+    cJSON_AddStringToObject(item, "file", resource->file);
     return item;
 }
 
@@ -140,8 +139,7 @@ static cJSON *pass_json(const struct pipeline *pipeline, uint32_t index, const u
     struct plan_work work = plan_work(pipeline->plan, index, size, pipeline->live);
     cJSON *item = named(pass->name, pass->doc);
     add_call(item, info, &work);
-    if (pass->shader)
-        cJSON_AddStringToObject(item, "shader", pass->shader);
+    cJSON_AddStringToObject(item, "shader", pass->shader);
     add_names(item, "reads", info, pass->reads, pass->read_count);
     add_names(item, "writes", info, pass->writes, pass->write_count);
     return item;

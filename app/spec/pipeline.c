@@ -137,18 +137,18 @@ bool pipeline_load(struct pipeline *pipeline, struct console *console, const str
     bool good =
         find_files(&load, setup, &console->log) && read_kinds(setup, &sanitize, &console->log);
     if (good) {
-        const struct plan_request request = {.spec = load.spec,
+        const struct spec_request request = {.path = load.spec,
                                              .templates = load.templates,
                                              .sets = setup->sets,
                                              .set_count = setup->set_count,
                                              .cache = load.cache,
                                              .root = setup->root,
                                              .exact_twin = setup->exact_twin,
-                                             .for_gpu = setup->for_gpu,
+                                             .gpu = setup->for_gpu,
                                              .text = takes_text(setup),
                                              .sanitize = sanitize};
         console_status(console, "planning %s", load.spec);
-        pipeline->plan = plan_load(&request, console);
+        pipeline->plan = plan_load(request, console);
         good = pipeline->plan && take_plan(pipeline, &load, &console->log);
     }
     load_forget(&load);
@@ -215,6 +215,23 @@ void pipeline_unload(struct pipeline *pipeline)
     free(pipeline->spec);
     plan_free(pipeline->plan);
     *pipeline = (struct pipeline){0};
+}
+
+struct identity pipeline_identity(const struct pipeline *pipeline, const struct scene *scene,
+                                  const struct setup *setup)
+{
+    struct identity identity = {.pipeline = pipeline->info,
+                                .live = pipeline->live,
+                                .spec = pipeline->spec,
+                                .templates = pipeline->templates,
+                                .inputs = pipeline->input_hashes,
+                                .input_count = pipeline->input_hash_count,
+                                .scene = scene,
+                                .setup = setup,
+                                .size = {setup->size[0], setup->size[1]},
+                                .frame = setup->frames - 1};
+    identity.sources = plan_sources(pipeline->plan, &identity.source_count);
+    return identity;
 }
 
 /* ---- By name --------------------------------------------------------------------------------- */

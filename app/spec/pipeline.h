@@ -3,6 +3,7 @@
 
 #include "console/console.h"
 #include "console/setup.h"
+#include "result/identity.h"
 #include "spec/plan.h"
 
 /* A loaded pipeline. All pointers live until pipeline_unload. */
@@ -31,6 +32,9 @@ bool pipeline_try(struct console *console, const struct setup *setup, const char
 struct contracts;
 bool pipeline_contracts(struct pipeline *pipeline, const char *path, struct contracts *contracts,
                         const struct dt_log *log);
+/* Of its frame `setup->frames`; backend and device are not set. */
+struct identity pipeline_identity(const struct pipeline *pipeline, const struct scene *scene,
+                                  const struct setup *setup);
 void pipeline_unload(struct pipeline *pipeline); /* takes a zeroed one */
 
 /* A resource or a live parameter by name. The error names `what` asks for it, and a similar name. */

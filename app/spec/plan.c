@@ -80,20 +80,10 @@ static struct plan *load(const struct spec_request *wanted, struct console *cons
     return NULL;
 }
 
-struct plan *plan_load(const struct plan_request *request, struct console *console)
+struct plan *plan_load(struct spec_request request, struct console *console)
 {
-    const struct spec_request wanted = {.path = request->spec,
-                                        .sets = request->sets,
-                                        .set_count = request->set_count,
-                                        .templates = request->templates,
-                                        .root = request->root,
-                                        .cache = request->cache,
-                                        .exact_twin = request->exact_twin,
-                                        .gpu = request->for_gpu,
-                                        .text = request->text,
-                                        .codes = true,
-                                        .sanitize = request->sanitize};
-    return load(&wanted, console);
+    request.codes = true;
+    return load(&request, console);
 }
 
 bool plan_is_automatic(const struct plan *plan)

@@ -3,25 +3,13 @@
 #pragma once
 
 #include "console/console.h"
+#include "gen/request.h"
 #include "verbs.h"
 
 struct plan;
 
-struct plan_request {
-    const char *spec, *templates; /* real paths */
-    const char *const *sets;
-    uint32_t set_count;
-    const char *cache; /* folder of compiled shaders; NULL: none */
-    const char *root;  /* real path: files outside are not read; NULL: no limit */
-    bool exact_twin;   /* every pass is exact */
-    bool for_gpu;      /* `target: auto` is planned for GPUs */
-    bool text;         /* also OpenGL's GLSL, for drivers that are to compile it */
-    unsigned sanitize; /* mask of enum sanitize_kind; 0: off */
-};
-
-/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. Without
- * for_gpu, `target: auto` is planned for CPU drivers. */
-struct plan *plan_load(const struct plan_request *request, struct console *console);
+/* Errors of the spec are printed as diptych-gen prints them. NULL: there were some. */
+struct plan *plan_load(struct spec_request request, struct console *console);
 void plan_free(struct plan *plan); /* takes NULL */
 const struct dt_pipeline *plan_pipeline(const struct plan *plan);
 const struct dt_shaders *plan_shaders(const struct plan *plan, const char *backend);

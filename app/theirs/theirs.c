@@ -358,9 +358,7 @@ bool theirs_open(struct theirs *theirs, const char *folder, const struct dt_log 
         return false;
     number_repeats(theirs);
     theirs->label = theirs_name(theirs);
-    if (!theirs->label)
-        report_error(log, "out of memory");
-    return theirs->label;
+    return theirs->label || report_error(log, "out of memory");
 }
 
 const char *theirs_source(const struct theirs *theirs)

@@ -344,7 +344,7 @@ int verb_reference(struct console *console, const struct options *options)
     bool good = reference_prepare(&reference) && trace(&reference) && write_results(&reference);
     tracer_close(reference.tracer);
     film_free(&reference.film);
-    vpls_free(&reference.vpls);
+    free(reference.vpls.vpls);
     scene_free(&reference.scene);
     free(reference.settings);
     return good ? EXIT_FINE : EXIT_FAILED;

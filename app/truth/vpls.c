@@ -28,11 +28,6 @@ bool vpls_read(struct vpl_set *set, const char *path, const struct dt_log *log)
     return !reason || report_error(log, "--vpls %s: %s", path, reason);
 }
 
-void vpls_free(struct vpl_set *set)
-{
-    free(set->vpls);
-}
-
 /* Geometry term of a disk, 1/m2: that of a point, bounded where the receiver is nearer than the radius. */
 static float geometry_term(const struct vpl *vpl, struct vec3 d, const struct ray_hit *hit,
                            float closest)

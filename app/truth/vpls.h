@@ -17,13 +17,12 @@ struct vpl {
 };
 
 struct vpl_set {
-    struct vpl *vpls;
+    struct vpl *vpls; /* free() */
     uint32_t count;
 };
 
 /* From a structured array of NumPy with these fields, float32. False: logged. */
 bool vpls_read(struct vpl_set *set, const char *path, const struct dt_log *log);
-void vpls_free(struct vpl_set *set);
 
 /* Irradiance, W/m2, that the lights bring to the hit. `closest`: least squared distance that counts, m2.
  * Adds the rays to *traced. */

@@ -250,14 +250,12 @@ void view_tell(struct view *view)
     cJSON_AddStringToObject(root, "shown",
                             view->pipeline.info->resources[view->shown.resource].name);
     char *changes = view_params_text(view, "", " ", true, true);
-    if (changes)
-        cJSON_AddStringToObject(root, "changes", changes);
+    cJSON_AddStringToObject(root, "changes", changes);
     free(changes);
     if (view->verdict.worst == OVERLAY_DIFFERS && view->verdict.why)
         cJSON_AddStringToObject(root, "why", view->verdict.why);
     view_waves_tell(view, root);
-    if (view->verdict.undefined)
-        cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
+    cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
     if (view->verdict.known && view->side_count > 1)
         cJSON_AddStringToObject(root, "verdict", view->verdict.text);
     cJSON_AddNumberToObject(root, "reloads", view->reloads);

@@ -110,9 +110,7 @@ static bool measure_shown(struct view *view, uint32_t side, uint32_t index,
         verdict->side = side;
         good = good && (difference.size_differs || ask_why(view, side, resource, copies));
     }
-    if (!good)
-        report_error(&view->console->log, "out of memory");
-    return good;
+    return good || report_error(&view->console->log, "out of memory");
 }
 
 bool view_verdict_take(struct view *view, uint32_t side, uint32_t pass)

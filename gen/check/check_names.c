@@ -13,16 +13,15 @@
 static const char *const glsl_words =
     /* GLSL 4.60, sections 3.6 and 3.7, and GL_KHR_vulkan_glsl; more of them: is_glsl_type */
     " active asm atomic_uint attribute bool break buffer bvec2 bvec3 bvec4 case cast centroid "
-    " class coherent common const continue default discard do double dvec2 dvec3 dvec4 else enum "
-    " extern external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 "
-    " hvec3 hvec4 if in inline inout input int interface invariant isubpassInput isubpassInputMS "
-    " ivec2 ivec3 ivec4 layout long lowp mediump namespace noinline noperspective out output "
-    "packed "
-    " partition patch precise precision public readonly resource restrict return sample sampler "
-    " samplerShadow shared short sizeof smooth static struct subpassInput subpassInputMS "
-    " subroutine superp switch template this true typedef uint uniform union unsigned using "
-    " usubpassInput usubpassInputMS uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while "
-    " writeonly main ";
+    "class coherent common const continue default discard do double dvec2 dvec3 dvec4 else enum "
+    "extern external false filter fixed flat float for fvec2 fvec3 fvec4 goto half highp hvec2 "
+    "hvec3 hvec4 if in inline inout input int interface invariant isubpassInput isubpassInputMS "
+    "ivec2 ivec3 ivec4 layout long lowp mediump namespace noinline noperspective out output "
+    "packed partition patch precise precision public readonly resource restrict return sample "
+    "sampler samplerShadow shared short sizeof smooth static struct subpassInput subpassInputMS "
+    "subroutine superp switch template this true typedef uint uniform union unsigned using "
+    "usubpassInput usubpassInputMS uvec2 uvec3 uvec4 varying vec2 vec3 vec4 void volatile while "
+    "writeonly main ";
 
 static const char *const c_words =
     /* C23 */
@@ -41,12 +40,10 @@ static const char *const c_words =
 /* Functions of GLSL that a declaration would hide. */
 static const char *const function_words =
     " abs acos all any asin atan barrier ceil ceil_div clamp cos cross degrees determinant "
-    "distance dot equal exp exp2 floor"
-    " fma fract imageLoad imageSize imageStore inverse inversesqrt isinf isnan ldexp length lerp "
-    "log log2 max min mix mod modf"
-    " normalize not pow radians reflect refract round roundEven sign sin sqrt step smoothstep tan "
-    "texelFetch texture"
-    " textureLod transpose trunc ";
+    "distance dot equal exp exp2 floor fma fract imageLoad imageSize imageStore inverse "
+    "inversesqrt isinf isnan ldexp length lerp log log2 max min mix mod modf normalize not pow "
+    "radians reflect refract round roundEven sign sin sqrt step smoothstep tan texelFetch texture "
+    "textureLod transpose trunc ";
 
 /* Lower-case macros of <windows.h> and of the headers that it includes. is_windows_macro knows the
  * numbered ones. */
@@ -57,13 +54,10 @@ static const char *const windows_words =
 /* What the generator declares in every body. */
 static const char *const taken_words =
     " frame camera light light_view view scene_center scene_radius scene_materials scene_texture "
-    "scene_textures"
-    " scene_vertices scene_indices vertex_position vertex_normal vertex_uv vertex_material "
-    "vertex_triangle scene_objects scene_object SceneObject "
-    "dispatch_size invocation fullscreen_position"
-    " interleave_class interleave_pixel interleave_split PI EXACT VERTEX FRAGMENT COMPUTE OPENGL "
-    "VULKAN View Light Frame Live"
-    " SceneMaterial SceneVertex ";
+    "scene_textures scene_vertices scene_indices vertex_position vertex_normal vertex_uv "
+    "vertex_material vertex_triangle scene_objects scene_object SceneObject dispatch_size "
+    "invocation fullscreen_position interleave_class interleave_pixel interleave_split PI EXACT "
+    "VERTEX FRAGMENT COMPUTE OPENGL VULKAN View Light Frame Live SceneMaterial SceneVertex ";
 
 static bool in_words(const char *words, const char *name)
 {

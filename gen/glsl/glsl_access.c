@@ -216,8 +216,7 @@ static void add_compare(const struct glsl *glsl, const struct access *access, st
                                               "vec3(0.0))"
                        : is(access, "CubeArray")
                            ? "texture(%s, uv, reference)"
-                           : "textureGrad(%s, vec4(uv, reference), vec2(0.0), "
-                             "vec2(0.0))";
+                           : "textureGrad(%s, vec4(uv, reference), vec2(0.0), vec2(0.0))";
     text_add(out, "float %s_compare(%s uv, float reference)\n{\n    return ", access_word(access),
              coordinate_type(access));
     text_add(out, call, variable_name(glsl, access));

@@ -61,8 +61,7 @@ bool sanitize_glsl(struct glsl *glsl)
                                  NULL};
     text_add(&glsl->parts[PART_END],
              "%suint diptych_now()\n{\n    return frame.index + 1u;\n}\n\nuint "
-             "diptych_frame_size()\n{\n    return "
-             "frame.width | frame.height << 16;\n}\n\n",
+             "diptych_frame_size()\n{\n    return frame.width | frame.height << 16;\n}\n\n",
              place_function(glsl));
     bool good = words[1] && words[3] && words[5] && sanitize_library(glsl, "sanitize", words) &&
                 shadow_glsl(glsl);

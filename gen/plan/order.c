@@ -182,8 +182,7 @@ static void order_resource(struct graph *graph, const struct resource *resource,
         if (use.updates || use.reads) {
             diag_error(diag, use.updates ? use.change_loc : use.read_loc,
                        "`%s` %s `%s` before any pass writes it; list a pass that writes it first, "
-                       "or give it "
-                       "`history: true`",
+                       "or give it `history: true`",
                        first->name, use.updates ? "updates" : "reads", resource->name);
         }
     }

@@ -360,8 +360,7 @@ static void check_shared(const struct pass *pass, struct diag *diag)
     if (bytes > SHARED_MEMORY_LIMIT) {
         diag_error(diag, pass->ranges[0].loc,
                    "the ranges of `%s` take %llu bytes of shared memory; every device has %d: give "
-                   "one of them "
-                   "`storage: buffer`",
+                   "one of them `storage: buffer`",
                    pass->name, (unsigned long long)bytes, SHARED_MEMORY_LIMIT);
     }
 }

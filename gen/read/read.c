@@ -47,7 +47,7 @@ static void read_single(struct reader *reader, const struct fields *top)
     const struct fields *jitter = find_only(reader, top, "jitter"),
                         *output = find_only(reader, top, "output");
     if (jitter)
-        pipeline->jitter = field_expr(reader, jitter, "jitter");
+        pipeline->jitter = node_expr(reader, field_node(jitter, "jitter"));
     if (output)
         map_read(reader, output, "output", pipeline);
 }

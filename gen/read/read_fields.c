@@ -372,11 +372,6 @@ struct expr *number_expr(struct reader *reader, uint32_t value, struct loc loc)
     return text ? expr_parse(reader->model, text, loc, NULL, reader->diag) : NULL;
 }
 
-struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key)
-{
-    return node_expr(reader, field_node(fields, key));
-}
-
 /* ---- Members of the model -------------------------------------------------------------------- */
 
 int node_exprs(struct reader *reader, struct fy_node *node, struct expr **exprs)

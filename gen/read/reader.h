@@ -167,7 +167,6 @@ bool field_bool(struct reader *reader, const struct fields *fields, const char *
 double field_amount(struct reader *reader, const struct fields *fields, const char *key,
                     double fallback);
 int field_choice(struct reader *reader, const struct fields *fields, const char *key, int fallback);
-struct expr *field_expr(struct reader *reader, const struct fields *fields, const char *key);
 struct expr *number_expr(struct reader *reader, uint32_t value, struct loc loc);
 struct expr *node_expr(struct reader *reader, struct fy_node *node);
 /* One to four expressions; returns their number. */

@@ -293,8 +293,7 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
     return slot ? check_kind(binder, variable, type, slot)
                 : refuse(binder,
                          "the shader uses `%s`, which the pass does not list: add {name: RESOURCE, "
-                         "as: %s} "
-                         "to reads, writes or updates",
+                         "as: %s} to reads, writes or updates",
                          name, name);
 }
 

@@ -16,10 +16,7 @@ const char prove_assumptions[] =
     "exact where sums and products round to nearest even; no NaN, infinity or denormal number "
     "arises; zeros keep their signs; no index, shift or conversion is out of range; no integer is "
     "divided by 0, no negative one taken by %; no variable and no memory is read before it has a "
-    "value; "
-    "invocations do not race; no edge of a triangle "
-    "meets "
-    "the centre of a texel";
+    "value; invocations do not race; no edge of a triangle meets the centre of a texel";
 
 static bool is_exact(const struct access *access)
 {

@@ -164,11 +164,9 @@ static void put_operation(struct sanitizer *s, const char *word, size_t place)
     if (!quad)
         return;
     s->kind = SANITIZE_FLOW;
-    *quad =
-        (struct quad){sanitizer_variable(s), caller ? sanitizer_variable(s) : 0, s->file, s->line,
-                      sanitizer_site(s, word, "",
-                                     "some invocations of the quad do not reach this "
-                                     "derivative")};
+    *quad = (struct quad){
+        sanitizer_variable(s), caller ? sanitizer_variable(s) : 0, s->file, s->line,
+        sanitizer_site(s, word, "", "some invocations of the quad do not reach this derivative")};
     if (caller)
         PUT(s, SpvOpStore, quad->caller, sanitizer_load(s, caller));
     uint32_t next = put_next(s, quad->number, place);

@@ -214,8 +214,7 @@ static bool match(struct side *reader, const struct side *writer, unsigned versi
         if (!output && input->given)
             return set_fault(
                 fault, name,
-                "the fragment stage reads location %d, which the vertex stage does not "
-                "write",
+                "the fragment stage reads location %d, which the vertex stage does not write",
                 input->location);
         if (!output)
             return set_fault(fault, name,
@@ -227,8 +226,7 @@ static bool match(struct side *reader, const struct side *writer, unsigned versi
             !types_match(writer->module, output->type, reader->module, input->type, input->given))
             return set_fault(
                 fault, name,
-                "the fragment stage reads `%s` with another type than the vertex stage "
-                "writes `%s`",
+                "the fragment stage reads `%s` with another type than the vertex stage writes `%s`",
                 name, output->name ? output->name : name);
         if (version && version < 440 && !check_interpolation(reader, input, writer, output, fault))
             return false;

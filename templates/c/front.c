@@ -336,7 +336,8 @@ static bool take_program(struct dt_core *core, const struct made *before, uint32
             continue;
         memcpy(dt_program(core, pass), old, size);
         memset(old, 0, size);
-        core->backend->adopt_program(core, dt_program(core, pass), pass);
+        if (core->backend->adopt_program)
+            core->backend->adopt_program(core, dt_program(core, pass), pass);
         return true;
     }
     return false;
@@ -346,7 +347,8 @@ static void release_resources(struct dt_core *core)
 {
     if (core->resources)
         dt_history_keep(core);
-    for (uint32_t i = 0; core->programs && i < core->pipeline->pass_count; i++)
+    bool connected = core->programs && core->backend->disconnect_program;
+    for (uint32_t i = 0; connected && i < core->pipeline->pass_count; i++)
         core->backend->disconnect_program(core, dt_program(core, i));
     for (uint32_t i = core->pipeline->resource_count; core->resources && i-- > 0;)
         core->backend->destroy_resource(core, dt_resource(core, i));
@@ -880,6 +882,11 @@ static bool is_discarded(const struct dt_core *core, uint32_t pass, uint32_t res
     return true;
 }
 
+static bool resume(struct dt_core *core)
+{
+    return !core->backend->resume || core->backend->resume(core);
+}
+
 /* With core->poison: fills the memory that the pass discards. An observer has let all earlier work finish. */
 static bool poison(struct dt_core *core, uint32_t pass)
 {
@@ -888,7 +895,7 @@ static bool poison(struct dt_core *core, uint32_t pass)
         if (!is_discarded(core, pass, i))
             continue;
         good = (paused || core->backend->pause(core)) && fill_resource(core, i);
-        good = good && (paused || core->backend->resume(core));
+        good = good && (paused || resume(core));
     }
     return good;
 }
@@ -921,7 +928,7 @@ static bool end(void *runtime, uint32_t pass)
         return false;
     return !observer || (core->backend->pause(core) &&
                          (!observer->after_pass || observer->after_pass(observer->user, pass)) &&
-                         enter(core) && core->backend->resume(core));
+                         enter(core) && resume(core));
 }
 
 static bool barriers(void *runtime, uint32_t pass, const struct dt_barrier *list, uint32_t count)

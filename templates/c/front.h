@@ -135,7 +135,7 @@ struct dt_backend {
     /* In place of create_program: shares what it can with the same program of another core. */
     bool (*share_program)(struct dt_core *core, void *program, const void *other, uint32_t pass);
     void (*destroy_program)(struct dt_core *core, void *program);
-    /* Takes over a program of the previous panel, with the same code and state, for this pass. */
+    /* Takes over a program of the previous panel, with the same code and state, for this pass. NULL: nothing to do. */
     void (*adopt_program)(struct dt_core *core, void *program, uint32_t pass);
 
     /* Resources for frames of core->width x height. Order: create all, place, fill all, then
@@ -145,7 +145,7 @@ struct dt_backend {
     /* Sets all bytes. Nothing is in flight. */
     bool (*fill_resource)(struct dt_core *core, uint32_t resource, int byte);
     bool (*connect_program)(struct dt_core *core, void *program, uint32_t pass);
-    void (*disconnect_program)(struct dt_core *core, void *program);
+    void (*disconnect_program)(struct dt_core *core, void *program); /* NULL: nothing to do */
     void (*destroy_resource)(struct dt_core *core, void *resource);
     /* Makes the resource the owner of its memory; false: it shares memory. */
     bool (*detach_resource)(struct dt_core *core, uint32_t index);
@@ -159,7 +159,7 @@ struct dt_backend {
     const struct dt_commands *commands;
     /* For an observer: finish all work so far; continue recording. */
     bool (*pause)(struct dt_core *core);
-    bool (*resume)(struct dt_core *core);
+    bool (*resume)(struct dt_core *core); /* NULL: nothing to do */
 
     /* Resource and mip exist; `out` has size, extent and memory. */
     bool (*read)(struct dt_core *core, uint32_t resource, uint32_t mip, struct dt_bytes *out);
