@@ -787,7 +787,7 @@ SHOWN = [
     Fault("clear", "where {from} has one value, as a clear leaves it: {to} has more drawn there, or lacks the clear", mark=cleared),
     Fault("layer_alone", "in layer {0} alone", mark=not_in_layer, applies="layers", sided=False),
     Fault("edges", "at edges alone, where {to} lies between its neighbours: {to} is multisampled or filtered, {from} is not",
-          mark=not_antialiased, leaves=0.25, applies="image"),
+          mark=not_antialiased, leaves=0.1, applies="image"),
     Fault("alpha_edges", "only where alpha lies between the levels of {to}: {to} has alpha to coverage, or an alpha test",
           mark=not_tested, applies="alpha"),
 ]
