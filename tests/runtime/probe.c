@@ -241,172 +241,127 @@ static const struct dt_need needs[] = {
 
 /* ---- One frame ------------------------------------------------------------------------------- */
 
-/* Begins a pass that runs, up to its work. */
-static bool start(const struct dt_recording *r, uint32_t pass, const struct dt_barrier *barriers,
-                  uint32_t count)
-{
-    return r->verbs->begin(r->runtime, pass, true) &&
-           (!count || r->verbs->barriers(r->runtime, pass, barriers, count)) &&
-           r->verbs->bind(r->runtime, pass);
-}
-#define START(r, pass, barriers) start(r, pass, barriers, DT_ARRAY_COUNT(barriers))
+/* What a pass waits for. */
+static const struct wait {
+    struct dt_barrier barriers[3];
+    uint32_t count;
+} waits[PROBE_PASSES] = {
+    [PROBE_SCENE] = {{{PROBE_COLOR, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR,
+                       DT_LAYOUT_COLOR, DT_DISCARD},
+                      {PROBE_DEPTH, DT_STAGE_DEPTH, 0, DT_STAGE_DEPTH,
+                       DT_READ_DEPTH | DT_WRITE_DEPTH, DT_LAYOUT_DEPTH, DT_DISCARD}},
+                     2},
+    [PROBE_LAYERS] = {{{PROBE_STACK, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR,
+                        DT_LAYOUT_COLOR, DT_DISCARD},
+                       {PROBE_STACK_DEPTH, DT_STAGE_DEPTH, 0, DT_STAGE_DEPTH,
+                        DT_READ_DEPTH | DT_WRITE_DEPTH, DT_LAYOUT_DEPTH, DT_DISCARD}},
+                      2},
+    [PROBE_AGAIN] = {{{PROBE_DRAWS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_INDIRECT,
+                       DT_READ_INDIRECT, DT_LAYOUT_NONE, DT_KEEP},
+                      {PROBE_STACK, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COLOR,
+                       DT_READ_COLOR | DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_KEEP},
+                      {PROBE_STACK_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_DEPTH,
+                       DT_READ_DEPTH | DT_WRITE_DEPTH, DT_LAYOUT_DEPTH, DT_KEEP}},
+                     3},
+    [PROBE_OWN] = {{{PROBE_KEPT, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_INDEX, DT_READ_INDEX,
+                     DT_LAYOUT_NONE, DT_KEEP},
+                    {PROBE_STACK, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COLOR,
+                     DT_READ_COLOR | DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_KEEP},
+                    {PROBE_STACK_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_DEPTH,
+                     DT_READ_DEPTH | DT_WRITE_DEPTH, DT_LAYOUT_DEPTH, DT_KEEP}},
+                   3},
+    [PROBE_COUNT] = {{{PROBE_COLOR, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COMPUTE,
+                       DT_READ_STORAGE, DT_LAYOUT_GENERAL, DT_KEEP}},
+                     1},
+    [PROBE_LEVEL_0] = {{{PROBE_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_COMPUTE,
+                         DT_READ_TEXTURE, DT_LAYOUT_READ, DT_KEEP},
+                        {PROBE_LEVELS, DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE, DT_WRITE_STORAGE,
+                         DT_LAYOUT_GENERAL, DT_DISCARD}},
+                       2},
+    [PROBE_LEVEL_1] = {{{PROBE_LEVELS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
+                         DT_READ_TEXTURE | DT_WRITE_STORAGE, DT_LAYOUT_GENERAL, DT_KEEP}},
+                       1},
+    [PROBE_LEVEL_2] = {{{PROBE_LEVELS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE,
+                         DT_STAGE_FRAGMENT | DT_STAGE_COLOR, DT_READ_TEXTURE | DT_WRITE_COLOR,
+                         DT_LAYOUT_GENERAL, DT_KEEP}},
+                       1},
+    [PROBE_MASK_PASS] = {{{PROBE_MASK, DT_STAGE_COMPUTE | DT_STAGE_DEPTH, 0,
+                           DT_STAGE_COMPUTE | DT_STAGE_CLEAR, DT_WRITE_STORAGE | DT_WRITE_CLEAR,
+                           DT_LAYOUT_GENERAL, DT_DISCARD},
+                          {PROBE_GROUPS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE,
+                           DT_STAGE_INDIRECT | DT_STAGE_CLEAR, DT_READ_INDIRECT | DT_WRITE_CLEAR,
+                           DT_LAYOUT_NONE, DT_KEEP}},
+                         2},
+    [PROBE_SHOW] = {{{PROBE_COLOR, DT_STAGE_COMPUTE, 0, DT_STAGE_FRAGMENT, DT_READ_TEXTURE,
+                      DT_LAYOUT_READ, DT_KEEP},
+                     {PROBE_DISPLAY, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR,
+                      DT_LAYOUT_COLOR, DT_DISCARD}},
+                    2},
+    [PROBE_GLOW_PASS] = {{{PROBE_GLOW, DT_STAGE_COLOR, 0, DT_STAGE_COLOR,
+                           DT_READ_COLOR | DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_DISCARD}},
+                         1},
+    [PROBE_SKIP] = {{{PROBE_CLEARED, DT_STAGE_CLEAR, 0, DT_STAGE_CLEAR, DT_WRITE_CLEAR,
+                      DT_LAYOUT_GENERAL, DT_DISCARD}},
+                    1},
+};
 
-static bool record_plan(const struct dt_recording *r)
+static bool run(const struct dt_recording *r, uint32_t pass)
 {
     const struct dt_verbs *v = r->verbs;
-    return start(r, PROBE_PLAN, NULL, 0) && v->dispatch(r->runtime, PROBE_PLAN, 1, 1, 1) &&
-           v->end(r->runtime, PROBE_PLAN) && start(r, PROBE_KEEP, NULL, 0) &&
-           v->dispatch(r->runtime, PROBE_KEEP, 1, 1, 1) && v->end(r->runtime, PROBE_KEEP);
+    void *rt = r->runtime;
+    switch (pass) {
+    case PROBE_SCENE:
+        return v->draw_scene(rt, pass, 1);
+    case PROBE_LAYERS:
+        return v->draw_scene(rt, pass, PROBE_LAYER_COUNT);
+    case PROBE_AGAIN:
+        return v->draw_indirect(rt, pass, PROBE_LAYER_COUNT, DT_SCENE_INDICES, PROBE_DRAWS);
+    case PROBE_OWN:
+        return v->draw_indirect(rt, pass, PROBE_LAYER_COUNT, PROBE_KEPT, PROBE_DRAWS);
+    case PROBE_COUNT:
+        return v->dispatch(rt, pass, dt_groups(r->height, 64), 1, 1);
+    case PROBE_LEVEL_0:
+        return v->dispatch(rt, pass, 2, 1, 1);
+    case PROBE_MASK_PASS:
+        return v->dispatch_indirect(rt, pass, PROBE_GROUPS);
+    case PROBE_LEVEL_2:
+    case PROBE_SHOW:
+    case PROBE_GLOW_PASS:
+        return v->draw_fullscreen(rt, pass, 1);
+    default:
+        return v->dispatch(rt, pass, 1, 1, 1);
+    }
 }
 
-static bool record_scene(const struct dt_recording *r)
+/* What a pass does that does not run. */
+static bool clear(const struct dt_recording *r, uint32_t pass)
 {
-    static const struct dt_barrier scene[] = {
-        {PROBE_COLOR, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_LAYOUT_COLOR,
-         DT_DISCARD},
-        {PROBE_DEPTH, DT_STAGE_DEPTH, 0, DT_STAGE_DEPTH, DT_READ_DEPTH | DT_WRITE_DEPTH,
-         DT_LAYOUT_DEPTH, DT_DISCARD},
-    };
-    static const struct dt_barrier layers[] = {
-        {PROBE_STACK, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_LAYOUT_COLOR,
-         DT_DISCARD},
-        {PROBE_STACK_DEPTH, DT_STAGE_DEPTH, 0, DT_STAGE_DEPTH, DT_READ_DEPTH | DT_WRITE_DEPTH,
-         DT_LAYOUT_DEPTH, DT_DISCARD},
-    };
     const struct dt_verbs *v = r->verbs;
-    return START(r, PROBE_SCENE, scene) && v->draw_scene(r->runtime, PROBE_SCENE, 1) &&
-           v->end(r->runtime, PROBE_SCENE) && START(r, PROBE_LAYERS, layers) &&
-           v->draw_scene(r->runtime, PROBE_LAYERS, PROBE_LAYER_COUNT) &&
-           v->end(r->runtime, PROBE_LAYERS);
-}
-
-static bool record_indirect(const struct dt_recording *r)
-{
-    static const struct dt_barrier again[] = {
-        {PROBE_DRAWS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_INDIRECT, DT_READ_INDIRECT,
-         DT_LAYOUT_NONE, DT_KEEP},
-        {PROBE_STACK, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COLOR,
-         DT_READ_COLOR | DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_KEEP},
-        {PROBE_STACK_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_DEPTH,
-         DT_READ_DEPTH | DT_WRITE_DEPTH, DT_LAYOUT_DEPTH, DT_KEEP},
-    };
-    static const struct dt_barrier own[] = {
-        {PROBE_KEPT, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_INDEX, DT_READ_INDEX,
-         DT_LAYOUT_NONE, DT_KEEP},
-        {PROBE_STACK, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COLOR,
-         DT_READ_COLOR | DT_WRITE_COLOR, DT_LAYOUT_COLOR, DT_KEEP},
-        {PROBE_STACK_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_DEPTH,
-         DT_READ_DEPTH | DT_WRITE_DEPTH, DT_LAYOUT_DEPTH, DT_KEEP},
-    };
-    const struct dt_verbs *v = r->verbs;
-    return START(r, PROBE_AGAIN, again) &&
-           v->draw_indirect(r->runtime, PROBE_AGAIN, PROBE_LAYER_COUNT, DT_SCENE_INDICES,
-                            PROBE_DRAWS) &&
-           v->end(r->runtime, PROBE_AGAIN) && START(r, PROBE_OWN, own) &&
-           v->draw_indirect(r->runtime, PROBE_OWN, PROBE_LAYER_COUNT, PROBE_KEPT, PROBE_DRAWS) &&
-           v->end(r->runtime, PROBE_OWN);
-}
-
-static bool record_count(const struct dt_recording *r)
-{
-    static const struct dt_barrier barriers[] = {
-        {PROBE_COLOR, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_STAGE_COMPUTE, DT_READ_STORAGE,
-         DT_LAYOUT_GENERAL, DT_KEEP},
-    };
-    const struct dt_verbs *v = r->verbs;
-    return START(r, PROBE_COUNT, barriers) &&
-           v->dispatch(r->runtime, PROBE_COUNT, dt_groups(r->height, 64), 1, 1) &&
-           v->end(r->runtime, PROBE_COUNT);
-}
-
-static bool record_levels(const struct dt_recording *r)
-{
-    static const struct dt_barrier level_0[] = {
-        {PROBE_DEPTH, DT_STAGE_DEPTH, DT_WRITE_DEPTH, DT_STAGE_COMPUTE, DT_READ_TEXTURE,
-         DT_LAYOUT_READ, DT_KEEP},
-        {PROBE_LEVELS, DT_STAGE_COMPUTE, 0, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_LAYOUT_GENERAL,
-         DT_DISCARD},
-    };
-    static const struct dt_barrier level_1[] = {
-        {PROBE_LEVELS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_COMPUTE,
-         DT_READ_TEXTURE | DT_WRITE_STORAGE, DT_LAYOUT_GENERAL, DT_KEEP},
-    };
-    static const struct dt_barrier level_2[] = {
-        {PROBE_LEVELS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_FRAGMENT | DT_STAGE_COLOR,
-         DT_READ_TEXTURE | DT_WRITE_COLOR, DT_LAYOUT_GENERAL, DT_KEEP},
-    };
-    const struct dt_verbs *v = r->verbs;
-    return START(r, PROBE_LEVEL_0, level_0) && v->dispatch(r->runtime, PROBE_LEVEL_0, 2, 1, 1) &&
-           v->end(r->runtime, PROBE_LEVEL_0) && START(r, PROBE_LEVEL_1, level_1) &&
-           v->dispatch(r->runtime, PROBE_LEVEL_1, 1, 1, 1) && v->end(r->runtime, PROBE_LEVEL_1) &&
-           START(r, PROBE_LEVEL_2, level_2) && v->draw_fullscreen(r->runtime, PROBE_LEVEL_2, 1) &&
-           v->end(r->runtime, PROBE_LEVEL_2);
-}
-
-static bool record_mask(const struct dt_recording *r)
-{
-    static const struct dt_barrier barriers[] = {
-        {PROBE_MASK, DT_STAGE_COMPUTE | DT_STAGE_DEPTH, 0, DT_STAGE_COMPUTE | DT_STAGE_CLEAR,
-         DT_WRITE_STORAGE | DT_WRITE_CLEAR, DT_LAYOUT_GENERAL, DT_DISCARD},
-        {PROBE_GROUPS, DT_STAGE_COMPUTE, DT_WRITE_STORAGE, DT_STAGE_INDIRECT | DT_STAGE_CLEAR,
-         DT_READ_INDIRECT | DT_WRITE_CLEAR, DT_LAYOUT_NONE, DT_KEEP},
-    };
-    const struct probe_live *live = r->live;
-    const struct dt_verbs *v = r->verbs;
-    bool ok = v->begin(r->runtime, PROBE_MASK_PASS, live->mask) &&
-              v->barriers(r->runtime, PROBE_MASK_PASS, barriers, DT_ARRAY_COUNT(barriers));
-    if (live->mask)
-        ok = ok && v->bind(r->runtime, PROBE_MASK_PASS) &&
-             v->dispatch_indirect(r->runtime, PROBE_MASK_PASS, PROBE_GROUPS);
-    else
-        ok = ok && v->clear_image(r->runtime, PROBE_MASK_PASS, PROBE_MASK, 0) &&
-             v->clear_buffer(r->runtime, PROBE_MASK_PASS, PROBE_GROUPS);
-    return ok && v->end(r->runtime, PROBE_MASK_PASS);
-}
-
-static bool record_show(const struct dt_recording *r)
-{
-    static const struct dt_barrier show[] = {
-        {PROBE_COLOR, DT_STAGE_COMPUTE, 0, DT_STAGE_FRAGMENT, DT_READ_TEXTURE, DT_LAYOUT_READ,
-         DT_KEEP},
-        {PROBE_DISPLAY, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_WRITE_COLOR, DT_LAYOUT_COLOR,
-         DT_DISCARD},
-    };
-    static const struct dt_barrier glow[] = {
-        {PROBE_GLOW, DT_STAGE_COLOR, 0, DT_STAGE_COLOR, DT_READ_COLOR | DT_WRITE_COLOR,
-         DT_LAYOUT_COLOR, DT_DISCARD},
-    };
-    const struct probe_live *live = r->live;
-    const struct dt_verbs *v = r->verbs;
-    bool ok = START(r, PROBE_SHOW, show) && v->draw_fullscreen(r->runtime, PROBE_SHOW, 1) &&
-              v->end(r->runtime, PROBE_SHOW) && v->begin(r->runtime, PROBE_GLOW_PASS, live->glow) &&
-              v->barriers(r->runtime, PROBE_GLOW_PASS, glow, DT_ARRAY_COUNT(glow));
-    if (live->glow)
-        ok = ok && v->bind(r->runtime, PROBE_GLOW_PASS) &&
-             v->draw_fullscreen(r->runtime, PROBE_GLOW_PASS, 1);
-    else
-        ok = ok && v->clear_targets(r->runtime, PROBE_GLOW_PASS, 1);
-    return ok && v->end(r->runtime, PROBE_GLOW_PASS);
-}
-
-static bool record_skip(const struct dt_recording *r)
-{
-    static const struct dt_barrier barriers[] = {
-        {PROBE_CLEARED, DT_STAGE_CLEAR, 0, DT_STAGE_CLEAR, DT_WRITE_CLEAR, DT_LAYOUT_GENERAL,
-         DT_DISCARD},
-    };
-    const struct dt_verbs *v = r->verbs;
-    return v->begin(r->runtime, PROBE_SKIP, false) &&
-           v->barriers(r->runtime, PROBE_SKIP, barriers, DT_ARRAY_COUNT(barriers)) &&
-           v->clear_image(r->runtime, PROBE_SKIP, PROBE_CLEARED, 0) &&
-           v->clear_image(r->runtime, PROBE_SKIP, PROBE_CLEARED, 1) &&
-           v->end(r->runtime, PROBE_SKIP);
+    if (pass == PROBE_MASK_PASS)
+        return v->clear_image(r->runtime, pass, PROBE_MASK, 0) &&
+               v->clear_buffer(r->runtime, pass, PROBE_GROUPS);
+    if (pass == PROBE_GLOW_PASS)
+        return v->clear_targets(r->runtime, pass, 1);
+    return v->clear_image(r->runtime, pass, PROBE_CLEARED, 0) &&
+           v->clear_image(r->runtime, pass, PROBE_CLEARED, 1);
 }
 
 static bool record(const struct dt_recording *r)
 {
-    return record_plan(r) && record_scene(r) && record_indirect(r) && record_count(r) &&
-           record_levels(r) && record_mask(r) && record_show(r) && record_skip(r);
+    const struct probe_live *live = r->live;
+    const struct dt_verbs *v = r->verbs;
+    bool good = true;
+    for (uint32_t pass = 0; good && pass < PROBE_PASSES; pass++) {
+        const struct wait *wait = &waits[pass];
+        const bool active = pass == PROBE_MASK_PASS   ? live->mask
+                            : pass == PROBE_GLOW_PASS ? live->glow
+                                                      : pass != PROBE_SKIP;
+        good = v->begin(r->runtime, pass, active) &&
+               (!wait->count || v->barriers(r->runtime, pass, wait->barriers, wait->count)) &&
+               (active ? v->bind(r->runtime, pass) && run(r, pass) : clear(r, pass)) &&
+               v->end(r->runtime, pass);
+    }
+    return good;
 }
 
 const struct dt_panel probe_panel = {
