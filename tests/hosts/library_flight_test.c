@@ -17,67 +17,7 @@ static int open_vulkan_for_flight(void **state)
     return open_vulkan(state);
 }
 
-enum { IN_FLIGHT = 2, CYCLES = 10 };
-
-/* Command buffers that are submitted without waiting for the one before. */
-struct flight {
-    VkCommandPool pool;
-    VkCommandBuffer commands[IN_FLIGHT];
-    VkFence fences[IN_FLIGHT];
-};
-
-static struct flight make_flight(void)
-{
-    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
-                                          .flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT};
-    const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
-                                     .flags = VK_FENCE_CREATE_SIGNALED_BIT};
-    struct flight flight;
-    assert_int_equal(vkCreateCommandPool(vk.device, &pool, NULL, &flight.pool), VK_SUCCESS);
-    const VkCommandBufferAllocateInfo info = {.sType =
-                                                  VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                              .commandPool = flight.pool,
-                                              .commandBufferCount = IN_FLIGHT};
-    assert_int_equal(vkAllocateCommandBuffers(vk.device, &info, flight.commands), VK_SUCCESS);
-    for (int i = 0; i < IN_FLIGHT; i++)
-        assert_int_equal(vkCreateFence(vk.device, &fence, NULL, &flight.fences[i]), VK_SUCCESS);
-    return flight;
-}
-
-static void destroy_flight(const struct flight *flight)
-{
-    assert_int_equal(vkDeviceWaitIdle(vk.device), VK_SUCCESS);
-    for (int i = 0; i < IN_FLIGHT; i++)
-        vkDestroyFence(vk.device, flight->fences[i], NULL);
-    vkDestroyCommandPool(vk.device, flight->pool, NULL);
-}
-
-static void wait_for(const struct flight *flight, uint32_t frame)
-{
-    const VkFence *fence = &flight->fences[frame % IN_FLIGHT];
-    assert_int_equal(vkWaitForFences(vk.device, 1, fence, VK_TRUE, UINT64_MAX), VK_SUCCESS);
-}
-
-static VkCommandBuffer begin_frame(const struct flight *flight, uint32_t frame)
-{
-    const VkCommandBufferBeginInfo info = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
-    VkCommandBuffer commands = flight->commands[frame % IN_FLIGHT];
-    wait_for(flight, frame);
-    assert_int_equal(vkResetFences(vk.device, 1, &flight->fences[frame % IN_FLIGHT]), VK_SUCCESS);
-    assert_int_equal(vkBeginCommandBuffer(commands, &info), VK_SUCCESS);
-    return commands;
-}
-
-static void end_frame(const struct flight *flight, uint32_t frame)
-{
-    const VkCommandBuffer *commands = &flight->commands[frame % IN_FLIGHT];
-    const VkSubmitInfo info = {.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO,
-                               .commandBufferCount = 1,
-                               .pCommandBuffers = commands};
-    assert_int_equal(vkEndCommandBuffer(*commands), VK_SUCCESS);
-    assert_int_equal(vkQueueSubmit(vk.queue, 1, &info, flight->fences[frame % IN_FLIGHT]),
-                     VK_SUCCESS);
-}
+enum { CYCLES = 10 };
 
 /* The value that the host writes into its image before a frame. Below: the place for the frame's
  * copy, one for each frame in flight. */
@@ -100,25 +40,22 @@ static void write_image(VkCommandBuffer commands, VkImage image, VkImageLayout l
 }
 
 /* Records a frame whose trail starts from the host's image. */
-static void record_own_trail(struct dt_vk_runtime *rt, const struct flight *flight, VkImage image,
-                             uint32_t frame)
+static void record_own_trail(struct dt_vk_runtime *rt, VkImage image, uint32_t frame)
 {
     const struct dt_frame block = frame_of(0);
-    VkCommandBuffer commands = begin_frame(flight, frame);
+    VkCommandBuffer commands = begin_commands(&vk, frame, 0);
     write_image(commands, image,
                 frame ? VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL : VK_IMAGE_LAYOUT_UNDEFINED,
                 written_before(frame));
     assert_true(dt_vk_record(rt, commands, &block, NULL));
     copy_image(commands, image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, copy_of(frame));
-    end_frame(flight, frame);
 }
 
 /* The trail mixes the value that the host wrote with the newest picture, by the default weight of
  * 0.25. The picture is the same in every frame. */
-static void check_trail(const struct flight *flight, uint32_t frame, float first[TRAIL_BYTES / 4])
+static void check_trail(uint32_t frame, float first[TRAIL_BYTES / 4])
 {
-    wait_for(flight, frame);
-    const float *found = (const float *)((const char *)vk.bytes + copy_of(frame));
+    const float *found = (const float *)((const char *)geometry.bytes + copy_of(frame));
     if (frame == 0)
         memcpy(first, found, TRAIL_BYTES);
     for (int i = 0; i < TRAIL_BYTES / 4; i++)
@@ -174,7 +111,7 @@ static void paint_between(bool clears, VkDeviceSize offset)
         move_image(outside.commands, blurred.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                    blurred.layout);
         submit_commands(outside.commands);
-        outside.commands = begin_commands();
+        outside.commands = new_commands();
     }
     assert_true(vulkan_records_passes(OUTSIDE_PASS_GRADE_PICTURE, OUTSIDE_PASSES) &&
                 dt_vk_get_resource(outside.rt, OUTSIDE_RESOURCE_PICTURE, &picture));
@@ -188,7 +125,7 @@ static void vulkan_records_parts(void **state)
     outside.rt = open_vk_runtime(vk_host(), NULL);
     REFUSED(vulkan_records_passes(0, 1), "record_passes: call resize first");
     assert_true(dt_vk_create(outside.rt, &outside_vk) && dt_vk_resize(outside.rt, WIDTH, HEIGHT));
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     write_for_blurred(vulkan_writes);
     REFUSED(vulkan_records_passes(1, 2), "begins with pass 1, but the frame goes on with pass 0");
     REFUSED(vulkan_records_passes(0, 3), "passes 0 to 3, but the pipeline has 2");
@@ -199,10 +136,10 @@ static void vulkan_records_parts(void **state)
     REFUSED(vulkan_records(),
             "record: begins with pass 0, but the frame goes on with pass 1, grade");
     finish_commands(outside.commands);
-    is_painted((const uint8_t *)vk.bytes + FIRST, black);
-    is_painted((const uint8_t *)vk.bytes + SECOND, white);
+    is_painted((const uint8_t *)geometry.bytes + FIRST, black);
+    is_painted((const uint8_t *)geometry.bytes + SECOND, white);
     assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT)); /* abandons the frame */
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     write_for_blurred(vulkan_writes);
     assert_true(vulkan_records());
     dt_vk_close(outside.rt);
@@ -214,10 +151,9 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
 {
     (void)state;
     enum { SEEN = GEOMETRY_BYTES / 4, COPIES = GEOMETRY_BYTES / 2 };
-    struct flight flight = make_flight();
     struct dt_vk_host host = vk_host();
     double ms[LAYOUTS_PASSES];
-    const struct dt_vk_range seen = {vk.geometry, SEEN, sizeof(struct layouts_Seen)};
+    const struct dt_vk_range seen = {geometry.handle, SEEN, sizeof(struct layouts_Seen)};
     struct layouts_live live = layouts_live_defaults;
     host.timing = true;
     host.frames = 17;
@@ -232,7 +168,8 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
     for (uint32_t frame = 0; frame < CYCLES; frame++) {
         const VkBufferCopy copy = {SEEN, COPIES + frame * sizeof live.gain, sizeof live.gain};
         const struct dt_frame block = frame_of(frame);
-        VkCommandBuffer commands = begin_frame(&flight, frame);
+        begin_frame(&vk, frame);
+        VkCommandBuffer commands = begin_commands(&vk, frame, 0);
         if (frame == 1)
             REFUSED(dt_vk_timings(rt, 1, ms), "timings: none of the frame 1 before the last");
         if (frame > 1) {
@@ -241,13 +178,14 @@ static void vulkan_tells_frames_in_flight_apart(void **state)
         }
         live.gain = (float)frame;
         assert_true(dt_vk_record(rt, commands, &block, &live));
-        vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
-        end_frame(&flight, frame);
+        vkCmdCopyBuffer(commands, geometry.handle, geometry.handle, 1, &copy);
+        end_frame(&vk, frame, 1);
     }
     REFUSED(dt_vk_timings(rt, IN_FLIGHT, ms), "up to the 2 that the runtime was opened for");
-    destroy_flight(&flight);
+    wait_for_frames(&vk);
     for (uint32_t frame = 0; frame < CYCLES; frame++)
-        assert_true(((const float *)((const char *)vk.bytes + COPIES))[frame] == (float)frame);
+        assert_true(((const float *)((const char *)geometry.bytes + COPIES))[frame] ==
+                    (float)frame);
     dt_vk_close(rt);
 }
 
@@ -257,10 +195,9 @@ static void copy_around(const struct dt_vk_sync *sync)
 {
     enum { WEIGHTS = GEOMETRY_BYTES / 4, SOURCE = WEIGHTS + 4096, PICTURE = GEOMETRY_BYTES / 2 };
     const VkDeviceSize size = sizeof graded_alone;
-    const struct dt_vk_range weights = {vk.geometry, WEIGHTS, size};
-    struct flight flight = make_flight();
-    memcpy((char *)vk.bytes + SOURCE, nothing, size);
-    memcpy((char *)vk.bytes + SOURCE + size, graded_alone, size);
+    const struct dt_vk_range weights = {geometry.handle, WEIGHTS, size};
+    memcpy((char *)geometry.bytes + SOURCE, nothing, size);
+    memcpy((char *)geometry.bytes + SOURCE + size, graded_alone, size);
     outside.rt = open_vk_runtime(own_host(), NULL);
     assert_true(dt_vk_create(outside.rt, &outside_vk) &&
                 dt_vk_import_buffer(outside.rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
@@ -268,19 +205,20 @@ static void copy_around(const struct dt_vk_sync *sync)
     dt_vk_narrow(outside.rt, sync);
     for (uint32_t frame = 0; frame < CYCLES; frame++) {
         const VkBufferCopy copy = {SOURCE + frame % 2 * size, WEIGHTS, size};
-        VkCommandBuffer commands = outside.commands = begin_frame(&flight, frame);
+        begin_frame(&vk, frame);
+        VkCommandBuffer commands = outside.commands = begin_commands(&vk, frame, 0);
         if (frame == 0) {
             write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
             write_grade(vulkan_writes, first_color);
         }
-        vkCmdCopyBuffer(commands, vk.geometry, vk.geometry, 1, &copy);
+        vkCmdCopyBuffer(commands, geometry.handle, geometry.handle, 1, &copy);
         record_picture(PICTURE + frame % 2 * 4 * WIDTH * HEIGHT);
-        end_frame(&flight, frame);
+        end_frame(&vk, frame, 1);
     }
-    destroy_flight(&flight);
+    wait_for_frames(&vk);
     dt_vk_close(outside.rt);
-    is_painted((const uint8_t *)vk.bytes + PICTURE, black);
-    is_painted((const uint8_t *)vk.bytes + PICTURE + 4 * (size_t)WIDTH * HEIGHT, first_color);
+    is_painted((const uint8_t *)geometry.bytes + PICTURE, black);
+    is_painted((const uint8_t *)geometry.bytes + PICTURE + 4 * (size_t)WIDTH * HEIGHT, first_color);
 }
 
 /* Validation sees the runtime's barriers and no others. It reports a hazard if `sync` lacks some of
@@ -320,7 +258,7 @@ static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned
     struct dt_vk_resource blurred = {0};
     heard.validation = 0;
     outside.rt = open_vk_runtime(own_host(), &outside_vk);
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     write_for_blurred(vulkan_writes);
     dt_vk_narrow(outside.rt, sync);
     own.barriers = 0;
@@ -363,7 +301,7 @@ static void vulkan_exchanges_imports(void **state)
 {
     (void)state;
     const uint32_t external = VK_QUEUE_FAMILY_EXTERNAL;
-    const struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, sizeof graded_alone};
+    const struct dt_vk_range weights = {geometry.handle, GEOMETRY_BYTES / 4, sizeof graded_alone};
     const struct own_image output =
         make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
                    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
@@ -378,12 +316,12 @@ static void vulkan_exchanges_imports(void **state)
                 dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external) &&
                 dt_vk_exchange(rt, OUTSIDE_RESOURCE_PICTURE, external) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
-    memcpy((char *)vk.bytes + weights.offset, graded_alone, sizeof graded_alone);
+    memcpy((char *)geometry.bytes + weights.offset, graded_alone, sizeof graded_alone);
     dt_vk_narrow(rt, &(struct dt_vk_sync){.stages_after = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
                                                           VK_PIPELINE_STAGE_2_HOST_BIT,
                                           .accesses_after = VK_ACCESS_2_TRANSFER_READ_BIT |
                                                             VK_ACCESS_2_HOST_READ_BIT});
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
     write_grade(vulkan_writes, first_color);
     own.acquired = own.released = 0;
@@ -398,14 +336,14 @@ static void vulkan_exchanges_imports(void **state)
     assert_true(dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
                 dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, VK_QUEUE_FAMILY_IGNORED) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
     write_grade(vulkan_writes, second_color);
     record_picture(GEOMETRY_BYTES / 2);
     finish_commands(outside.commands);
     assert_int_equal(own.acquired, 2);
     assert_int_equal(own.released, 3);
-    is_painted((const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2, second_color);
+    is_painted((const uint8_t *)geometry.bytes + GEOMETRY_BYTES / 2, second_color);
     dt_vk_close(rt);
     destroy_image(&output);
 }
@@ -420,7 +358,6 @@ static void run_in_flight(const struct dt_shaders *shaders)
                    VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT |
                        VK_IMAGE_USAGE_TRANSFER_DST_BIT);
     struct dt_vk_runtime *rt = open_features(), *other = open_features();
-    struct flight flight = make_flight(), other_flight = make_flight();
     assert_true(dt_vk_create(rt, shaders));
     import_trail(rt, &trail);
     const struct own_image output = import_output(rt, WIDTH),
@@ -428,15 +365,16 @@ static void run_in_flight(const struct dt_shaders *shaders)
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT) && dt_vk_resize(other, 2 * WIDTH, HEIGHT));
     for (uint32_t frame = 0; frame < CYCLES; frame++) {
         const struct dt_frame block = frame_of(frame);
-        record_own_trail(rt, &flight, trail.image, frame);
-        assert_true(dt_vk_record(other, begin_frame(&other_flight, frame), &block, NULL));
-        end_frame(&other_flight, frame);
-        if (frame > 0)
-            check_trail(&flight, frame - 1, first);
+        begin_frame(&vk, frame);
+        if (frame >= IN_FLIGHT)
+            check_trail(frame - IN_FLIGHT, first);
+        record_own_trail(rt, trail.image, frame);
+        assert_true(dt_vk_record(other, begin_commands(&vk, frame, 1), &block, NULL));
+        end_frame(&vk, frame, 2);
     }
-    check_trail(&flight, CYCLES - 1, first);
-    destroy_flight(&flight);
-    destroy_flight(&other_flight);
+    wait_for_frames(&vk);
+    for (uint32_t frame = CYCLES - IN_FLIGHT; frame < CYCLES; frame++)
+        check_trail(frame, first);
     dt_vk_close(rt);
     dt_vk_close(other);
     destroy_image(&trail);

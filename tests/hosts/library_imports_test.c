@@ -14,12 +14,12 @@ static struct own_image make_textures(const uint8_t texels[2][4])
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 2},
                                       .imageExtent = {1, 1, 1}};
     struct own_image own = make_image(VK_FORMAT_R8G8B8A8_SRGB, region.imageExtent, 2, usage);
-    VkCommandBuffer commands = begin_commands();
-    memcpy((char *)vk.bytes + region.bufferOffset, texels, 8);
+    VkCommandBuffer commands = new_commands();
+    memcpy((char *)geometry.bytes + region.bufferOffset, texels, 8);
     move_image(commands, own.image, VK_IMAGE_LAYOUT_UNDEFINED,
                VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
-    vkCmdCopyBufferToImage(commands, vk.geometry, own.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
-                           1, &region);
+    vkCmdCopyBufferToImage(commands, geometry.handle, own.image,
+                           VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
     move_image(commands, own.image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
                VK_IMAGE_LAYOUT_SHADER_READ_ONLY_OPTIMAL);
     finish_commands(commands);
@@ -31,11 +31,11 @@ static struct own_image make_textures(const uint8_t texels[2][4])
 static void draws(struct dt_vk_runtime *rt, const struct own_image *color, const double codes[3])
 {
     struct dt_frame frame = frame_of(0);
-    VkCommandBuffer commands = begin_commands();
+    VkCommandBuffer commands = new_commands();
     assert_true(dt_vk_record(rt, commands, &frame, NULL));
     copy_image(commands, color->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, GEOMETRY_BYTES / 2);
     finish_commands(commands);
-    const uint8_t *texels = (const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2;
+    const uint8_t *texels = (const uint8_t *)geometry.bytes + GEOMETRY_BYTES / 2;
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         for (int c = 0; c < 3; c++)
             if (fabs(texels[4 * i + c] - codes[c]) > 2)
@@ -58,9 +58,9 @@ static void vulkan_draws_the_hosts_textures(void **state)
     const struct own_image color =
         make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1, usage);
     const struct dt_vk_image target = import_of(&color, VK_FORMAT_R8G8B8A8_UNORM, usage, WIDTH);
-    struct dt_material *material = (struct dt_material *)((char *)vk.bytes + MATERIALS);
+    struct dt_material *material = (struct dt_material *)((char *)geometry.bytes + MATERIALS);
     struct dt_vk_runtime *rt = open_features();
-    struct dt_vk_scene scene = vk.scene;
+    struct dt_vk_scene scene = vk_scene;
     *material = (struct dt_material){.albedo = {1, 0.5f, 1}, .texture = 1};
     scene.textures = textures.view;
     assert_true(dt_vk_import_scene(rt, &scene) &&
@@ -72,7 +72,7 @@ static void vulkan_draws_the_hosts_textures(void **state)
     material->texture = -1;
     draws(rt, &color, (double[]){255, 127.5, 255});
     material->texture = 1; /* without textures, the colour is white */
-    assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_resize(rt, WIDTH, HEIGHT));
+    assert_true(dt_vk_import_scene(rt, &vk_scene) && dt_vk_resize(rt, WIDTH, HEIGHT));
     draws(rt, &color, (double[]){255, 127.5, 255});
     dt_vk_close(rt);
     destroy_image(&textures); /* the runtime did not destroy them */
@@ -122,12 +122,13 @@ static void vulkan_takes_3d_images_and_cubes(void **state)
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                       .imageExtent = {8, 6, 5}};
     struct dt_frame frame = frame_of(0);
-    VkCommandBuffer commands = begin_commands();
+    VkCommandBuffer commands = new_commands();
     assert_true(dt_vk_record(rt, commands, &frame, NULL));
-    vkCmdCopyImageToBuffer(commands, fog.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL, vk.geometry,
-                           1, &region);
+    vkCmdCopyImageToBuffer(commands, fog.image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                           geometry.handle, 1, &region);
     finish_commands(commands);
-    is_last_fog((const uint16_t *)((char *)vk.bytes + region.bufferOffset) + 4 * (8 * 6 * 5 - 1));
+    is_last_fog((const uint16_t *)((char *)geometry.bytes + region.bufferOffset) +
+                4 * (8 * 6 * 5 - 1));
     dt_vk_close(rt);
     destroy_image(&fog);
     destroy_image(&sky);
@@ -145,15 +146,15 @@ static void vulkan_takes_inputs(void **state)
             "which the layout_before");    /* no import: hand_in writes the photo */
     for (int turn = 0; turn < 2; turn++) { /* a resize drops all content */
         assert_true(dt_vk_resize(outside.rt, WIDTH, HEIGHT));
-        outside.commands = begin_commands();
+        outside.commands = new_commands();
         REFUSED(vulkan_records(), "mip 0 of the input kernel has no content");
         hand_in(vulkan_writes, vulkan_records, first_color);
         record_picture(FIRST);
         write_grade(vulkan_writes, second_color);
         record_picture(SECOND);
         finish_commands(outside.commands);
-        is_painted((const uint8_t *)vk.bytes + FIRST, first_color);
-        is_painted((const uint8_t *)vk.bytes + SECOND, second_color);
+        is_painted((const uint8_t *)geometry.bytes + FIRST, first_color);
+        is_painted((const uint8_t *)geometry.bytes + SECOND, second_color);
     }
     dt_vk_close(outside.rt);
 }
@@ -161,17 +162,17 @@ static void vulkan_takes_inputs(void **state)
 /* Renders with these weights in the host's buffer; the picture must have this colour. */
 static void vulkan_paints_with(const float weights[8], VkDeviceSize at, const uint8_t color[4])
 {
-    memcpy((char *)vk.bytes + at, weights, sizeof graded_alone);
+    memcpy((char *)geometry.bytes + at, weights, sizeof graded_alone);
     record_picture(GEOMETRY_BYTES / 2);
     finish_commands(outside.commands);
-    is_painted((const uint8_t *)vk.bytes + GEOMETRY_BYTES / 2, color);
+    is_painted((const uint8_t *)geometry.bytes + GEOMETRY_BYTES / 2, color);
 }
 
 static void vulkan_takes_buffers_and_describes_all(void **state)
 {
     (void)state;
     const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
-    struct dt_vk_range weights = {vk.geometry, GEOMETRY_BYTES / 4, 16};
+    struct dt_vk_range weights = {geometry.handle, GEOMETRY_BYTES / 4, 16};
     struct dt_vk_resource found;
     struct dt_vk_runtime *rt = outside.rt = open_vk_runtime(vk_host(), NULL);
     REFUSED(dt_vk_add_buffer_usage(rt, OUTSIDE_RESOURCE_KERNEL, 0), "create comes first");
@@ -190,17 +191,17 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
         dt_vk_add_image_usage(rt, OUTSIDE_RESOURCE_BLURRED, drawn) &&
         dt_vk_add_buffer_usage(rt, OUTSIDE_RESOURCE_KERNEL, VK_BUFFER_USAGE_VERTEX_BUFFER_BIT) &&
         dt_vk_resize(rt, WIDTH, HEIGHT));
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
     write_grade(vulkan_writes, first_color);
     vulkan_paints_with(graded_alone, weights.offset, first_color);
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     vulkan_paints_with(nothing, weights.offset, black);
     assert_true(dt_vk_get_resource(rt, OUTSIDE_RESOURCE_WEIGHTS, &found));
-    assert_true(found.buffer == vk.geometry && found.offset == weights.offset && found.size == 32 &&
-                found.stride == 16 && !found.image);
+    assert_true(found.buffer == geometry.handle && found.offset == weights.offset &&
+                found.size == 32 && found.stride == 16 && !found.image);
     assert_true(dt_vk_get_resource(rt, OUTSIDE_RESOURCE_KERNEL, &found));
-    assert_true(found.buffer != vk.geometry && found.size % 4 == 0 && found.stride == 4 &&
+    assert_true(found.buffer != geometry.handle && found.size % 4 == 0 && found.stride == 4 &&
                 found.buffer_usage & VK_BUFFER_USAGE_VERTEX_BUFFER_BIT &&
                 found.buffer_usage & VK_BUFFER_USAGE_STORAGE_BUFFER_BIT);
     assert_true(dt_vk_get_resource(rt, OUTSIDE_RESOURCE_BLURRED, &found)); /* `keep: true` */
@@ -208,7 +209,7 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
     weights.buffer = VK_NULL_HANDLE; /* canceled */
     assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
-    outside.commands = begin_commands();
+    outside.commands = new_commands();
     hand_in(vulkan_writes, vulkan_records, second_color);
     finish_commands(outside.commands);
     dt_vk_close(rt);
@@ -254,7 +255,7 @@ static void vulkan_describes_imports(void **state)
     }
     struct features_live live = *(const struct features_live *)features_pipeline.live_defaults;
     live.blur = 0;
-    assert_true(dt_vk_record(rt, begin_commands(), &frame, &live));
+    assert_true(dt_vk_record(rt, new_commands(), &frame, &live));
     assert_true(dt_vk_get_resource(rt, FEATURES_RESOURCE_BLURRED, &found));
     assert_int_equal(found.stages, VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT);
     assert_int_equal(found.accesses, VK_ACCESS_2_TRANSFER_WRITE_BIT);

@@ -1,44 +1,9 @@
 /* The host that library_own.h declares. */
 #include "library_own.h"
 
-#include <malloc.h>
-#include <pthread.h>
-#include <stdlib.h>
 #include <string.h>
 
 struct own own;
-
-static void *VKAPI_PTR own_alloc(void *user, size_t size, size_t alignment,
-                                 VkSystemAllocationScope scope)
-{
-    void *block = NULL;
-    (void)user, (void)scope;
-    if (posix_memalign(&block, alignment < sizeof block ? sizeof block : alignment, size) != 0)
-        return NULL;
-    own.blocks++;
-    return block;
-}
-
-static void VKAPI_PTR own_free(void *user, void *block)
-{
-    (void)user;
-    own.blocks -= block != NULL;
-    free(block);
-}
-
-static void *VKAPI_PTR own_realloc(void *user, void *block, size_t size, size_t alignment,
-                                   VkSystemAllocationScope scope)
-{
-    void *more = own_alloc(user, size, alignment, scope);
-    size_t old = block ? malloc_usable_size(block) : 0;
-    if (more && block)
-        memcpy(more, block, old < size ? old : size);
-    own_free(user, block);
-    return more;
-}
-
-const VkAllocationCallbacks own_callbacks = {
-    .pfnAllocation = own_alloc, .pfnReallocation = own_realloc, .pfnFree = own_free};
 
 VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char *name,
                       struct dt_vk_memory *out)
@@ -50,7 +15,7 @@ VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char 
     if (own.fail_memory && --own.fail_memory == 0)
         return VK_ERROR_OUT_OF_DEVICE_MEMORY;
     more.size += OFFSET;
-    *out = (struct dt_vk_memory){allocate_memory(more, 0), OFFSET, &own};
+    *out = (struct dt_vk_memory){renderer_allocate(&vk, &more, 0), OFFSET, &own};
     own.memory++;
     return VK_SUCCESS;
 }
@@ -138,37 +103,17 @@ static PFN_vkVoidFunction VKAPI_PTR own_functions(VkInstance instance, const cha
                                                     : vkGetInstanceProcAddr(instance, name);
 }
 
-struct own_jobs {
-    void (*job)(void *data, uint32_t i);
-    void *data;
-    uint32_t count;
-    atomic_uint next;
-};
-
-static void *own_work(void *argument)
-{
-    struct own_jobs *jobs = argument;
-    for (uint32_t i; (i = jobs->next++) < jobs->count;)
-        jobs->job(jobs->data, i);
-    return NULL;
-}
-
 static void own_threads(void *user, uint32_t count, void (*job)(void *data, uint32_t i), void *data)
 {
-    struct own_jobs jobs = {.job = job, .data = data, .count = count};
-    pthread_t threads[3];
     assert_true(user == &own);
-    for (int i = 0; i < 3; i++)
-        assert_int_equal(pthread_create(&threads[i], NULL, own_work, &jobs), 0);
-    for (int i = 0; i < 3; i++)
-        pthread_join(threads[i], NULL);
+    renderer_run(&vk, count, job, data);
 }
 
 struct dt_vk_host own_host(void)
 {
     struct dt_vk_host host = vk_host();
     host.get_instance_proc_addr = own_functions;
-    host.callbacks = &own_callbacks;
+    host.callbacks = &vk.callbacks;
     host.allocator = (struct dt_vk_allocator){&own, own_allocate, own_release};
     host.pipeline_cache = own.cache;
     host.threads = (struct dt_vk_threads){&own, own_threads};

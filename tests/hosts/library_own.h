@@ -1,4 +1,4 @@
-/* A host with its own allocator, callbacks, pipeline cache and threads, and with functions between the
+/* A host with the renderer's callbacks and threads, its own allocator and pipeline cache, and with functions between the
  * runtime and Vulkan that count, and that fail or leave out what a test asks for. */
 #pragma once
 
@@ -7,7 +7,6 @@
 #include "library_vk.h"
 
 extern struct own {
-    atomic_int blocks;       /* of the callbacks, alive */
     int memory, fail_memory; /* allocations alive; the n-th from now on fails; 0: none */
     VkPipelineCache cache;
     atomic_int pipelines; /* created so far, all with the cache */
@@ -17,8 +16,6 @@ extern struct own {
     int acquired, released;       /* from and to EXTERNAL */
     unsigned barriers, drop;      /* recorded; the one to leave out, from 1; 0: none */
 } own;
-
-extern const VkAllocationCallbacks own_callbacks;
 
 /* Allocates at an offset, never from the start of the memory. */
 VkResult own_allocate(void *user, const VkMemoryRequirements *needs, const char *name,

@@ -6,8 +6,11 @@
 
 #include "shapes.h"
 
-struct vk vk;
+struct renderer vk;
+struct buffer geometry;
+struct dt_vk_scene vk_scene;
 struct outside outside;
+static VkDebugUtilsMessengerEXT messenger;
 
 static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
                                      VkDebugUtilsMessageTypeFlagsEXT types,
@@ -19,18 +22,6 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
              data->pMessageIdName ? data->pMessageIdName : "");
     print_message("%.900s\n", data->pMessage); /* cmocka cuts at 1,023, with the line end */
     return VK_FALSE;
-}
-
-VkDeviceMemory allocate_memory(VkMemoryRequirements needs, VkMemoryPropertyFlags wanted)
-{
-    VkMemoryAllocateInfo info = {.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
-                                 .allocationSize = needs.size};
-    VkDeviceMemory memory;
-    while (!(needs.memoryTypeBits >> info.memoryTypeIndex & 1) ||
-           (vk.memory.memoryTypes[info.memoryTypeIndex].propertyFlags & wanted) != wanted)
-        info.memoryTypeIndex++;
-    assert_int_equal(vkAllocateMemory(vk.device, &info, NULL, &memory), VK_SUCCESS);
-    return memory;
 }
 
 static void open_instance(void)
@@ -52,7 +43,7 @@ static void open_instance(void)
                                        .ppEnabledLayerNames = &layer,
                                        .enabledExtensionCount = DT_ARRAY_COUNT(extensions),
                                        .ppEnabledExtensionNames = extensions};
-    const VkDebugUtilsMessengerCreateInfoEXT messenger = {
+    const VkDebugUtilsMessengerCreateInfoEXT hears = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_MESSENGER_CREATE_INFO_EXT,
         .messageSeverity = VK_DEBUG_UTILS_MESSAGE_SEVERITY_WARNING_BIT_EXT |
                            VK_DEBUG_UTILS_MESSAGE_SEVERITY_ERROR_BIT_EXT,
@@ -62,62 +53,38 @@ static void open_instance(void)
     PFN_vkCreateDebugUtilsMessengerEXT create =
         (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(vk.instance,
                                                                   "vkCreateDebugUtilsMessengerEXT");
-    assert_int_equal(create(vk.instance, &messenger, NULL, &vk.messenger), VK_SUCCESS);
+    assert_int_equal(create(vk.instance, &hears, NULL, &messenger), VK_SUCCESS);
+}
+
+static bool is_any(VkInstance instance, VkPhysicalDevice physical)
+{
+    return instance && physical;
 }
 
 static void open_device(void)
 {
-    VkPhysicalDeviceVulkan13Features vulkan13 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features vulkan12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
-    VkPhysicalDeviceVulkan11Features vulkan11 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
-    VkPhysicalDeviceFeatures core = {0};
-    uint32_t count = 1;
-    assert_true(vkEnumeratePhysicalDevices(vk.instance, &count, &vk.physical) >= 0 && count);
-    vkGetPhysicalDeviceMemoryProperties(vk.physical, &vk.memory);
-    dt_vk_need_features(&features_vk, &core, &vulkan11, &vulkan12, &vulkan13);
-    dt_vk_need_features(&shapes_vk, &core, &vulkan11, &vulkan12, &vulkan13);
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &(float){1}};
-    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                     .pNext = &vulkan11,
-                                     .queueCreateInfoCount = 1,
-                                     .pQueueCreateInfos = &queue,
-                                     .pEnabledFeatures = &core};
-    const VkCommandPoolCreateInfo pool = {.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
-    assert_int_equal(vkCreateDevice(vk.physical, &info, NULL, &vk.device), VK_SUCCESS);
-    vkGetDeviceQueue(vk.device, 0, 0, &vk.queue);
-    assert_int_equal(vkCreateCommandPool(vk.device, &pool, NULL, &vk.pool), VK_SUCCESS);
+    renderer_prepare(&vk);
+    dt_vk_need_features(&features_vk, &vk.core, &vk.vulkan11, &vk.vulkan12, &vk.vulkan13);
+    dt_vk_need_features(&shapes_vk, &vk.core, &vk.vulkan11, &vk.vulkan12, &vk.vulkan13);
+    renderer_open(&vk, is_any);
 }
 
 /* One buffer for all: a triangle, then the bytes that are read back. */
 static void make_geometry(void)
 {
-    const VkBufferCreateInfo info = {
-        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = GEOMETRY_BYTES,
-        .usage = VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
-                 VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT | VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                 VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT | VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                 VK_BUFFER_USAGE_TRANSFER_DST_BIT};
-    VkMemoryRequirements needs;
-    assert_int_equal(vkCreateBuffer(vk.device, &info, NULL, &vk.geometry), VK_SUCCESS);
-    vkGetBufferMemoryRequirements(vk.device, vk.geometry, &needs);
-    vk.geometry_memory = allocate_memory(needs, VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
-                                                    VK_MEMORY_PROPERTY_HOST_COHERENT_BIT);
-    assert_int_equal(vkBindBufferMemory(vk.device, vk.geometry, vk.geometry_memory, 0), VK_SUCCESS);
-    assert_int_equal(vkMapMemory(vk.device, vk.geometry_memory, 0, VK_WHOLE_SIZE, 0, &vk.bytes),
-                     VK_SUCCESS);
-    lay_triangle(vk.bytes);
-    vk.scene = (struct dt_vk_scene){
-        .vertices = {vk.geometry, 0, 3 * sizeof(struct dt_vertex)},
-        .indices = {vk.geometry, INDICES, 3 * sizeof(uint32_t)},
+    geometry =
+        make_buffer(&vk, GEOMETRY_BYTES,
+                    VK_BUFFER_USAGE_VERTEX_BUFFER_BIT | VK_BUFFER_USAGE_INDEX_BUFFER_BIT |
+                        VK_BUFFER_USAGE_UNIFORM_TEXEL_BUFFER_BIT |
+                        VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                        VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT);
+    lay_triangle(geometry.bytes);
+    vk_scene = (struct dt_vk_scene){
+        .vertices = {geometry.handle, 0, 3 * sizeof(struct dt_vertex)},
+        .indices = {geometry.handle, INDICES, 3 * sizeof(uint32_t)},
         .index_count = 3,
-        .materials = {vk.geometry, MATERIALS, DT_MAX_MATERIALS * sizeof(struct dt_material)},
-        .objects = {vk.geometry, OBJECTS, sizeof(struct dt_object)},
+        .materials = {geometry.handle, MATERIALS, DT_MAX_MATERIALS * sizeof(struct dt_material)},
+        .objects = {geometry.handle, OBJECTS, sizeof(struct dt_object)},
         .numbered = true};
 }
 
@@ -136,11 +103,9 @@ int close_vulkan(void **state)
     PFN_vkDestroyDebugUtilsMessengerEXT destroy =
         (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
             vk.instance, "vkDestroyDebugUtilsMessengerEXT");
-    vkDestroyBuffer(vk.device, vk.geometry, NULL);
-    vkFreeMemory(vk.device, vk.geometry_memory, NULL);
-    vkDestroyCommandPool(vk.device, vk.pool, NULL);
-    vkDestroyDevice(vk.device, NULL);
-    destroy(vk.instance, vk.messenger, NULL);
+    destroy_buffer(&vk, &geometry);
+    renderer_close_device(&vk);
+    destroy(vk.instance, messenger, NULL);
     vkDestroyInstance(vk.instance, NULL);
     return heard.validation; /* includes objects that pipelines left behind */
 }
@@ -170,11 +135,11 @@ struct dt_vk_runtime *open_vk_runtime(struct dt_vk_host host, const struct dt_sh
     return rt;
 }
 
-VkCommandBuffer begin_commands(void)
+VkCommandBuffer new_commands(void)
 {
     const VkCommandBufferAllocateInfo info = {.sType =
                                                   VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
-                                              .commandPool = vk.pool,
+                                              .commandPool = vk.lanes[0].pool,
                                               .commandBufferCount = 1};
     const VkCommandBufferBeginInfo start = {.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
     VkCommandBuffer commands;
@@ -203,7 +168,7 @@ void copy_image(VkCommandBuffer commands, VkImage image, VkImageLayout layout, V
     const VkBufferImageCopy region = {.bufferOffset = offset,
                                       .imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1},
                                       .imageExtent = {WIDTH, HEIGHT, 1}};
-    vkCmdCopyImageToBuffer(commands, image, layout, vk.geometry, 1, &region);
+    vkCmdCopyImageToBuffer(commands, image, layout, geometry.handle, 1, &region);
 }
 
 void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BYTES])
@@ -211,7 +176,7 @@ void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BY
     struct dt_vk_resource resource;
     for (uint32_t i = 0; i < 2; i++) {
         struct dt_frame frame = frame_of(i);
-        VkCommandBuffer commands = begin_commands();
+        VkCommandBuffer commands = new_commands();
         for (uint32_t pass = 0, end; pass < FEATURES_PASSES; pass = end) {
             end = FEATURES_PASSES - pass < passes ? FEATURES_PASSES : pass + passes;
             assert_true(dt_vk_record_passes(rt, commands, &frame, NULL, pass, end));
@@ -225,10 +190,10 @@ void run_parts(struct dt_vk_runtime *rt, uint32_t passes, uint8_t trail[TRAIL_BY
     assert_int_equal(resource.height, HEIGHT);
     assert_int_equal(resource.layers, 1);
     assert_int_equal(resource.mips, 1);
-    VkCommandBuffer commands = begin_commands();
+    VkCommandBuffer commands = new_commands();
     copy_image(commands, resource.image, resource.layout, GEOMETRY_BYTES / 2);
     finish_commands(commands);
-    memcpy(trail, (const char *)vk.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
+    memcpy(trail, (const char *)geometry.bytes + GEOMETRY_BYTES / 2, TRAIL_BYTES);
 }
 
 void run_frames(struct dt_vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
@@ -239,7 +204,7 @@ void run_frames(struct dt_vk_runtime *rt, uint8_t trail[TRAIL_BYTES])
 struct dt_vk_runtime *open_features(void)
 {
     struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
-    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    assert_true(dt_vk_import_scene(rt, &vk_scene));
     assert_true(dt_vk_create(rt, &features_vk));
     return rt;
 }
@@ -259,7 +224,7 @@ struct own_image create_image(const VkImageCreateInfo *info)
     VkMemoryRequirements needs;
     assert_int_equal(vkCreateImage(vk.device, info, NULL, &own.image), VK_SUCCESS);
     vkGetImageMemoryRequirements(vk.device, own.image, &needs);
-    own.memory = allocate_memory(needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+    own.memory = renderer_allocate(&vk, &needs, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
     assert_int_equal(vkBindImageMemory(vk.device, own.image, own.memory, 0), VK_SUCCESS);
     return own;
 }

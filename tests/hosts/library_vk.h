@@ -2,22 +2,13 @@
  * it, also about synchronization. */
 #pragma once
 
+#include "examples/renderer_vk.h"
 #include "library.h"
 #include "runtime_vk/diptych_vk.h"
 
-extern struct vk {
-    VkInstance instance;
-    VkDebugUtilsMessengerEXT messenger;
-    VkPhysicalDevice physical;
-    VkPhysicalDeviceMemoryProperties memory;
-    VkDevice device;
-    VkQueue queue;
-    VkCommandPool pool;
-    VkBuffer geometry; /* GEOMETRY_BYTES as of lay_triangle, mapped at `bytes` */
-    VkDeviceMemory geometry_memory;
-    void *bytes;
-    struct dt_vk_scene scene;
-} vk;
+extern struct renderer vk;
+extern struct buffer geometry; /* GEOMETRY_BYTES as of lay_triangle */
+extern struct dt_vk_scene vk_scene;
 
 /* Setup and teardown of a group of tests. Teardown fails if validation spoke, also of objects that
  * pipelines left behind. */
@@ -31,8 +22,7 @@ struct dt_vk_host vk_host(void);
 
 /* A runtime; with shaders it has their pipeline, made for a frame. */
 struct dt_vk_runtime *open_vk_runtime(struct dt_vk_host host, const struct dt_shaders *shaders);
-VkDeviceMemory allocate_memory(VkMemoryRequirements needs, VkMemoryPropertyFlags wanted);
-VkCommandBuffer begin_commands(void);
+VkCommandBuffer new_commands(void);
 void submit_commands(VkCommandBuffer commands);
 void finish_commands(VkCommandBuffer commands); /* submits, and waits for all work */
 

@@ -90,7 +90,7 @@ static void vulkan_tells_wrong_calls(void **state)
     (void)state;
     struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
     struct dt_frame frame = frame_of(0);
-    struct dt_vk_scene scene = vk.scene;
+    struct dt_vk_scene scene = vk_scene;
     struct dt_vk_image image = {.image = (VkImage)&heard /* no image, and never used as one */,
                                 .width = 5};
     struct dt_vk_resource resource;
@@ -113,24 +113,24 @@ static void vulkan_tells_wrong_calls(void **state)
             "pass slice needs 1,073,741,824 bytes of shared memory; the device ");
     scene.index_count = 4;
     REFUSED(dt_vk_import_scene(rt, &scene), "4 indices");
-    scene = vk.scene;
+    scene = vk_scene;
     scene.vertices.offset = 1;
     REFUSED(dt_vk_import_scene(rt, &scene), "scene_vertices");
-    scene = vk.scene;
+    scene = vk_scene;
     scene.materials.size = 32;
     REFUSED(dt_vk_import_scene(rt, &scene), "scene_materials");
-    scene = vk.scene;
+    scene = vk_scene;
     scene.objects.buffer = VK_NULL_HANDLE;
     assert_true(dt_vk_import_scene(rt, &scene));
     assert_true(dt_vk_create(rt, &features_vk));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "the pass keep reads scene_objects");
-    scene = vk.scene;
+    scene = vk_scene;
     scene.numbered = false;
     panel = features_with_numbers(programs);
     assert_true(dt_vk_create(rt, &needy) && dt_vk_import_scene(rt, &scene));
     REFUSED(dt_vk_resize(rt, WIDTH, HEIGHT), "reads vertex_triangle; number the triangles");
     assert_true(dt_vk_create(rt, &features_vk));
-    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    assert_true(dt_vk_import_scene(rt, &vk_scene));
     REFUSED(dt_vk_record(rt, VK_NULL_HANDLE, &frame, NULL), "call resize first");
     REFUSED(dt_vk_get_resource(rt, 0, &resource), "resize comes first");
     REFUSED(dt_vk_resize(rt, 0, HEIGHT), "frame of 0x16");
@@ -206,7 +206,7 @@ static void vulkan_forgets_what_was_not_submitted(void **state)
     assert_memory_not_equal(wanted, found, TRAIL_BYTES);
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     struct dt_frame frame = frame_of(7);
-    assert_true(dt_vk_record(rt, begin_commands(), &frame, NULL)); /* never submitted */
+    assert_true(dt_vk_record(rt, new_commands(), &frame, NULL)); /* never submitted */
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, found);
     assert_memory_equal(wanted, found, TRAIL_BYTES);
@@ -217,17 +217,17 @@ static void vulkan_draws_vertices_of_another_layout(void **state)
 {
     (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
-    struct dt_vk_scene scene = vk.scene;
+    struct dt_vk_scene scene = vk_scene;
     scene.vertices = (struct dt_vk_range){VK_NULL_HANDLE, 0, 0};
-    scene.attributes[DT_POSITION] = (struct dt_vk_attribute){vk.geometry, OWN_POSITIONS, 16};
+    scene.attributes[DT_POSITION] = (struct dt_vk_attribute){geometry.handle, OWN_POSITIONS, 16};
     for (int i = DT_NORMAL; i <= DT_MATERIAL; i++)
         scene.attributes[i] =
-            (struct dt_vk_attribute){vk.geometry, OWN_REST + own_places[i], OWN_BYTES};
-    vulkan_draw(&vk.scene, wanted);
-    lay_out(vk.bytes, 0);
+            (struct dt_vk_attribute){geometry.handle, OWN_REST + own_places[i], OWN_BYTES};
+    vulkan_draw(&vk_scene, wanted);
+    lay_out(geometry.bytes, 0);
     vulkan_draw(&scene, found);
     assert_memory_equal(wanted, found, TRAIL_BYTES);
-    lay_out(vk.bytes, 1); /* other normals */
+    lay_out(geometry.bytes, 1); /* other normals */
     vulkan_draw(&scene, found);
     assert_memory_not_equal(wanted, found, TRAIL_BYTES);
     assert_int_equal(heard.validation, 0);
@@ -264,12 +264,12 @@ static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
     panel.record = record_scene_indirect;
     struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
     struct dt_frame frame = frame_of(0);
-    assert_true(dt_vk_import_scene(rt, &vk.scene));
+    assert_true(dt_vk_import_scene(rt, &vk_scene));
     assert_true(dt_vk_create(rt, &indirect));
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
-    REFUSED(dt_vk_record(rt, begin_commands(), &frame, NULL),
+    REFUSED(dt_vk_record(rt, new_commands(), &frame, NULL),
             "pass halves: scene indices at byte 4096, but indirect draws of llvmpipe");
-    REFUSED(dt_vk_record(rt, begin_commands(), &frame, NULL), "call resize first");
+    REFUSED(dt_vk_record(rt, new_commands(), &frame, NULL), "call resize first");
     dt_vk_close(rt);
 }
 
@@ -279,7 +279,7 @@ static void vulkan_trail(bool keeps, uint32_t width, uint8_t trail[TRAIL_BYTES])
     struct dt_vk_host host = vk_host();
     host.keep_history = keeps;
     struct dt_vk_runtime *rt = dt_vk_open(&host);
-    assert_true(rt && dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
+    assert_true(rt && dt_vk_import_scene(rt, &vk_scene) && dt_vk_create(rt, &features_vk) &&
                 dt_vk_resize(rt, width, HEIGHT));
     if (width == WIDTH)
         run_frames(rt, trail);
@@ -314,7 +314,7 @@ static void vulkan_takes_times(void **state)
     double ms[FEATURES_PASSES], sum = 0;
     host.timing = true;
     struct dt_vk_runtime *rt = dt_vk_open(&host);
-    assert_true(dt_vk_import_scene(rt, &vk.scene) && dt_vk_create(rt, &features_vk) &&
+    assert_true(dt_vk_import_scene(rt, &vk_scene) && dt_vk_create(rt, &features_vk) &&
                 dt_vk_resize(rt, WIDTH, HEIGHT));
     run_frames(rt, trail);
     assert_true(dt_vk_timings(rt, 0, ms));
@@ -329,7 +329,7 @@ static void vulkan_needs_no_scene_that_nobody_sees(void **state)
     (void)state;
     struct dt_frame frame = frame_of(0);
     struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), &layouts_vk);
-    VkCommandBuffer commands = begin_commands();
+    VkCommandBuffer commands = new_commands();
     assert_true(dt_vk_record(rt, commands, &frame, NULL));
     finish_commands(commands);
     REFUSED(!dt_vk_create(rt, &features_vk) || dt_vk_resize(rt, WIDTH, HEIGHT), "import_scene");
@@ -347,7 +347,7 @@ static void vulkan_records_two_frames_at_once(void **state)
     struct dt_frame frame = frame_of(0);
     for (size_t i = 0; i < DT_ARRAY_COUNT(pipelines); i++) {
         struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), pipelines[i]);
-        VkCommandBuffer commands = begin_commands();
+        VkCommandBuffer commands = new_commands();
         for (int k = 0; k < 2; k++)
             assert_true(dt_vk_record(rt, commands, &frame, NULL));
         finish_commands(commands);

@@ -49,17 +49,17 @@ static bool suits(VkInstance instance, VkPhysicalDevice physical)
     return dt_vk_suits(&host, &wrong_vk);
 }
 
-static uint32_t run(struct renderer *renderer, const VkDeviceCreateInfo *info)
+static uint32_t run(struct renderer *renderer)
 {
     struct dt_vk_resource reports;
-    renderer_open(renderer, info, suits);
+    renderer_open(renderer, suits);
     struct dt_vk_runtime *rt =
         dt_vk_open(&(struct dt_vk_host){.log = host_log,
                                         .instance = renderer->instance,
                                         .physical_device = renderer->physical,
                                         .device = renderer->device,
                                         .get_instance_proc_addr = vkGetInstanceProcAddr,
-                                        .device_info = info});
+                                        .device_info = &renderer->device_info});
     check(rt && dt_vk_create(rt, &wrong_vk) && dt_vk_resize(rt, 16, 16), "opening the pipeline");
     check(dt_vk_get_resource(rt, WRONG_RESOURCE_DIPTYCH_REPORTS, &reports), "the reports");
     struct buffer copy = make_buffer(renderer, reports.size, VK_BUFFER_USAGE_TRANSFER_DST_BIT);
@@ -82,22 +82,9 @@ static uint32_t run(struct renderer *renderer, const VkDeviceCreateInfo *info)
 int main(void)
 {
     static struct renderer renderer = {.width = 16, .height = 16};
-    VkPhysicalDeviceVulkan13Features vulkan13 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features vulkan12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
-    VkPhysicalDeviceVulkan11Features vulkan11 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
-    VkPhysicalDeviceFeatures core = {0};
-    dt_vk_need_features(&wrong_vk, &core, &vulkan11, &vulkan12, &vulkan13);
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &(float){1}};
-    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                     .pNext = &vulkan11,
-                                     .queueCreateInfoCount = 1,
-                                     .pQueueCreateInfos = &queue,
-                                     .pEnabledFeatures = &core};
-    return run(&renderer, &info) == 2 ? 0 : 1;
+    renderer_prepare(&renderer);
+    dt_vk_need_features(&wrong_vk, &renderer.core, &renderer.vulkan11, &renderer.vulkan12,
+                        &renderer.vulkan13);
+    return run(&renderer) == 2 ? 0 : 1;
 }
 #endif

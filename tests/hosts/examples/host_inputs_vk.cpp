@@ -214,7 +214,7 @@ void import_target(const renderer &base, View &view, uint32_t i)
     check(dt_vk_import_image(view.rt, inputs[i], &import), "importing a target");
 }
 
-void open_view(Host &host, uint32_t lane, const VkDeviceCreateInfo *device_info)
+void open_view(Host &host, uint32_t lane)
 {
     View &view = host.views[lane];
     const renderer &base = host.base;
@@ -224,7 +224,7 @@ void open_view(Host &host, uint32_t lane, const VkDeviceCreateInfo *device_info)
     what.physical_device = base.physical;
     what.device = base.device;
     what.get_instance_proc_addr = vkGetInstanceProcAddr;
-    what.device_info = device_info;
+    what.device_info = &base.device_info;
     view.rt = dt_vk_open(&what);
     check(view.rt && (lane ? dt_vk_create_from(view.rt, host.views[0].rt)
                            : dt_vk_create(view.rt, &lit_vk)),
@@ -300,13 +300,13 @@ void close_view(const Host &host, const View &view)
     }
 }
 
-void run(Host &host, const VkDeviceCreateInfo *device_info)
+void run(Host &host)
 {
     host.base.width = COLUMNS * TILE;
     host.base.height = ROWS * TILE;
-    renderer_open(&host.base, device_info, suits);
+    renderer_open(&host.base, suits);
     for (uint32_t lane = 0; lane < views_count; lane++)
-        open_view(host, lane, device_info);
+        open_view(host, lane);
     for (host.frame = 0; host.frame < MOMENTS; host.frame++) {
         begin_frame(&host.base, host.frame);
         if (host.frame >= IN_FLIGHT)
@@ -326,30 +326,11 @@ void run(Host &host, const VkDeviceCreateInfo *device_info)
 int main()
 {
     static Host host;
-    VkPhysicalDeviceFeatures core = {};
-    VkPhysicalDeviceVulkan11Features vulkan11 = {};
-    VkPhysicalDeviceVulkan12Features vulkan12 = {};
-    VkPhysicalDeviceVulkan13Features vulkan13 = {};
-    vulkan11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES;
-    vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
-    vulkan13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
-    vulkan11.pNext = &vulkan12;
-    vulkan12.pNext = &vulkan13;
-    vulkan13.dynamicRendering = vulkan13.synchronization2 = VK_TRUE; /* the renderer's own needs */
-    dt_vk_need_features(&lit_vk, &core, &vulkan11, &vulkan12, &vulkan13);
-    const float priority = 1;
-    const VkDeviceQueueCreateInfo queue = {
-        VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, nullptr, 0, 0, 1, &priority};
-    const VkDeviceCreateInfo info = {VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                     &vulkan11,
-                                     0,
-                                     1,
-                                     &queue,
-                                     0,
-                                     nullptr,
-                                     0,
-                                     nullptr,
-                                     &core};
-    run(host, &info);
+    renderer &base = host.base;
+    renderer_prepare(&base);
+    base.vulkan13.dynamicRendering = VK_TRUE; /* the renderer's own needs */
+    base.vulkan13.synchronization2 = VK_TRUE;
+    dt_vk_need_features(&lit_vk, &base.core, &base.vulkan11, &base.vulkan12, &base.vulkan13);
+    run(host);
     return 0;
 }

@@ -39,7 +39,6 @@ struct view {
 /* What its threads share. */
 struct host {
     struct renderer renderer;
-    const VkDeviceCreateInfo *device_info;
     struct dt_vk_scene scene;
     struct dt_frame frame;
     struct view views[LANES];
@@ -92,7 +91,7 @@ static struct dt_vk_runtime *open_runtime(struct host *host)
         .device = renderer->device,
         .queue_family = 0,
         .get_instance_proc_addr = vkGetInstanceProcAddr,
-        .device_info = host->device_info,
+        .device_info = &renderer->device_info,
         .callbacks = &renderer->callbacks,
         .allocator = {renderer, allocate, release},
         .pipeline_cache = renderer->cache,
@@ -237,7 +236,7 @@ static void run(struct host *host, const char *scene_path, uint32_t frames, uint
     struct dt_scene_file *scene = dt_scene_open(scene_path, NULL, &log);
     check(scene, scene_path);
     dt_scene_frame(scene, renderer->width, renderer->height, &host->frame);
-    renderer_open(renderer, host->device_info, suits);
+    renderer_open(renderer, suits);
     struct buffer geometry = make_scene(renderer, dt_scene_data(scene), &host->scene);
     renderer_run(renderer, count < 2 ? count : 2, open_view, host);
     for (uint32_t i = 2; i < count; i++)
@@ -258,27 +257,15 @@ static void run(struct host *host, const char *scene_path, uint32_t frames, uint
 int main(int argc, char **argv)
 {
     static struct host host;
-    VkPhysicalDeviceVulkan13Features vulkan13 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES};
-    VkPhysicalDeviceVulkan12Features vulkan12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, .pNext = &vulkan13};
-    VkPhysicalDeviceVulkan11Features vulkan11 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES, .pNext = &vulkan12};
-    VkPhysicalDeviceFeatures core = {0};
+    struct renderer *renderer = &host.renderer;
+    renderer_prepare(renderer);
     for (int i = 0; i < LANES; i++)
-        dt_vk_need_features(pipelines[i].shaders, &core, &vulkan11, &vulkan12, &vulkan13);
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &(float){1}};
-    host.device_info = &(const VkDeviceCreateInfo){.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                                   .pNext = &vulkan11,
-                                                   .queueCreateInfoCount = 1,
-                                                   .pQueueCreateInfos = &queue,
-                                                   .pEnabledFeatures = &core};
+        dt_vk_need_features(pipelines[i].shaders, &renderer->core, &renderer->vulkan11,
+                            &renderer->vulkan12, &renderer->vulkan13);
     check(argc >= 6 && argc <= 8,
           "usage: host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm [SSVP.ppm]]:");
-    host.renderer.width = (uint32_t)atoi(argv[2]);
-    host.renderer.height = (uint32_t)atoi(argv[3]);
+    renderer->width = (uint32_t)atoi(argv[2]);
+    renderer->height = (uint32_t)atoi(argv[3]);
     host.paths = argv + 5;
     run(&host, argv[1], (uint32_t)atoi(argv[4]), (uint32_t)argc - 5);
     return 0;

@@ -60,7 +60,26 @@ static void open_instance(struct renderer *renderer)
     CHECK(vkCreateInstance(&info, NULL, &renderer->instance));
 }
 
-static void open_device(struct renderer *renderer, const VkDeviceCreateInfo *info,
+void renderer_prepare(struct renderer *renderer)
+{
+    static const float priority = 1;
+    static const VkDeviceQueueCreateInfo queue = {.sType =
+                                                      VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
+                                                  .queueCount = 1,
+                                                  .pQueuePriorities = &priority};
+    renderer->vulkan13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    renderer->vulkan12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
+    renderer->vulkan12.pNext = &renderer->vulkan13;
+    renderer->vulkan11.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES;
+    renderer->vulkan11.pNext = &renderer->vulkan12;
+    renderer->device_info = (VkDeviceCreateInfo){.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
+                                                 .pNext = &renderer->vulkan11,
+                                                 .queueCreateInfoCount = 1,
+                                                 .pQueueCreateInfos = &queue,
+                                                 .pEnabledFeatures = &renderer->core};
+}
+
+static void open_device(struct renderer *renderer,
                         bool (*suits)(VkInstance instance, VkPhysicalDevice physical))
 {
     enum { MAX_DEVICES = 8 };
@@ -73,7 +92,7 @@ static void open_device(struct renderer *renderer, const VkDeviceCreateInfo *inf
         chosen++;
     check(chosen < count, "choosing a device");
     renderer->physical = devices[chosen];
-    CHECK(vkCreateDevice(renderer->physical, info, NULL, &renderer->device));
+    CHECK(vkCreateDevice(renderer->physical, &renderer->device_info, NULL, &renderer->device));
     vkGetDeviceQueue(renderer->device, 0, 0, &renderer->queue);
     CHECK(vkCreatePipelineCache(renderer->device, &cache, NULL, &renderer->cache));
 }
@@ -90,7 +109,7 @@ static void make_lane(const struct renderer *renderer, struct lane *lane)
     CHECK(vkAllocateCommandBuffers(renderer->device, &commands, lane->commands));
 }
 
-void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info,
+void renderer_open(struct renderer *renderer,
                    bool (*suits)(VkInstance instance, VkPhysicalDevice physical))
 {
     const VkFenceCreateInfo fence = {.sType = VK_STRUCTURE_TYPE_FENCE_CREATE_INFO,
@@ -99,15 +118,16 @@ void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info,
                                                   .pfnAllocation = allocate_block,
                                                   .pfnReallocation = reallocate_block,
                                                   .pfnFree = free_block};
-    open_instance(renderer);
-    open_device(renderer, info, suits);
+    if (!renderer->instance)
+        open_instance(renderer);
+    open_device(renderer, suits);
     for (int i = 0; i < LANES; i++)
         make_lane(renderer, &renderer->lanes[i]);
     for (int i = 0; i < IN_FLIGHT; i++)
         CHECK(vkCreateFence(renderer->device, &fence, NULL, &renderer->fences[i]));
 }
 
-void renderer_close(struct renderer *renderer)
+void renderer_close_device(struct renderer *renderer)
 {
     for (int i = 0; i < IN_FLIGHT; i++)
         vkDestroyFence(renderer->device, renderer->fences[i], NULL);
@@ -115,8 +135,13 @@ void renderer_close(struct renderer *renderer)
         vkDestroyCommandPool(renderer->device, renderer->lanes[i].pool, NULL);
     vkDestroyPipelineCache(renderer->device, renderer->cache, NULL);
     vkDestroyDevice(renderer->device, NULL);
-    vkDestroyInstance(renderer->instance, NULL);
     check(renderer->blocks == 0, "freeing all host memory");
+}
+
+void renderer_close(struct renderer *renderer)
+{
+    renderer_close_device(renderer);
+    vkDestroyInstance(renderer->instance, NULL);
 }
 
 /* ---- Threads --------------------------------------------------------------------------------- */
@@ -253,9 +278,8 @@ void write_picture(const struct renderer *renderer, const struct picture *pictur
 
 void begin_frame(struct renderer *renderer, uint32_t frame)
 {
-    VkFence *fence = &renderer->fences[frame % IN_FLIGHT];
+    const VkFence *fence = &renderer->fences[frame % IN_FLIGHT];
     CHECK(vkWaitForFences(renderer->device, 1, fence, VK_TRUE, UINT64_MAX));
-    CHECK(vkResetFences(renderer->device, 1, fence));
 }
 
 VkCommandBuffer begin_commands(struct renderer *renderer, uint32_t frame, uint32_t lane)
@@ -276,6 +300,7 @@ void end_frame(struct renderer *renderer, uint32_t frame, uint32_t lanes)
         commands[i] = renderer->lanes[i].commands[frame % IN_FLIGHT];
         CHECK(vkEndCommandBuffer(commands[i]));
     }
+    CHECK(vkResetFences(renderer->device, 1, &renderer->fences[frame % IN_FLIGHT]));
     CHECK(vkQueueSubmit(renderer->queue, 1, &submit, renderer->fences[frame % IN_FLIGHT]));
 }
 

@@ -43,6 +43,11 @@ struct lane {
 struct renderer {
     VkInstance instance;
     VkPhysicalDevice physical;
+    VkPhysicalDeviceFeatures core; /* these four: what the device enables */
+    VkPhysicalDeviceVulkan11Features vulkan11;
+    VkPhysicalDeviceVulkan12Features vulkan12;
+    VkPhysicalDeviceVulkan13Features vulkan13;
+    VkDeviceCreateInfo device_info;
     VkDevice device; /* and its queue of family 0 */
     VkQueue queue;
     VkPipelineCache cache;
@@ -53,10 +58,14 @@ struct renderer {
     uint32_t width, height;
 };
 
-/* Opens the first physical device that suits. */
-void renderer_open(struct renderer *renderer, const VkDeviceCreateInfo *info,
+/* Chains the features, all off. The caller then sets those that it needs. */
+void renderer_prepare(struct renderer *renderer);
+
+/* Opens the first physical device that suits, of an instance that the caller may have made. */
+void renderer_open(struct renderer *renderer,
                    bool (*suits)(VkInstance instance, VkPhysicalDevice physical));
-void renderer_close(struct renderer *renderer);
+void renderer_close_device(struct renderer *renderer);
+void renderer_close(struct renderer *renderer); /* the device and the instance */
 
 /* Calls job(data, i) for each i below `count`, on threads. */
 void renderer_run(void *renderer, uint32_t count, void (*job)(void *data, uint32_t i), void *data);

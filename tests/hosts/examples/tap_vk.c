@@ -168,15 +168,10 @@ static void run(struct renderer *renderer, struct tap *tap, bool faulty, const s
 int main(int argc, char **argv)
 {
     static struct renderer renderer = {.width = WIDTH, .height = HEIGHT};
-    const VkDeviceQueueCreateInfo queue = {.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
-                                           .queueCount = 1,
-                                           .pQueuePriorities = &(float){1}};
-    const VkDeviceCreateInfo info = {.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO,
-                                     .queueCreateInfoCount = 1,
-                                     .pQueueCreateInfos = &queue};
     const struct again again = {argc == 5 ? argv[3] : NULL, argc == 5 ? argv[4] : NULL};
     check(argc == 2 || argc == 3 || argc == 5, "usage: tap_vk FOLDER [faulty [PASS INPUTS]]:");
-    renderer_open(&renderer, &info, suits);
+    renderer_prepare(&renderer);
+    renderer_open(&renderer, suits);
     struct tap *tap = tap_open(argv[1], "vk", NULL);
     run(&renderer, tap, argc > 2, &again);
     check(tap && tap_close(tap), argv[1]);
