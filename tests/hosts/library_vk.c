@@ -113,7 +113,9 @@ int close_vulkan(void **state)
 int is_silent(void **state)
 {
     (void)state;
-    assert_int_equal(heard.validation, 0);
+    const int count = heard.validation;
+    heard.validation = 0; /* for the next test */
+    assert_int_equal(count, 0);
     return 0;
 }
 
