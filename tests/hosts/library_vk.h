@@ -1,5 +1,5 @@
-/* A Vulkan device of the tests' own, with validation. Validation stays silent unless a test provokes
- * it, also about synchronization. */
+/* The renderer of the examples, with validation. Validation stays silent unless a test provokes it,
+ * also about synchronization. */
 #pragma once
 
 #include "examples/renderer_vk.h"
@@ -26,7 +26,7 @@ VkCommandBuffer new_commands(void);
 void submit_commands(VkCommandBuffer commands);
 void finish_commands(VkCommandBuffer commands); /* submits, and waits for all work */
 
-/* Records a copy of the first layer of an image of WIDTH x HEIGHT to `offset` in the geometry's buffer. */
+/* Records a copy of an image's first layer, WIDTH x HEIGHT, to `offset` in the geometry's buffer. */
 void copy_image(VkCommandBuffer commands, VkImage image, VkImageLayout layout, VkDeviceSize offset);
 
 /* A runtime with the scene and the pipeline of tests/specs/features.yaml. */
