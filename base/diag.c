@@ -139,13 +139,14 @@ static void note_includes(struct diag *diag, const struct source *source)
             diag_note(diag, source->included, "`%s` is included here", source->path);
 }
 
-void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
+bool diag_add_error(struct diag *diag, struct loc loc, const char *format, ...)
 {
     va_list arguments;
     va_start(arguments, format);
     add_message(diag, SEVERITY_ERROR, loc, format, arguments);
     va_end(arguments);
     note_includes(diag, loc.source);
+    return false;
 }
 
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)

@@ -29,7 +29,8 @@ struct diag *diag_create(void);
 void diag_free(struct diag *diag);
 /* A loc without a source is that of no file. An error or a warning in an included file gets a note for
  * each include on the way. One in several instances of a group is reported once. */
-void diag_error(struct diag *diag, struct loc loc, const char *format, ...)
+#define diag_error(...) log_false(diag_add_error(__VA_ARGS__)) /* false, as report_error */
+bool diag_add_error(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 void diag_warning(struct diag *diag, struct loc loc, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

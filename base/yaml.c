@@ -253,12 +253,10 @@ static bool expand(struct fy_document *document, struct fy_diag *messages, const
 {
     struct fy_node *root = fy_document_root(document);
     struct expansion e = {0};
-    if (!count_aliased(root, 0, false, &e)) {
-        diag_error(to->diag, yaml_loc(to->source, e.alias ? e.alias : root),
-                   "aliases add more than %d nodes, or nest more than %d deep", YAML_MOST_ALIASED,
-                   MOST_DEPTH);
-        return false;
-    }
+    if (!count_aliased(root, 0, false, &e))
+        return diag_error(to->diag, yaml_loc(to->source, e.alias ? e.alias : root),
+                          "aliases add more than %d nodes, or nest more than %d deep",
+                          YAML_MOST_ALIASED, MOST_DEPTH);
     if (!e.needed || !fy_document_resolve(document))
         return true;
     report_syntax(messages, to);

@@ -10,10 +10,8 @@
 static bool read(struct spec *spec, const struct spec_request *request, struct diag *diag)
 {
     spec->model.arena = spec->model.arena ? spec->model.arena : arena_create();
-    if (!spec->model.arena) {
-        diag_error(diag, (struct loc){0}, "out of memory");
-        return false;
-    }
+    if (!spec->model.arena)
+        return diag_error(diag, (struct loc){0}, "out of memory");
     spec->model.templates_dir = request->templates;
     spec->model.root = request->root;
     spec->model.prove = request->prove;

@@ -329,10 +329,8 @@ static enum status print_text(struct text *text)
 static bool load(struct generation *g, const struct spec_request *request, bool tables)
 {
     struct diag *diag = diag_create();
-    if (!diag) {
-        diag_error(g->diag, (struct loc){0}, "out of memory");
-        return false;
-    }
+    if (!diag)
+        return diag_error(g->diag, (struct loc){0}, "out of memory");
     bool good = spec_load_both((struct spec *[]){&g->spec, &g->gpu}, request, tables,
                                (struct diag *[]){g->diag, diag});
     bool second = !good && !diag_error_count(g->diag);

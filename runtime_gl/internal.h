@@ -102,6 +102,7 @@ bool gl_check(struct dt_gl_runtime *rt, const char *call, const char *object);
 
 /* glFinish; an error if the device was reset. */
 bool gl_finish(struct dt_gl_runtime *rt, const char *object);
+const char *gl_text(GLenum value, const char *other); /* what an error or a status means */
 
 /* ---- context.c ------------------------------------------------------------------------------- */
 

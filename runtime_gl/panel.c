@@ -161,22 +161,6 @@ static bool attach(struct dt_gl_runtime *rt, GLuint framebuffer, GLenum point,
     return GL(rt, image->name, NamedFramebufferTexture(framebuffer, point, image->handle, mip));
 }
 
-static const char *status_text(GLenum status)
-{
-    switch (status) {
-    case GL_FRAMEBUFFER_INCOMPLETE_ATTACHMENT:
-        return "a target has a format that cannot be drawn to";
-    case GL_FRAMEBUFFER_INCOMPLETE_MISSING_ATTACHMENT:
-        return "it has no target";
-    case GL_FRAMEBUFFER_INCOMPLETE_LAYER_TARGETS:
-        return "layered and single images are mixed";
-    case GL_FRAMEBUFFER_UNSUPPORTED:
-        return "the driver does not support this combination of formats";
-    default:
-        return "the framebuffer is incomplete";
-    }
-}
-
 /* Codes of sRGB need a view, too. A pass may sample one mip or layer and draw into another only through a texture that has no
  * texel of the target (OpenGL 4.6, 9.3.1: rendering feedback loops). */
 static bool create_views(struct dt_gl_runtime *rt, struct gl_program *program,
@@ -210,7 +194,8 @@ static bool create_framebuffer(struct dt_gl_runtime *rt, GLuint *framebuffer, ui
         return false;
     GLenum status = rt->gl.CheckNamedFramebufferStatus(*framebuffer, GL_DRAW_FRAMEBUFFER);
     return status == GL_FRAMEBUFFER_COMPLETE ||
-           dt_error(&rt->core, "pass %s: %s", name, status_text(status));
+           dt_error(&rt->core, "pass %s: %s", name,
+                    gl_text(status, "the framebuffer is incomplete"));
 }
 
 static bool create_texels(struct dt_gl_runtime *rt, const struct dt_program *info)

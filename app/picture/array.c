@@ -30,30 +30,15 @@ static void add_fields(struct text *type, const struct dt_resource *resource)
 }
 
 /* Codes of unorm and snorm stay codes; packed floats become float. */
-static const char *number_code(enum number_kind kind)
+static void add_number_code(struct text *type, enum number_kind kind)
 {
-    switch (number_is_packed(kind) ? NUMBER_FLOAT : kind) {
-    case NUMBER_UNORM8:
-    case NUMBER_UINT8:
-        return "|u1";
-    case NUMBER_INT8:
-        return "|i1";
-    case NUMBER_UNORM16:
-    case NUMBER_UINT16:
-        return "<u2";
-    case NUMBER_SNORM16:
-    case NUMBER_INT16:
-        return "<i2";
-    case NUMBER_HALF:
-        return "<f2";
-    case NUMBER_UNORM24:
-    case NUMBER_UINT:
-        return "<u4";
-    case NUMBER_INT:
-        return "<i4";
-    default:
-        return "<f4";
-    }
+    uint32_t size = number_size(kind);
+    bool is_float = number_is_float(kind) || number_is_packed(kind);
+    text_add(type, "'%c%c%u'", size > 1 ? '<' : '|',
+             is_float                 ? 'f'
+             : number_is_signed(kind) ? 'i'
+                                      : 'u',
+             size);
 }
 
 static void add_array_head(struct text *out, const struct dt_resource *resource,
@@ -63,7 +48,7 @@ static void add_array_head(struct text *out, const struct dt_resource *resource,
     if (resource->kind == DT_BUFFER)
         add_fields(&type, resource);
     else
-        text_add(&type, "'%s'", number_code(first->kind));
+        add_number_code(&type, first->kind);
     text_add(&head, "{'descr': %s, 'fortran_order': False, 'shape': (", type.data ? type.data : "");
     if (resource->kind == DT_BUFFER)
         text_add(&head, "%u,), }", extent[0]);

@@ -66,6 +66,11 @@ bool number_is_float(enum number_kind kind)
     return kind >= NUMBER_HALF && kind <= NUMBER_B10F;
 }
 
+bool number_is_signed(enum number_kind kind)
+{
+    return numbers[kind].least < 0;
+}
+
 uint32_t number_one(enum number_kind kind)
 {
     if (kind == NUMBER_SNORM16)
@@ -108,39 +113,17 @@ static double half_value(uint32_t bits)
 
 double number_of_bits(enum number_kind kind, uint32_t bits)
 {
+    uint32_t width = numbers[kind].width, one = number_one(kind);
     float number;
     memcpy(&number, &bits, sizeof number);
-    switch (kind) {
-    case NUMBER_UNORM8:
-    case NUMBER_UNORM16:
-    case NUMBER_UNORM24:
-    case NUMBER_R10:
-    case NUMBER_G10:
-    case NUMBER_B10:
-    case NUMBER_A2:
-        return (double)bits / number_one(kind);
-    case NUMBER_SNORM16: /* -32768 is -1, too */
-        return fmax((double)(int16_t)bits / INT16_MAX, -1);
-    case NUMBER_HALF:
-        return half_value(bits);
-    case NUMBER_R11F: /* halves without a sign, and with a shorter fraction */
-    case NUMBER_G11F:
-    case NUMBER_B10F:
-        return half_value(bits << (15 - numbers[kind].width));
-    case NUMBER_FLOAT:
+    if (kind == NUMBER_FLOAT)
         return (double)number;
-    case NUMBER_UINT:
-    case NUMBER_UINT8:
-    case NUMBER_UINT16:
-        return bits;
-    case NUMBER_INT:
-        return (int32_t)bits;
-    case NUMBER_INT8:
-        return (int8_t)bits;
-    case NUMBER_INT16:
-        return (int16_t)bits;
-    }
-    return 0;
+    if (number_is_float(
+            kind)) /* packed ones are halves without a sign, and with a shorter fraction */
+        return half_value(kind == NUMBER_HALF ? bits : bits << (15 - width));
+    int32_t extended = (int32_t)(bits << (32 - width)) >> (32 - width);
+    double value = number_is_signed(kind) ? extended : (double)bits;
+    return one ? fmax(value / one, -1) : value; /* SNORM16: -32768 is -1, too */
 }
 
 double number_value(enum number_kind kind, const uint8_t *place)
@@ -169,37 +152,12 @@ bool number_store(enum number_kind kind, double value, uint8_t *place)
     uint32_t bits = 0;
     if (!(value >= numbers[kind].least && value <= numbers[kind].most))
         return false;
-    switch (kind) {
-    case NUMBER_UNORM8:
-    case NUMBER_UNORM16:
-    case NUMBER_UNORM24:
-    case NUMBER_SNORM16:
-    case NUMBER_R10:
-    case NUMBER_G10:
-    case NUMBER_B10:
-    case NUMBER_A2:
-        bits = (uint32_t)lrint(number_one(kind) * value);
-        break;
-    case NUMBER_HALF:
-        bits = half_bits(value, 10);
-        break;
-    case NUMBER_R11F:
-    case NUMBER_G11F:
-    case NUMBER_B10F:
-        bits = half_bits(value, (int)numbers[kind].width - 5);
-        break;
-    case NUMBER_FLOAT:
+    if (kind == NUMBER_FLOAT)
         memcpy(&bits, &number, sizeof bits);
-        break;
-    case NUMBER_UINT:
-    case NUMBER_INT:
-    case NUMBER_UINT8:
-    case NUMBER_INT8:
-    case NUMBER_UINT16:
-    case NUMBER_INT16:
-        bits = (uint32_t)llrint(value);
-        break;
-    }
+    else if (number_is_float(kind))
+        bits = half_bits(value, kind == NUMBER_HALF ? 10 : (int)numbers[kind].width - 5);
+    else
+        bits = (uint32_t)llrint(number_one(kind) ? number_one(kind) * value : value);
     number_set_bits(kind, bits & mask_of(kind), place);
     return true;
 }

@@ -4,6 +4,7 @@
 #include "formats.h"
 
 bool number_is_float(enum number_kind kind);
+bool number_is_signed(enum number_kind kind);
 uint32_t number_one(enum number_kind kind); /* code of 1.0 of unorm and snorm; others: 0 */
 
 uint32_t number_size(enum number_kind kind);  /* bytes to read: 4 of a packed number */

@@ -42,13 +42,12 @@ static void add_fields(cJSON *entry, const struct dt_resource *resource)
 static void add_number_type(cJSON *entry, enum dt_format format)
 {
     enum number_kind kind = format_info(format)->kind;
-    bool is_signed = kind == NUMBER_SNORM16 || number_is_signed_integer(kind);
     char name[16];
     snprintf(name, sizeof name, "%s%u",
-             number_is_packed(kind)  ? "uint"
-             : number_is_float(kind) ? "float"
-             : is_signed             ? "int"
-                                     : "uint",
+             number_is_packed(kind)   ? "uint"
+             : number_is_float(kind)  ? "float"
+             : number_is_signed(kind) ? "int"
+                                      : "uint",
              8 * number_size(kind));
     cJSON_AddStringToObject(entry, "number", name);
 }

@@ -62,13 +62,11 @@ static bool check_value(struct checker *c, const struct expr *expr, const struct
     const char *where = situation(c, expr, frame, live);
     switch (expr_eval(expr, frame[0], frame[1], &value)) {
     case EXPR_DIVIDES_BY_ZERO:
-        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]),
-                   "%s of `%s` divides by zero%s", limits->what, limits->of, where);
-        return false;
+        return diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]),
+                          "%s of `%s` divides by zero%s", limits->what, limits->of, where);
     case EXPR_OVERFLOWS:
-        diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]),
-                   "%s of `%s` overflows 64 bits%s", limits->what, limits->of, where);
-        return false;
+        return diag_error(c->diag, expr_fault_loc(expr, frame[0], frame[1]),
+                          "%s of `%s` overflows 64 bits%s", limits->what, limits->of, where);
     case EXPR_OK:
         break;
     }
@@ -120,12 +118,10 @@ static bool check_live_ends(struct checker *c, const struct expr *expr, const st
 
 static bool check_terms(struct checker *c, const struct expr *expr, const struct limits *limits)
 {
-    if (expr_terms(expr) <= EXPR_MOST_TERMS)
-        return true;
-    diag_error(c->diag, expr_loc(expr),
-               "%s of `%s` has more than %d terms with those of its constants", limits->what,
-               limits->of, EXPR_MOST_TERMS);
-    return false;
+    return expr_terms(expr) <= EXPR_MOST_TERMS ||
+           diag_error(c->diag, expr_loc(expr),
+                      "%s of `%s` has more than %d terms with those of its constants", limits->what,
+                      limits->of, EXPR_MOST_TERMS);
 }
 
 bool check_expr(struct checker *c, struct expr *expr, const struct limits *limits)

@@ -187,8 +187,8 @@ static bool check_loop(const struct glsl *glsl, struct loop *loop, bool in_main)
     if (!token_is(loop->type, element) && !token_is(loop->type, "auto")) {
         struct loc loc =
             glsl_body_loc(glsl, body, (size_t)(loop->type.text - body), loop->type.length);
-        diag_error(glsl->diag, loc, "range %s has elements of type %s", loop->range->name, element);
-        return false;
+        return diag_error(glsl->diag, loc, "range %s has elements of type %s", loop->range->name,
+                          element);
     }
     loop->fields = used_fields(loop);
     loop->words = by_words(glsl, loop->range);

@@ -81,10 +81,8 @@ bool read_spec(struct model *model, const char *path, const char *const *sets, s
     struct reader reader = {.model = model, .diag = diag};
     const char *reason;
     const struct source *source = source_read(model, path, &reason);
-    if (!source) {
-        diag_error(diag, (struct loc){0}, "cannot read the spec `%s`: %s", path, reason);
-        return false;
-    }
+    if (!source)
+        return diag_error(diag, (struct loc){0}, "cannot read the spec `%s`: %s", path, reason);
     bool loaded = documents_load(&reader, source);
     if (loaded) {
         document_set(&reader, sets, set_count, true);

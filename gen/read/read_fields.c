@@ -155,10 +155,9 @@ static bool choice_check(struct reader *reader, const struct key *key, const cha
         words[count++] = word;
     if (!strcmp(key->name, "format") && lacks_format(reader, text, loc, words, count))
         return false;
-    diag_error(reader->diag, loc, "`%s` is not a valid %s%s", text,
-               strcmp(key->name, "*") ? key->name : "value",
-               hint_or_all(text, words, count, count > 1 ? "; use one of" : "; use").text);
-    return false;
+    return diag_error(reader->diag, loc, "`%s` is not a valid %s%s", text,
+                      strcmp(key->name, "*") ? key->name : "value",
+                      hint_or_all(text, words, count, count > 1 ? "; use one of" : "; use").text);
 }
 
 /* The first element of a list that is no number; NULL: none, or the key takes no list of numbers. */
@@ -239,12 +238,10 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
                  struct fields *fields)
 {
     *fields = (struct fields){.section = section, .loc = loc, .node = node};
-    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
-        diag_error(reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
-                   "%s must be a map, not %s", table_sections[section].title,
-                   describe_node(reader, node));
-        return false;
-    }
+    if (!node || fy_node_get_type(node) != FYNT_MAPPING)
+        return diag_error(
+            reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
+            "%s must be a map, not %s", table_sections[section].title, describe_node(reader, node));
     void *iterator = NULL;
     struct fy_node_pair *pair;
     while ((pair = fy_node_mapping_iterate(node, &iterator)))

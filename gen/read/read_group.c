@@ -246,11 +246,10 @@ static bool evaluate_argument(struct reader *reader, const struct scope *scope, 
     diag_free(silent);
     if (!expr || (!known && !expr_resolve(expr, reader->all, reader->diag)))
         return false;
-    if (!known || expr_reach(expr) != EXPR_BAKED || expr_eval(expr, 0, 0, value) != EXPR_OK) {
-        diag_error(reader->diag, loc,
-                   "`%s` must be an integer over baked parameters and their constants", text);
-        return false;
-    }
+    if (!known || expr_reach(expr) != EXPR_BAKED || expr_eval(expr, 0, 0, value) != EXPR_OK)
+        return diag_error(reader->diag, loc,
+                          "`%s` must be an integer over baked parameters and their constants",
+                          text);
     return true;
 }
 
@@ -386,10 +385,8 @@ static bool read_span(struct reader *reader, struct fy_node *item, const char **
     const char *dots = text ? strstr(text, "..") : NULL;
     if (text)
         *name = arena_strndup(arena, text, length);
-    if (!dots || strncmp(text + length, " in ", 4) || !*name || !is_identifier(*name)) {
-        diag_error(reader->diag, loc, "`repeat` must be NAME in FIRST .. LAST");
-        return false;
-    }
+    if (!dots || strncmp(text + length, " in ", 4) || !*name || !is_identifier(*name))
+        return diag_error(reader->diag, loc, "`repeat` must be NAME in FIRST .. LAST");
     const char *begin = text + length + 4, *end = dots;
     while (end > begin && end[-1] == ' ')
         end--;
@@ -400,11 +397,9 @@ static bool read_span(struct reader *reader, struct fy_node *item, const char **
         !evaluate_argument(reader, scope, last,
                            part_loc(reader, node, (size_t)(last - text), strlen(last)), &span[1]))
         return false;
-    if (span[0] >= 0 && span[0] <= INT32_MAX)
-        return true;
-    diag_error(reader->diag, first_loc, "the first number is %lld; at least 0, at most %d",
-               (long long)span[0], INT32_MAX);
-    return false;
+    return (span[0] >= 0 && span[0] <= INT32_MAX) ||
+           diag_error(reader->diag, first_loc, "the first number is %lld; at least 0, at most %d",
+                      (long long)span[0], INT32_MAX);
 }
 
 static bool expand_repeat(struct use *use)

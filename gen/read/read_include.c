@@ -116,10 +116,8 @@ static bool include(struct reader *reader, struct document *from, const char *na
                     struct fy_node *entry)
 {
     uint32_t count = 0;
-    if (!name || !*name) {
-        diag_error(reader->diag, loc, "expected a file name");
-        return false;
-    }
+    if (!name || !*name)
+        return diag_error(reader->diag, loc, "expected a file name");
     struct source *source = find_file(reader, from, name, loc);
     char *real = source ? realpath(source->path, NULL) : NULL;
     const struct document *same = NULL;
@@ -130,10 +128,8 @@ static bool include(struct reader *reader, struct document *from, const char *na
     if (!source)
         return false;
     for (const struct document *at = from; same && at; at = at->parent)
-        if (at == same) {
-            diag_error(reader->diag, loc, "`%s` includes itself", same->source->path);
-            return false;
-        }
+        if (at == same)
+            return diag_error(reader->diag, loc, "`%s` includes itself", same->source->path);
     if (same && entry) {
         diag_error(reader->diag, loc, "`%s` is already included; its passes cannot run twice",
                    source->path);
@@ -143,8 +139,7 @@ static bool include(struct reader *reader, struct document *from, const char *na
         return !entry;
     if (count < MOST_DOCUMENTS)
         return read_source(reader, source, from, entry);
-    diag_error(reader->diag, loc, "a spec has at most %d files", MOST_DOCUMENTS);
-    return false;
+    return diag_error(reader->diag, loc, "a spec has at most %d files", MOST_DOCUMENTS);
 }
 
 bool is_include(struct fy_node *item)

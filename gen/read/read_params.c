@@ -83,11 +83,9 @@ static bool take_value(struct reader *reader, struct param *param, struct fy_nod
     param->components = type_components(param->type);
     if (!node)
         return false;
-    if (!param_value(reader, node, param->value, &components, &own)) {
-        diag_error(reader->diag, param->value_loc, "the value of `%s` must be %s", param->name,
-                   key_types[KEY_VALUE].text);
-        return false;
-    }
+    if (!param_value(reader, node, param->value, &components, &own))
+        return diag_error(reader->diag, param->value_loc, "the value of `%s` must be %s",
+                          param->name, key_types[KEY_VALUE].text);
     if (type < 0)
         param->type = inferred_type(reader, node, own);
     param->components = type_components(param->type);

@@ -84,11 +84,10 @@ static bool read_access(struct reader *reader, struct fy_node *node, enum access
     set_name(reader, node, access);
     if (access->name && is_path(access->name))
         return true;
-    if (!node || fy_node_get_type(node) != FYNT_MAPPING) {
-        diag_error(reader->diag, access->loc,
-                   "expected a resource's name, or a map such as {name: NAME, sampler: NAME}");
-        return false;
-    }
+    if (!node || fy_node_get_type(node) != FYNT_MAPPING)
+        return diag_error(
+            reader->diag, access->loc,
+            "expected a resource's name, or a map such as {name: NAME, sampler: NAME}");
     struct fields fields;
     if (!fields_read(reader, node, SECTION_ACCESS, access->loc, &fields))
         return false;

@@ -86,11 +86,9 @@ static void start_threads(struct jobs *jobs)
 
 static bool add_job(struct jobs *jobs, struct job job)
 {
-    if (!spirv_init()) {
-        diag_error(job.plan->diag, (struct loc){0},
-                   "the GLSL compiler could not be started: out of memory");
-        return false;
-    }
+    if (!spirv_init())
+        return diag_error(job.plan->diag, (struct loc){0},
+                          "the GLSL compiler could not be started: out of memory");
     pthread_mutex_lock(&jobs->lock);
     jobs->list[jobs->count++] = job;
     pthread_cond_signal(&jobs->more);
@@ -359,10 +357,8 @@ static bool emit(const struct shader_plan *plan, const struct shader_plan *first
     bool good = true;
     for (int backend = BACKEND_VK; backend >= BACKEND_GL; backend--) {
         plan->shaders[backend] = calloc(count + 1, sizeof *plan->shaders[backend]);
-        if (!plan->shaders[backend]) {
-            diag_error(plan->diag, (struct loc){0}, "out of memory");
-            return false;
-        }
+        if (!plan->shaders[backend])
+            return diag_error(plan->diag, (struct loc){0}, "out of memory");
         for (uint32_t i = 0; i < count; i++)
             good &= emit_pass_shaders(first, i, cache,
                                       (struct job){.plan = plan,
