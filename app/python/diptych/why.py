@@ -755,7 +755,7 @@ CHANNEL_NAMES = ("red", "green", "blue", "alpha")
 LOOKS, LEAST_SHARE, LEAST_PIECE = 50, 0.01, 32  # of pieces: boxes that are tried, and what is told
 UNORDERED = ("byte_order", "reciprocal")  # maps that keep no order, and lose nothing
 LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
-VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.05, "layer_alone": 0.05}  # places that fit much
+VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.16, "layer_alone": 0.05}  # places that fit much
 
 
 def percent(share: float) -> str:

@@ -567,24 +567,24 @@ def not_tested(pair: Any, p: Any) -> float | None:
     return None
 
 
-def between_neighbours(pair: Any) -> float:
-    """How many of `to` lie between neighbours in `from`, where `from` is as one of its neighbours."""
+def at_edges(pair: Any) -> tuple[float, float]:
+    """How many of what differs are beside an edge of `from`; of how many `to` is there a mix of `from` and of one neighbour."""
     z, y, x = pair.differing
     ring = np.stack([pair.get(z, y + j, x + i) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)])
-    low, high = np.nanmin(ring, 0), np.nanmax(ring, 0)
-    near = np.nanmin(np.abs(ring - pair.differing_from), 0)
-    steep = (high - low).max(1) > 0.1 * pair.range
-    inside = ((pair.differing_to >= low - pair.step) & (pair.differing_to <= high + pair.step)).all(1)
-    sharp = (near <= 0.1 * (high - low) + pair.step).all(1)
-    return float((steep & inside & sharp & (np.abs(pair.differing_to - pair.differing_from).max(1) < 0.95 * (high - low).max(1))).mean())
+    across, moved = ring - pair.differing_from, pair.differing_to - pair.differing_from
+    part = (across * moved).sum(2) / np.maximum((across ** 2).sum(2), 1e-30)
+    off, steep = np.abs(part[..., None] * across - moved).max(2), np.abs(across).max(2) > 0.1 * pair.range
+    mixes = (off <= 0.3 * np.abs(moved).max(1) + 1.01 * pair.step) & (part < 0.95) & (part > 0) & steep
+    return float(steep.any(0).mean()), float(mixes.any(0).mean())
 
 
 def not_antialiased(pair: Any, p: Any) -> float | None:
-    """Differences at few edges alone, which `to` has softer, and not `from`."""
+    """Differences at few edges alone, which `to` has softer, and not `from`: its bright side gets darker, its dark side brighter."""
     if len(pair.differing[0]) < 16 or pair.share > 0.2:
         return None
-    softer, sharper = (between_neighbours(side) for side in sorted(pair.question.pairs, key=lambda other: other is not pair))
-    return 1 - softer if softer > sharper + 0.1 else None
+    (beside, softer), (_, sharper) = (at_edges(side) for side in sorted(pair.question.pairs, key=lambda other: other is not pair))
+    brighter = (pair.differing_to - pair.differing_from).sum(1) > 0
+    return 1 - beside if softer > max(2 * sharper, 0.7) and 0.1 < brighter.mean() < 0.9 else None
 
 
 # ---- The table -----------------------------------------------------------------------------------
