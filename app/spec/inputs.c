@@ -126,7 +126,9 @@ static bool read_picture(const struct loading *loading, struct picture_level *le
     }
     if (result)
         fclose(result);
-    return good || refuse_input(loading, "%s", heard.reason);
+    if (!good)
+        refuse_input(loading, "%s", heard.reason);
+    return good;
 }
 
 static size_t row_from_top(const struct loading *loading, const struct picture_level *level,
