@@ -123,10 +123,16 @@ static const struct token *function_named(const struct body *body, const char *n
 static bool minds_group(const struct body_files *files)
 {
     static const char *const words[] = {"shared", "barrier", "groupMemoryBarrier",
-                                        "memoryBarrierShared", NULL};
-    static const char *const prefixes[] = {"gl_Local",    "gl_WorkGroup", "gl_NumWorkGroups",
-                                           "gl_Subgroup", "subgroup",     NULL};
-    return body_mentions_any(files, words, prefixes);
+                                        "memoryBarrierShared"};
+    static const char *const prefixes[] = {"gl_Local", "gl_WorkGroup", "gl_NumWorkGroups",
+                                           "gl_Subgroup", "subgroup"};
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
+        if (body_mentions(files, words[i]))
+            return true;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(prefixes); i++)
+        if (body_mentions_prefix(files, prefixes[i]))
+            return true;
+    return false;
 }
 
 static bool reads_image(const struct pass *pass, const struct token *token)

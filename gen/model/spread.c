@@ -96,14 +96,13 @@ static void declare_elements(struct spreading *s)
     for (uint32_t k = 0; k < s->count; k++) {
         char name[300];
         snprintf(name, sizeof name, "%s_%u", spirv_variable_name(from, s->array), k);
-        s->elements[k] = s->edit.bound++;
         SPIRV_PUT(&s->edit, &s->edit.declarations, SpvOpVariable, pointer, s->elements[k],
                   s->array[3]);
         spirv_put_name(&s->edit, s->elements[k], name);
     }
 }
 
-/* Without what only arrays need: their capabilities, extension and decorations. */
+/* Without what only arrays need: their capabilities and extension. Elements have the decorations of the array. */
 static void copy_sections(struct spreading *s)
 {
     const struct spirv *from = s->from;
@@ -258,6 +257,8 @@ static bool spread_one(struct spirv *module, const uint32_t *variable, bool *don
     if (*done) {
         spirv_edit_begin(&s.edit, module);
         s.edit.front.count = SPIRV_HEADER;
+        for (uint32_t k = 0; k < s.count; k++)
+            s.elements[k] = s.edit.bound++;
         copy_sections(&s);
         declare_elements(&s);
         put_code(&s);

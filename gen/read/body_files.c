@@ -329,18 +329,6 @@ bool body_mentions_prefix(const struct body_files *files, const char *prefix)
     return false;
 }
 
-bool body_mentions_any(const struct body_files *files, const char *const *words,
-                       const char *const *prefixes)
-{
-    for (; *words; words++)
-        if (body_mentions(files, *words))
-            return true;
-    for (; *prefixes; prefixes++)
-        if (body_mentions_prefix(files, *prefixes))
-            return true;
-    return false;
-}
-
 bool body_asks_for(const struct body_files *files, const char *macro)
 {
     for (uint32_t i = 0; files && i < files->count; i++)

@@ -60,9 +60,6 @@ uint32_t body_find(const struct body_files *files, const char *word, struct loc 
 bool body_mentions_member(const struct body_files *files, const char *word);
 /* Whether a file has an identifier that begins so. */
 bool body_mentions_prefix(const struct body_files *files, const char *prefix);
-/* Whether a file has one of the words, or of the prefixes; both lists end with NULL. */
-bool body_mentions_any(const struct body_files *files, const char *const *words,
-                       const char *const *prefixes);
 /* Whether an #if, #ifdef or #elif asks for the macro. */
 bool body_asks_for(const struct body_files *files, const char *macro);
 

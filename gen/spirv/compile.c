@@ -93,7 +93,7 @@ static void tell_form(void *user, uint32_t file, uint32_t line, const char *word
         diag_remark(proving->model->prove, loc, "%s: %s", word, form);
 }
 
-/* The passes; takes over the module. proving: is told the forms of operations; NULL: nobody is. */
+/* The passes; takes over the module. proving: gets the forms of operations; may be NULL. */
 static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
                         struct shader *shader, struct proving *proving, char **log)
 {

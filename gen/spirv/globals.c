@@ -63,9 +63,7 @@ static bool put_constants(struct spirv *module, const uint32_t *values)
 {
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    SPIRV_EACH(module, at, module->annotations, edit.failed ? 0 : module->declarations)
-    if (module->words[at + 1]) /* what was dropped before has decorations without a target */
-        spirv_copy(&edit, &edit.annotations, module->words + at);
+    spirv_edit_annotations(&edit);
     SPIRV_EACH(module, at, edit.failed ? module->count : module->code, module->count)
     {
         const uint32_t *i = module->words + at;

@@ -270,6 +270,15 @@ def shapes(tap):
     found = sorted(set(re.findall("undefined: (.*)", done.stdout)))
     tap.result("... sanitized: indices that the arrays have not", [] if found == [
         f"index {count} of `{name}`, which has {count} elements" for count, name in ((2, "loose"), (2, "nearest"), (3, "maps"))] else [done.stdout])
+    put("a.comp", "#version 450\nlayout(local_size_x = 1) in;\nlayout(rgba32f) coherent uniform image2D maps[2];\n"
+        "void main() { imageStore(maps[0], ivec2(0), vec4(1)); imageStore(maps[1], ivec2(0), vec4(2)); }\n")
+    put("a.yaml", COMPUTE.format(local=1, head="images: {x: {format: rgba32f, size: [1, 1]}, y: {format: rgba32f, size: [1, 1]}}", kind="float",
+        file="a.comp").replace("writes: [Sums]", "writes: [{name: x, as: maps_0}, {name: y, as: maps_1}]").replace("buffers: {Sums: {of: float, count: 8}}\n", ""))
+    bodies.run(BUILD + "/diptych-gen", "a.yaml", "-o", "out")
+    bodies.run("spirv-dis", "out/vk/tried.run.comp.spv", "-o", "listing")
+    with open("listing", encoding="utf-8") as file:
+        kept = file.read().count(" Coherent")
+    tap.result("elements of an array have its decorations", [] if kept == 2 else [f"{kept} are coherent"])
     deep = "[1]" * 100
     put("a.comp", f"#version 450\nlayout(local_size_x = 1) in;\nlayout(std430) buffer B {{ float v{deep}; }} many[2];\n"
         f"void main() {{ many[1].v{'[0]' * 100} = 2.0; many[0].v{'[0]' * 100} = 1.0; }}\n")
