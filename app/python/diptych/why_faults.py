@@ -159,7 +159,7 @@ def pitches(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
     pitch = row + np.arange(1, min(row, 1024) + 1)
     values = pitched(pair, (0, 0, np.repeat(pitch, len(few))), *(np.tile(axis[few], len(pitch)) for axis in points))
     near = (np.abs(values - np.tile(target[few], (len(pitch), 1))) <= 0.02 * pair.range).all(1).reshape(len(pitch), -1)
-    return [(float(pitch[i]) / pair.c, float(pair.w), float(pitch[i])) for i in np.argsort(-near.mean(1))[:2]]
+    return [(float(pitch[i]) / pair.c, float(pair.w), float(pitch[i])) for i in np.argsort(-near.sum(1))[:2]]
 
 
 def repacked(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
