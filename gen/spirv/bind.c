@@ -19,9 +19,9 @@ struct binder {
     bool *live;               /* by function: the entry point reaches it */
     uint32_t *moved;          /* by id: a variable's private one, or a pointer's self; 0: stays */
     uint32_t now;             /* the private one that gets its values */
-    uint32_t *given;          /* by id of a value's function: the variable that has the value; 0: none */
-    int *bindings;            /* by id: 1 + binding of a resource; 0: none */
-    unsigned char *types;     /* by id: LOOSE, KEPT */
+    uint32_t *given; /* by id of a value's function: the variable that has the value; 0: none */
+    int *bindings;   /* by id: 1 + binding of a resource; 0: none */
+    unsigned char *types; /* by id: LOOSE, KEPT */
     char **why;
 };
 enum { LOOSE = 1, KEPT = 2 }; /* reached by variables that move, by others */
