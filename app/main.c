@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "base/files.h"
 #include "base/limit.h"
@@ -228,6 +229,11 @@ static int run_and_tell(struct console *console, const struct verb *verb,
     if (verb->id == VERB_REPLAY && confine_replay(console, options, &status))
         return status;
     status = verb->run(console, options);
+    for (size_t i = 0; i < 2 && status == EXIT_USAGE; i++) { /* an empty folder tells nothing */
+        const char *made = i ? options->pictures : options->html;
+        if (made)
+            (void)rmdir(made);
+    }
     if (options->json && !outcome_write(console, verb->name, options->json, status))
         status = verb->failed;
     return status;

@@ -110,28 +110,38 @@ fi
 head -c 30000 once.rdc >cut.rdc
 { head -c 9000 once.rdc && seq 2000 | head -c 5000 && tail -c +14001 once.rdc; } >damaged.rdc
 check "a capture that is cut off ends with a message" says 2 'error: cut.rdc: ' none.rdc cut.rdc
-check "... and a damaged one" says 2 'error: damaged.rdc: ' none.rdc damaged.rdc
+check "... and a damaged one" says 2 'error: damaged.rdc: ' none.rdc damaged.rdc --html no_page
+check "... which leaves no page" test ! -e no_page
 check "... and a folder beside it" says 2 'captures are compared with captures' none.rdc .
 check_status 1 "a program that ends is told" "$diptych" capture -o x.rdc --frame 3 -- /bin/true
 check_status 1 "... and one that is not there" "$diptych" capture -o x.rdc -- no-such-program
 check_status 2 "... and none" "$diptych" capture -o x.rdc
 check "nothing is left of them" test ! -e x.rdc
-check "a replay that was taken over names its own files alone" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
-import json, os
-from diptych.console import Console, Failure
-from diptych.rdc.compare import Replays
-os.makedirs("left/below"), os.symlink("/etc/passwd", "left/link"), open("left/own", "w").close(), open("left/small.npz", "w").close()
-def frame(name):
-    with open("left/frame.json", "w") as file:
-        json.dump({"passes": [{"entries": [{"file": name}], "inputs": [], "shaders": []}]}, file)
-    return Replays(Console("compare", []), True).frame("x.rdc", "left")
-frame("own")
-for name in ("/etc/passwd", "../none.rdc", "below", "below/../own", "./own", "link", "absent", ""):
-    try:
-        frame(name)
-    except Failure:
-        continue
-    raise SystemExit(f"{name} was taken")'
+check "a replay that was taken over names its own files alone, and is told where it left no frame" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
+import os
+from diptych.rdc.left import FRAME, Unreadable, own, read
+os.makedirs("left/below"), os.symlink("/etc/passwd", "left/link"), open("left/own", "w").close()
+def frame(text):
+    with open("left/frame.json", "wb") as file:
+        file.write(text)
+    read("left", FRAME)
+own("left", "own")
+for call, *wrong in ((lambda name: own("left", name), "/etc/passwd", "../none.rdc", "below", "below/../own", "./own", "link", "absent", ""),
+                     (frame, b"{", b"\xff", b"[]", b"[" * 100000, b"{\"passes\": [3]}")):
+    for item in wrong:
+        try:
+            call(item)
+        except Unreadable:
+            continue
+        raise SystemExit(f"{item[:20]} was taken")'
+check "a fault of our own is called so" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
+import io, sys
+from contextlib import redirect_stderr
+import diptych.__main__ as program, diptych.rdc.compare as verb
+verb.Comparison, sys.argv[1:], sys.stdin = None, ["compare"], io.TextIOWrapper(io.BytesIO(b"{\"errors\": []}"))
+with redirect_stderr(io.StringIO()) as told:
+    status = program.main()
+raise SystemExit(not (status == 2 and "Traceback" in told.getvalue() and "internal error: TypeError" in told.getvalue()))'
 
 check "a replay that shows another picture proves nothing; one backend alone is blamed" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
 import numpy as np

@@ -7,6 +7,7 @@ import json
 import os
 import signal
 import sys
+import traceback
 from typing import Any
 
 from .console import Console, Failure
@@ -52,6 +53,9 @@ def main() -> int:
         if not error.filename:  # standard output
             raise
         console.error(f"{error.filename}: {error.strerror}")
+    except Exception as error:  # ours: never told as the user's
+        traceback.print_exc()
+        console.error(f"{verb}: internal error: {type(error).__name__}: {error}")
     if "json" in request:
         console.write_json(request["json"], status, result)
     sys.stdout.flush()

@@ -11,13 +11,15 @@ import subprocess
 import sys
 import tempfile
 from concurrent.futures import ThreadPoolExecutor, TimeoutError as TooLong
+from contextlib import suppress
 from typing import Any, Iterator
 
 import numpy as np
 
 from . import differ, guilty
 from .capture import renderdoc
-from ..console import Console, Failure, printable, write
+from ..console import Console, printable, write
+from .left import TAKEN, Unreadable, frame_of, read
 from .match import Matcher, Pair, Side, numbers_of
 from .texels import doubled_depth
 from ..verbs import HERE
@@ -120,22 +122,13 @@ class Replays:
             self.console.fail("nothing was compared")
         return [self.side(capture, folder) for capture, folder in zip(captures, folders)]
 
-    def frame(self, capture: str, folder: str) -> Json:
-        """What the replay, which the capture may have taken over, left: it names files of its folder alone."""
-        kept = {entry.name for entry in os.scandir(folder) if entry.is_file(follow_symlinks=False)} | {"frame.json"}
-        with open(os.open(os.path.join(folder, "frame.json"), os.O_RDONLY | os.O_NOFOLLOW), encoding="utf-8") as file:
-            frame: Json = json.load(file)
-        named = [item["file"] for made in frame["passes"] for key in ("entries", "inputs", "shaders") for item in made[key]]
-        named += [file for made in frame["passes"] for state in made.get("states", []) for file, _ in state["streams"].values()]
-        if not kept.issuperset([*named, "small.npz"]):
-            self.console.fail(f"{capture}: its replay names files that it did not write")
-        return frame
-
     def side(self, capture: str, folder: str) -> Side:
-        frame = self.frame(capture, folder)
+        try:
+            frame = frame_of(folder)
+        except Unreadable as reason:
+            self.console.fail(f"{capture}: {reason}")
         source = f"{capture} ({frame['api']}, RenderDoc {frame['renderdoc']}{frame['device'] and ', captured on ' + frame['device']})"
         side = Side(folder, LABELS.get(frame["api"], frame["api"]), source, frame)
-        side.read_small()
         self.console.info(f"{capture}: {len(side.passes)} passes, {frame['bytes'] / 1e6:.1f} MB")
         for note in frame["notes"]:
             self.console.warning(f"{capture}: {note}")
@@ -449,7 +442,7 @@ class Comparison:
             taken = os.path.join(folder, "taken")
             os.mkdir(taken)
             why = replays.run(self.groups[side][0], taken, str(items[side]["last"]), "alone")
-            found = {"why": why} if why else replays.frame(self.groups[side][0], taken)["passes"][0]
+            found = {"why": why} if why else read(taken, TAKEN)["passes"][0]
             return guilty.Alone(matched.labels[side], found, taken, os.path.join(folder, "alone"), self.run_alone)
 
         with Replays(self.console, self.confined) as replays, ThreadPoolExecutor(2) as pool:
@@ -482,6 +475,7 @@ class Comparison:
 
 def main(console: Console, request: Json) -> tuple[int, Json]:
     renderdoc(console)
+    status = 2
     try:
         with tempfile.TemporaryDirectory(prefix="diptych-") as folder:
             comparison = Comparison(console, request, folder)
@@ -491,9 +485,9 @@ def main(console: Console, request: Json) -> tuple[int, Json]:
             status = comparison.compare(comparison.dump(sides))
             if status < 2:
                 comparison.conclude()
-    except (Failure, OSError):
-        raise
-    except Exception as error:  # a replay that the capture has taken over may leave anything
-        console.fail(f"what the replays left cannot be read: {type(error).__name__}: {error}")
+    finally:
+        for key in ("html", "pictures") if status > 1 else ():
+            with suppress(OSError):  # what was made for nothing
+                os.rmdir(request[key] if key in request else "")
     sys.stdout.flush()
     return status, {}

@@ -10,6 +10,7 @@ from typing import Any, Callable
 
 import numpy as np
 
+from .left import Unreadable, array, own
 from .texels import NUMBERS, four
 
 Json = dict[str, Any]
@@ -69,7 +70,7 @@ class Spec:
                 file.write(text)
 
     def load(self, name: str) -> np.ndarray:
-        return np.asarray(np.load(os.path.join(self.source, name)))
+        return np.asarray(array(self.source, name))
 
     def buffer(self, name: str, rows: np.ndarray) -> str:
         """One with a file."""
@@ -161,10 +162,8 @@ class Alone:
         try:
             if not self.why:
                 self.replay(run)
-        except Refused as reason:
+        except (Refused, Unreadable, subprocess.TimeoutExpired) as reason:
             self.why = str(reason)
-        except Exception as reason:  # a replay that the capture has taken over may leave anything
-            self.why = f"{type(reason).__name__}: {reason}"
 
     def call(self, run: Run, words: list[str]) -> None:
         done = run(os.path.dirname(self.folder), words)
@@ -174,7 +173,7 @@ class Alone:
 
     def replay(self, run: Run) -> None:
         shader = self.folder + "." + self.made["shader"].split(".", 1)[1]
-        os.rename(os.path.join(self.source, self.made["shader"]), shader)
+        os.rename(own(self.source, self.made["shader"]), shader)
         self.call(run, ["import", shader, "-o", self.folder])
         spec = Spec(self.made, self.source, self.folder)
         self.own = [spec.load(target["after"]) for target in spec.targets.values()]
@@ -221,7 +220,7 @@ def count_text(first: list[np.ndarray], second: list[np.ndarray]) -> str:
 
 def other_textures(sides: list[Alone]) -> list[str]:
     """Which textures of one name differ, in either order of rows."""
-    textures = [{item["name"]: [np.load(os.path.join(side.source, file)) for file in item["levels"]] for item in side.made["textures"]}
+    textures = [{item["name"]: [array(side.source, file) for file in item["levels"]] for item in side.made["textures"]}
                 for side in sides]
     return [f"texture {name}" for name in textures[0] if name in textures[1]
             and not any(all(map(np.array_equal, textures[0][name], other)) for other in

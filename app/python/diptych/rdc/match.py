@@ -5,7 +5,6 @@ The pass that leaves the presented picture anchors. Passes with equal contents, 
 the others by size, class of format, kind and place."""
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -25,7 +24,6 @@ class Side:
     label: str
     source: str
     frame: Json
-    small: dict[str, np.ndarray] = field(default_factory=dict)
 
     @property
     def passes(self) -> list[Json]:
@@ -46,10 +44,6 @@ class Side:
                 joined.append(item)
             before = place
         self.frame["passes"] = joined
-
-    def read_small(self) -> None:
-        with np.load(os.path.join(self.folder, "small.npz")) as stored:
-            self.small = dict(stored)
 
 
 def add_part(whole: Json, part: Json) -> None:
@@ -134,7 +128,7 @@ class Matcher:
             return 1.0, 0.0
         key = entry["file"], other["file"]
         if key not in self.known:
-            first, second = self.sides[0].small[key[0]], self.sides[1].small[key[1]]
+            first, second = self.sides[0].frame["small"][key[0]], self.sides[1].frame["small"][key[1]]
             self.known[key] = distance(first, second), distance(first[::-1], second) if first.ndim == 3 else 1.0
         return self.known[key]
 
@@ -202,7 +196,7 @@ class Matcher:
         """Whether most depth of OpenGL is z / 2 + 1 / 2 of Vulkan's: a program that uses half of OpenGL's clip space."""
         votes = []
         for entry, other in (contents for pair in pairs for contents in pair.contents if numbers_of(contents[0]) == "depth"):
-            values = [side.small[item["file"]][..., 0] for side, item in zip(self.sides, (entry, other))]
+            values = [side.frame["small"][item["file"]][..., 0] for side, item in zip(self.sides, (entry, other))]
             own, theirs = values if self.sides[0].label == "gl" else reversed(values)
             theirs = min((theirs, theirs[::-1]), key=lambda rows: float(np.abs(own - rows).sum()))
             gaps = [float(np.abs(rows - theirs).sum()) for rows in (own, 2 * own - 1)]
