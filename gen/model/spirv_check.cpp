@@ -51,13 +51,17 @@ try {
     spvtools::OptimizerOptions options;
     std::vector<uint32_t> out;
     options.set_run_validator(false);
+    /* Without one, a pass that has something to say throws. */
+    optimizer.SetMessageConsumer(
+        [](spv_message_level_t, const char *, const spv_position_t &, const char *) {});
     if (passes & SPIRV_FLATTEN)
         optimizer.RegisterPass(spvtools::CreateFlattenDecorationPass())
             .RegisterPass(spvtools::CreateStripNonSemanticInfoPass());
     if (passes & SPIRV_LEGALIZE)
         optimizer.RegisterLegalizationPasses();
     if (passes & SPIRV_INLINE)
-        optimizer.RegisterPass(spvtools::CreateInlineExhaustivePass());
+        optimizer.RegisterPass(spvtools::CreateMergeReturnPass())
+            .RegisterPass(spvtools::CreateInlineExhaustivePass());
     if (passes & SPIRV_FREEZE)
         optimizer.RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
             .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass());
