@@ -7,14 +7,10 @@
 
 #include "internal.h"
 
-enum { MAX_EXECUTABLES = 8 };
-
-struct asking {
-    struct dt_vk_runtime *rt;
+struct vk_asking {
+    struct dt_vk_runtime rt;
     PFN_vkGetPipelineExecutablePropertiesKHR properties;
     PFN_vkGetPipelineExecutableStatisticsKHR statistics;
-    struct vk_statistics *found;
-    uint32_t capacity;
 };
 
 static double number_of(const VkPipelineExecutableStatisticKHR *statistic)
@@ -31,10 +27,10 @@ static double number_of(const VkPipelineExecutableStatisticKHR *statistic)
     }
 }
 
-static bool ask_executable(const struct asking *asking, VkPipeline pipeline, uint32_t index,
+static bool ask_executable(struct vk_asking *asking, VkPipeline pipeline, uint32_t index,
                            struct vk_executable *out)
 {
-    struct dt_vk_runtime *rt = asking->rt;
+    struct dt_vk_runtime *rt = &asking->rt;
     VkPipelineExecutableInfoKHR info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_INFO_KHR,
                                         .pipeline = pipeline,
                                         .executableIndex = index};
@@ -54,87 +50,76 @@ static bool ask_executable(const struct asking *asking, VkPipeline pipeline, uin
     return true;
 }
 
-static bool ask_pipeline(struct asking *asking, uint32_t pass, VkPipeline pipeline)
+static bool ask_pipeline(struct vk_asking *asking, uint32_t pass, VkPipeline pipeline,
+                         struct vk_executables *out)
 {
-    struct dt_vk_runtime *rt = asking->rt;
-    struct vk_statistics *found = asking->found;
+    struct dt_vk_runtime *rt = &asking->rt;
     VkPipelineInfoKHR info = {.sType = VK_STRUCTURE_TYPE_PIPELINE_INFO_KHR, .pipeline = pipeline};
-    VkPipelineExecutablePropertiesKHR list[MAX_EXECUTABLES];
-    uint32_t count = MAX_EXECUTABLES;
-    for (uint32_t i = 0; i < MAX_EXECUTABLES; i++)
+    VkPipelineExecutablePropertiesKHR list[VK_MAX_EXECUTABLES];
+    out->count = VK_MAX_EXECUTABLES;
+    for (uint32_t i = 0; i < VK_MAX_EXECUTABLES; i++)
         list[i] = (VkPipelineExecutablePropertiesKHR){
             .sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR};
-    VkResult result = asking->properties(rt->device, &info, &count, list);
+    VkResult result = asking->properties(rt->device, &info, &out->count, list);
     if (result != VK_INCOMPLETE && !vk_check(rt, result, "vkGetPipelineExecutablePropertiesKHR",
                                              rt->core.pipeline->passes[pass].name))
         return false;
-    if (found->count + count > asking->capacity) {
-        uint32_t capacity = 2 * asking->capacity + MAX_EXECUTABLES;
-        struct vk_executable *grown = realloc(found->list, capacity * sizeof *grown);
-        if (!grown)
-            return dt_error(&rt->core, "pipeline %s: out of memory", rt->core.pipeline->name);
-        found->list = grown;
-        asking->capacity = capacity;
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        struct vk_executable *out = &found->list[found->count++];
-        *out = (struct vk_executable){
+    for (uint32_t i = 0; i < out->count; i++) {
+        out->list[i] = (struct vk_executable){
             .pass = pass, .stages = list[i].stages, .subgroup = list[i].subgroupSize};
-        if (!ask_executable(asking, pipeline, i, out))
+        if (!ask_executable(asking, pipeline, i, &out->list[i]))
             return false;
     }
     return true;
 }
 
-static bool ask_pass(struct asking *asking, uint32_t pass)
+bool vk_statistics_ask(struct vk_asking *asking, uint32_t pass, const struct dt_stages *stages,
+                       struct vk_executables *out)
 {
-    struct dt_vk_runtime *rt = asking->rt;
-    struct vk_program_info info = vk_program_info_of(&rt->core, pass);
+    struct vk_program_info info = vk_program_info_of(&asking->rt.core, pass);
     struct vk_program program;
-    if (!vk_program_create(rt, &program, &info))
+    info.stages = stages;
+    if (!vk_program_create(&asking->rt, &program, &info))
         return false;
-    bool good = ask_pipeline(asking, pass, program.pipeline->handle);
-    vk_program_destroy(&rt->core, &program);
+    bool good = ask_pipeline(asking, pass, program.pipeline->handle, out);
+    vk_program_destroy(&asking->rt.core, &program);
     return good;
 }
 
-static bool ask_all(struct dt_vk_runtime *rt, struct vk_statistics *found)
+struct vk_asking *vk_statistics_open(const struct dt_runtime_options *options,
+                                     const struct dt_shaders *shaders)
 {
-    struct asking asking = {
-        .rt = rt,
-        .properties = (PFN_vkGetPipelineExecutablePropertiesKHR)vkGetDeviceProcAddr(
-            rt->device, "vkGetPipelineExecutablePropertiesKHR"),
-        .statistics = (PFN_vkGetPipelineExecutableStatisticsKHR)vkGetDeviceProcAddr(
-            rt->device, "vkGetPipelineExecutableStatisticsKHR"),
-        .found = found,
-    };
-    for (uint32_t i = 0; i < rt->core.pipeline->pass_count; i++)
-        if (!ask_pass(&asking, i))
-            return false;
-    return true;
-}
-
-bool vk_statistics_find(const struct dt_runtime_options *options, const struct dt_shaders *shaders,
-                        struct vk_statistics *found)
-{
-    *found = (struct vk_statistics){0};
-    struct dt_vk_runtime *rt = calloc(1, sizeof *rt);
-    if (!rt)
-        return dt_error(&(struct dt_core){.log = options->log}, "Vulkan: out of memory");
+    struct vk_asking *asking = calloc(1, sizeof *asking);
+    if (!asking) {
+        dt_error(&(struct dt_core){.log = options->log}, "Vulkan: out of memory");
+        return NULL;
+    }
+    struct dt_vk_runtime *rt = &asking->rt;
     rt->core.log = options->log;
     rt->core.shaders = *shaders;
     rt->core.panel = shaders->panel;
     rt->core.pipeline = shaders->panel->pipeline;
     rt->captures = true;
-    bool good = vk_context_open(rt, options) && ask_all(rt, found);
-    memcpy(found->device, rt->core.device_name, sizeof found->device);
-    memcpy(found->driver, rt->core.driver, sizeof found->driver);
-    vk_context_close(rt);
-    free(rt);
-    if (!good) {
-        free(found->list);
-        found->list = NULL;
-        found->count = 0;
+    if (!vk_context_open(rt, options)) {
+        vk_statistics_close(asking);
+        return NULL;
     }
-    return good;
+    asking->properties = (PFN_vkGetPipelineExecutablePropertiesKHR)vkGetDeviceProcAddr(
+        rt->device, "vkGetPipelineExecutablePropertiesKHR");
+    asking->statistics = (PFN_vkGetPipelineExecutableStatisticsKHR)vkGetDeviceProcAddr(
+        rt->device, "vkGetPipelineExecutableStatisticsKHR");
+    return asking;
+}
+
+const char *vk_statistics_device(const struct vk_asking *asking, const char **driver)
+{
+    *driver = asking->rt.core.driver;
+    return asking->rt.core.device_name;
+}
+
+void vk_statistics_close(struct vk_asking *asking)
+{
+    if (asking)
+        vk_context_close(&asking->rt);
+    free(asking);
 }

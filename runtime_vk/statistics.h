@@ -5,7 +5,7 @@
 
 #include "diptych.h"
 
-enum { VK_MAX_STATISTICS = 32, VK_MAX_STATISTIC_NAME = 64 };
+enum { VK_MAX_STATISTICS = 32, VK_MAX_STATISTIC_NAME = 64, VK_MAX_EXECUTABLES = 8 };
 
 struct vk_statistic {
     char name[VK_MAX_STATISTIC_NAME]; /* the driver's */
@@ -21,13 +21,19 @@ struct vk_executable {
     struct vk_statistic list[VK_MAX_STATISTICS];
 };
 
-struct vk_statistics {
-    char device[256], driver[520];
-    struct vk_executable *list; /* in order of passes; owned */
+struct vk_executables { /* of one pass */
+    struct vk_executable list[VK_MAX_EXECUTABLES];
     uint32_t count;
 };
 
-/* Opens the device of the options (`log`, `device` and `panel` are read), and compiles all passes. False: logged; nothing
- * to free. free(found->list). */
-bool vk_statistics_find(const struct dt_runtime_options *options, const struct dt_shaders *shaders,
-                        struct vk_statistics *found);
+struct vk_asking;
+
+/* Opens the device of the options (`log`, `device` and `panel` are read). NULL: logged. */
+struct vk_asking *vk_statistics_open(const struct dt_runtime_options *options,
+                                     const struct dt_shaders *shaders);
+void vk_statistics_close(struct vk_asking *asking); /* may be NULL */
+/* Names of device and driver, which live until close. */
+const char *vk_statistics_device(const struct vk_asking *asking, const char **driver);
+/* Compiles a pass from these stages, which have the interface of its own. False: logged. */
+bool vk_statistics_ask(struct vk_asking *asking, uint32_t pass, const struct dt_stages *stages,
+                       struct vk_executables *out);

@@ -11,8 +11,12 @@
 
 #include "base/files.h"
 #include "base/nearest.h"
+#include "gen/model/spirv_check.h"
+#include "gen/spirv/passes.h"
+#include "gen/spirv/turns.h"
 #include "measure/cost.h"
 #include "runtime_vk/statistics.h"
+#include "templates/c/front.h"
 
 /* ---- Chips ----------------------------------------------------------------------------------- */
 
@@ -84,39 +88,176 @@ static void keep_error(void *answer, enum dt_level level, const char *message)
         cJSON_AddStringToObject(answer, "error", message);
 }
 
-static void add_stage(cJSON *stages, const struct vk_executable *executable)
+static void add_figures(cJSON *to, const char *name, const struct vk_executable *executable)
+{
+    cJSON *figures = cJSON_AddObjectToObject(to, name);
+    for (uint32_t i = 0; i < executable->count; i++)
+        cJSON_AddNumberToObject(figures, executable->list[i].name, executable->list[i].value);
+}
+
+/* ---- Turns of loops -------------------------------------------------------------------------- */
+
+/* RADV's compiler guesses the turns of loops that it keeps. So a stage with a loop of known turns is compiled again for each of
+ * its loops: kept from being unrolled, which tells whether it was; and in a loop of one turn, which weighs it more. */
+
+enum { MOST_LOOPS = 64 }; /* of a stage */
+
+struct child {
+    const struct pipeline *pipeline;
+    struct vk_asking *asking;
+};
+
+/* A stage in those of a pass. */
+static struct dt_code *code_of(struct dt_stages *stages, uint32_t stage)
+{
+    return stage & VK_SHADER_STAGE_COMPUTE_BIT    ? &stages->compute
+           : stage & VK_SHADER_STAGE_FRAGMENT_BIT ? &stages->fragment
+                                                  : &stages->vertex;
+}
+
+/* Adds the figures of a stage that is compiled from that module. */
+static bool add_compiled(const struct child *child, cJSON *told, const char *name,
+                         const struct vk_executable *plain, const struct spirv *module)
+{
+    struct dt_stages stages = child->pipeline->vk->stages[plain->pass];
+    struct vk_executables found;
+    *code_of(&stages, plain->stages) =
+        (struct dt_code){.words = module->words, .size = module->count * sizeof *module->words};
+    bool good = vk_statistics_ask(child->asking, plain->pass, &stages, &found);
+    for (uint32_t i = 0; good && i < found.count; i++)
+        if (found.list[i].stages == plain->stages)
+            add_figures(told, name, &found.list[i]);
+    return good;
+}
+
+/* The same with one of its loops kept, or wrapped; nothing, if it cannot be. */
+static bool add_changed(const struct child *child, cJSON *told, bool wrapped,
+                        const struct vk_executable *plain, const struct spirv *module, size_t merge)
+{
+    struct spirv changed;
+    bool good = spirv_open(&changed, module->words, module->count);
+    if (good && spirv_keep_loop(&changed, merge, wrapped))
+        good = add_compiled(child, told, wrapped ? "wrapped" : "kept", plain, &changed);
+    spirv_free(&changed);
+    return good;
+}
+
+/* The module of a stage, with functions in place of their calls. */
+static bool take_stage(const struct child *child, const struct vk_executable *plain,
+                       struct spirv *module)
+{
+    struct dt_stages stages = child->pipeline->vk->stages[plain->pass];
+    const struct dt_code *code = code_of(&stages, plain->stages);
+    size_t count = code->size / sizeof *code->words;
+    uint32_t *own;
+    const uint32_t *words = dt_front_words(code, &own);
+    uint32_t *inlined = words ? spirv_optimize(words, &count, SPIRV_INLINE) : NULL;
+    free(own);
+    return inlined && spirv_read(module, inlined, count) && spirv_reach(module);
+}
+
+static struct spirv_block parameters(const struct child *child, uint32_t pass)
+{
+    const struct dt_pipeline *info = child->pipeline->info;
+    const struct dt_program *program = &child->pipeline->vk->panel->programs[pass];
+    struct spirv_block block = {UINT32_MAX, info->live_defaults, info->block_size};
+    for (uint32_t i = 0; i < program->binding_count; i++)
+        if (program->bindings[i].resource == DT_LIVE)
+            block.binding = program->bindings[i].binding;
+    return block;
+}
+
+/* Whether the loop or one around it has known turns: then it counts for more, or less, than the compiler says. */
+static bool counts(const struct spirv_loop *loops, uint32_t loop)
+{
+    while (!loops[loop].turns && loops[loop].around != loop)
+        loop = loops[loop].around;
+    return loops[loop].turns;
+}
+
+static bool is_kept(const cJSON *item, const cJSON *told)
+{
+    const cJSON *kept = cJSON_GetObjectItem(told, "kept");
+    return !kept ||
+           cJSON_Compare(cJSON_GetObjectItem(kept, "Instructions"),
+                         cJSON_GetObjectItem(cJSON_GetObjectItem(item, "inlined"), "Instructions"),
+                         true);
+}
+
+static bool add_loops(const struct child *child, cJSON *item, const struct vk_executable *plain)
+{
+    const struct spirv_block block = parameters(child, plain->pass);
+    cJSON *list = cJSON_AddArrayToObject(item, "loops");
+    struct spirv_loop loops[MOST_LOOPS];
+    struct spirv module = {0};
+    bool good = take_stage(child, plain, &module);
+    uint32_t count = good ? spirv_find_loops(&module, &block, loops, MOST_LOOPS) : 0, known = 0;
+    for (uint32_t i = 0; i < count; i++)
+        known += loops[i].turns > 0;
+    good = good && (!known || add_compiled(child, item, "inlined", plain, &module));
+    for (uint32_t i = 0; good && i < count; i++) {
+        cJSON *told = cJSON_CreateObject();
+        cJSON_AddNumberToObject(told, "turns", loops[i].turns);
+        cJSON_AddNumberToObject(told, "around", loops[i].around);
+        if (loops[i].turns)
+            good = add_changed(child, told, false, plain, &module, loops[i].merge);
+        if (good && counts(loops, i) && is_kept(item, told))
+            good = add_changed(child, told, true, plain, &module, loops[i].merge);
+        cJSON_AddItemToArray(list, told);
+    }
+    spirv_free(&module);
+    return good;
+}
+
+/* ---- The child's answer ------------------------------------------------------------------------ */
+
+static bool add_stage(const struct child *child, cJSON *stages,
+                      const struct vk_executable *executable)
 {
     const char *stage = executable->stages & VK_SHADER_STAGE_COMPUTE_BIT    ? "compute"
                         : executable->stages & VK_SHADER_STAGE_FRAGMENT_BIT ? "fragment"
                                                                             : "vertex";
     cJSON *item = cJSON_CreateObject();
+    cJSON_AddItemToArray(stages, item);
     cJSON_AddNumberToObject(item, "pass", executable->pass);
     cJSON_AddStringToObject(item, "stage", stage);
     cJSON_AddNumberToObject(item, "subgroup", executable->subgroup ? executable->subgroup : 1);
-    cJSON *figures = cJSON_AddObjectToObject(item, "figures");
-    for (uint32_t i = 0; i < executable->count; i++)
-        cJSON_AddNumberToObject(figures, executable->list[i].name, executable->list[i].value);
-    cJSON_AddItemToArray(stages, item);
+    add_figures(item, "figures", executable);
+    return add_loops(child, item, executable);
+}
+
+static bool add_stages(const struct child *child, cJSON *stages)
+{
+    const struct pipeline *pipeline = child->pipeline;
+    bool good = true;
+    for (uint32_t pass = 0; good && pass < pipeline->info->pass_count; pass++) {
+        struct vk_executables found;
+        good = vk_statistics_ask(child->asking, pass, &pipeline->vk->stages[pass], &found);
+        for (uint32_t i = 0; good && i < found.count; i++)
+            good = add_stage(child, stages, &found.list[i]);
+    }
+    return good;
 }
 
 /* A family has other names in other versions of RADV, which refuses unknown ones. */
 static _Noreturn void answer(FILE *out, const struct pipeline *pipeline, const char *family,
                              size_t length, const char *device)
 {
-    cJSON *root = cJSON_CreateObject();
-    struct vk_statistics found = {0};
+    cJSON *root = cJSON_CreateObject(), *stages = cJSON_CreateArray();
     const struct dt_runtime_options options = {
         .log = {keep_error, root}, .device = device, .panel = pipeline->vk->panel};
     if (family && !freopen("/dev/null", "w", stderr)) /* of an unknown family */
         _exit(EXIT_FAILED);
-    if ((!family || choose_radv(family, length)) &&
-        vk_statistics_find(&options, pipeline->vk, &found)) {
-        cJSON_AddStringToObject(root, "device", found.device);
-        cJSON_AddStringToObject(root, "driver", found.driver);
-        cJSON *stages = cJSON_AddArrayToObject(root, "stages");
-        for (uint32_t i = 0; i < found.count; i++)
-            add_stage(stages, &found.list[i]);
+    struct child child = {.pipeline = pipeline};
+    if (!family || choose_radv(family, length))
+        child.asking = vk_statistics_open(&options, pipeline->vk);
+    if (child.asking && add_stages(&child, stages)) {
+        const char *driver, *name = vk_statistics_device(child.asking, &driver);
+        cJSON_AddStringToObject(root, "device", name);
+        cJSON_AddStringToObject(root, "driver", driver);
+        cJSON_AddItemToObject(root, "stages", stages);
     }
+    vk_statistics_close(child.asking);
     char *text = cJSON_PrintUnformatted(root);
     _exit(text && fputs(text, out) >= 0 && fflush(out) == 0 ? EXIT_FINE : EXIT_FAILED);
 }

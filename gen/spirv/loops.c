@@ -2,6 +2,7 @@
  * constant length. With many operations per iteration, that multiplies the compile time but does
  * not shorten the frame. Keeps loops apart where many follow each other. */
 #include "passes.h"
+#include "turns.h"
 
 #include <spirv/unified1/spirv.h>
 
@@ -81,12 +82,14 @@ static bool picks_from_array(const struct spirv *m, size_t from, size_t to)
 /* Mesa counts the turns of all loops of a shader in one variable. LLVM 15 follows it from each loop to the one before on
  * several ways, so each further loop doubles its time. A loop around each, of one turn that no compiler knows to be the
  * last, ends that. */
-enum { MANY_LOOPS = 8 };
+enum { MANY_LOOPS = 8, MOST_PATH = 16 };
 
 struct wrap {
     struct spirv *from;
     struct spirv_edit edit;
-    const struct spirv_function *zero;        /* diptych_zero() */
+    const struct spirv_function *zero; /* diptych_zero() */
+    const uint32_t *unknown;           /* without it: how to get at a number in memory */
+    size_t only;                       /* offset of the only loop to wrap; 0: all that are marked */
     uint32_t outer, inner, merge, end, again; /* labels of the loop that is copied; 0: none */
 };
 
@@ -98,9 +101,10 @@ static bool has_phi(const struct spirv *m, uint32_t label)
 
 static bool is_wrapped(const struct wrap *wrap, const uint32_t *merge)
 {
-    return !wrap->outer && spirv_is(merge, SpvOpLoopMerge) &&
-           merge[3] == SpvLoopControlDontUnrollMask && spirv_is(merge - 2, SpvOpLabel) &&
-           !has_phi(wrap->from, merge[1]);
+    return !wrap->outer && spirv_is(merge, SpvOpLoopMerge) && spirv_is(merge - 2, SpvOpLabel) &&
+           !has_phi(wrap->from, merge[1]) &&
+           (wrap->only ? merge == wrap->from->words + wrap->only
+                       : merge[3] == SpvLoopControlDontUnrollMask);
 }
 
 /* The old header becomes that of the outer loop, so what is before the loop need not change; nor what is behind. */
@@ -115,17 +119,38 @@ static void begin_loop(struct wrap *wrap, const uint32_t *merge)
     SPIRV_PUT(edit, &edit->code, SpvOpLoopMerge, wrap->end, merge[2], merge[3]);
 }
 
+/* A number that no compiler knows. */
+static uint32_t put_unknown(struct wrap *wrap, uint32_t *type)
+{
+    struct spirv_edit *edit = &wrap->edit;
+    if (wrap->zero) {
+        *type = spirv_definition(wrap->from, wrap->zero->id)[1];
+        return SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall, *type, wrap->zero->id);
+    }
+    const uint32_t *chain = wrap->unknown;
+    uint32_t path[MOST_PATH] = {chain[3]}, count = spirv_length(chain) - 3;
+    for (uint32_t i = 1; i < count; i++) {
+        const uint32_t *index = spirv_definition(wrap->from, chain[3 + i]);
+        path[i] = spirv_is(index, SpvOpConstant)
+                      ? chain[3 + i]
+                      : spirv_declare(edit, SpvOpConstant, index[1], (uint32_t[]){0}, 1);
+    }
+    *type = spirv_definition(wrap->from, chain[1])[3];
+    uint32_t from = spirv_put_value(edit, &edit->code, SpvOpAccessChain, chain[1], path, count);
+    return SPIRV_VALUE(edit, &edit->code, SpvOpLoad, *type, from);
+}
+
 static void end_loop(struct wrap *wrap)
 {
     struct spirv_edit *edit = &wrap->edit;
-    uint32_t type = spirv_definition(wrap->from, wrap->zero->id)[1];
+    uint32_t type;
     uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
-    uint32_t none = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
     SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->end);
     SPIRV_PUT(edit, &edit->code, SpvOpBranch, wrap->again);
     SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->again);
-    uint32_t zero = SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall, type, wrap->zero->id);
-    uint32_t turns = SPIRV_VALUE(edit, &edit->code, SpvOpINotEqual, truth, zero, none);
+    uint32_t number = put_unknown(wrap, &type);
+    uint32_t none = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
+    uint32_t turns = SPIRV_VALUE(edit, &edit->code, SpvOpINotEqual, truth, number, none);
     SPIRV_PUT(edit, &edit->code, SpvOpBranchConditional, turns, wrap->outer, wrap->merge);
     wrap->outer = 0;
 }
@@ -145,13 +170,9 @@ static void copy_in_loop(struct wrap *wrap, const uint32_t *instruction)
                                                      : copy[word];
 }
 
-static bool wrap_loops(struct spirv *module)
+static bool wrap_them(struct wrap *chosen, struct spirv *module)
 {
-    struct wrap wrap = {.from = module, .zero = spirv_find_function(module, "diptych_zero(")};
-    uint64_t loops;
-    spirv_operations(module, &loops);
-    if (loops < MANY_LOOPS || !wrap.zero)
-        return true;
+    struct wrap wrap = *chosen;
     spirv_edit_begin(&wrap.edit, module);
     spirv_edit_annotations(&wrap.edit);
     SPIRV_EACH(module, at, module->code, module->count)
@@ -165,6 +186,39 @@ static bool wrap_loops(struct spirv *module)
             copy_in_loop(&wrap, instruction);
     }
     return spirv_edit_end(&wrap.edit, module);
+}
+
+static bool wrap_loops(struct spirv *module)
+{
+    struct wrap wrap = {.from = module, .zero = spirv_find_function(module, "diptych_zero(")};
+    uint64_t loops;
+    spirv_operations(module, &loops);
+    return loops < MANY_LOOPS || !wrap.zero || wrap_them(&wrap, module);
+}
+
+/* How the module gets at an integer in a uniform block or a buffer; NULL: nowhere. */
+static const uint32_t *find_unknown(const struct spirv *m)
+{
+    SPIRV_EACH(m, at, m->code, m->count)
+    {
+        const uint32_t *chain = m->words + at;
+        if (!spirv_is(chain, SpvOpAccessChain))
+            continue;
+        const uint32_t *pointer = spirv_definition(m, chain[1]);
+        if (spirv_is(spirv_definition(m, pointer[3]), SpvOpTypeInt) &&
+            spirv_length(chain) - 3 <= MOST_PATH &&
+            (pointer[2] == SpvStorageClassUniform || pointer[2] == SpvStorageClassStorageBuffer))
+            return chain;
+    }
+    return NULL;
+}
+
+bool spirv_keep_loop(struct spirv *module, size_t merge, bool wrapped)
+{
+    struct wrap wrap = {.from = module, .unknown = find_unknown(module), .only = merge};
+    module->words[merge + 3] = SpvLoopControlDontUnrollMask;
+    return !wrapped ||
+           (wrap.unknown && is_wrapped(&wrap, module->words + merge) && wrap_them(&wrap, module));
 }
 
 bool spirv_keep_loops(struct spirv *module)

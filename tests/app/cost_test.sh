@@ -86,6 +86,39 @@ check "times are arithmetic" "${holds[@]}" \
 check "the table names the device and what is not known" grep -qE 'RX 480: Null hardware \(RADV POLARIS10\)' "$work/table"
 check "our own drivers are not touched" "$diptych" render --spec "$work/two.yaml" --size 16x16 --backend vk -o "$work/two.exr"
 
+# The same work 64 times: written down, in loops of known turns, and in one whose turns a buffer tells.
+cat >"$work/turns.yaml" <<'END'
+pipeline: turns
+params: {rows: {value: 64, min: 1, max: 4096, doc: "n"}}
+buffers: {x: {of: uint, count: 64, history: true}}
+images: {picture: {format: rgba32f, size: frame}}
+passes:
+  - {name: straight, dispatch: 1, local: 64, updates: [x], shader: straight.glsl}
+  - {name: around, dispatch: 1, local: 64, updates: [x], shader: around.glsl}
+  - {name: nested, dispatch: 1, local: 64, updates: [x], shader: nested.glsl}
+  - {name: called, dispatch: 1, local: 64, updates: [x], shader: called.glsl}
+  - {name: told, dispatch: 1, local: 64, updates: [x], shader: told.glsl}
+  - {name: fill, dispatch: picture, local: [8, 8], writes: [picture], shader: fill.glsl}
+output: {linear: picture}
+END
+once='n = n * 1664525u + 1013904223u; n ^= n >> 13; n = n * 22695477u + (n >> 3);'
+body() { # name statements functions
+    echo "${3:-} void main() { uint n = x[invocation().x]; $2 x[invocation().x] = n; }" >"$work/$1.glsl"
+}
+body straight "$(printf '%64s' '' | sed "s/ /$once/g")"
+body around "for (int i = 0; i < rows; i++) { $once }"
+body nested "for (int i = rows; i > 0; i -= 8) for (uint k = 128u; k > 0u; k /= 2u) { $once }"
+body called "for (int i = 0; i * 8 < rows; i++) turn(n);" "void turn(inout uint n) { for (int k = 16; k > 0; k -= 2) { $once } }"
+body told "for (uint i = n; i < n + uint(rows); i++) { $once }"
+turns=("$diptych" cost --spec "$work/turns.yaml" --gpu navi21)
+cycles='lambda name: stage("navi21", name, "compute")["cycles"]'
+check "costs loops" "${turns[@]}" --json "$work/turns.json"
+check "loops of known turns cost what they do" /usr/bin/python3 "$root/tests/app/cost.py" holds "$work/turns.json" \
+    "all(1 <= ($cycles)(name) / ($cycles)('straight') < 1.5 for name in ('around', 'nested', 'called'))" "($cycles)('told') < ($cycles)('around') / 4"
+check "costs more turns" "${turns[@]}" --set rows=640 --json "$work/turns.json"
+check "ten times the turns cost ten times as much" /usr/bin/python3 "$root/tests/app/cost.py" holds "$work/turns.json" \
+    "all(9 < ($cycles)(name) / ($cycles)('straight') < 17 for name in ('around', 'nested', 'called'))"
+
 # ---- Changes -------------------------------------------------------------------------------------------------------------
 
 check "list tells of a chip, too" says 0 ' navi21 compute: ' "$diptych" list --spec "$work/two.yaml" --size 130x64 --gpu navi21 --json "$work/list.json"

@@ -79,6 +79,27 @@ def sum_known(values: list[float | None]) -> float | None:
     return None if None in values else sum(value for value in values if value is not None)
 
 
+def turned(told: Json, name: str) -> float:
+    """A figure with loops that turn as often as constants and parameters tell. RADV's compiler takes 8 turns for a loop, 4 for one in
+    another, 2 for each further in. What a loop of one turn around it adds tells its share; of that, a loop in it adds its own."""
+    total, inlined, loops = told["figures"][name], told.get("inlined", {}), told["loops"]
+    kept = [number for number, loop in enumerate(loops) if name in loop.get("wrapped", ())]
+    chains: dict[int, list[int]] = {}  # of loops that the compiler keeps: the loop and those around it, the outermost first
+    for number in kept:
+        chain, inner = [number], -1
+        while inner != number:
+            inner, number = number, loops[number]["around"]
+            chain += [number] if number in kept and number != inner else []
+        chains[chain[0]] = chain[::-1]
+    own: dict[int, float] = {}  # of a loop without those in it
+    for number in sorted(kept, key=lambda number: -len(chains[number])):
+        inside = sum(value * (1 if len(chains[other]) > 1 else 3) for other, value in own.items() if number in chains[other])
+        own[number] = max(0.0, loops[number]["wrapped"][name] - inlined[name] - inside) / (1 if len(chains[number]) > 1 else 3)
+        known = [loops[loop]["turns"] / {0: 8, 1: 4}.get(depth, 2) for depth, loop in enumerate(chains[number]) if loops[loop]["turns"]]
+        total += own[number] * (math.prod(known) - 1)
+    return total
+
+
 def chip_of(device: str) -> Json | None:
     """The chip that a driver names in its device's name."""
     return next((chip for chip in CHIPS if any(f"RADV {name})" in device for name in chip["families"])), None)
@@ -102,7 +123,8 @@ class Costs:
     def stage(self, number: int, told: Json) -> Json:
         stage = {"stage": told["stage"], "subgroup": told["subgroup"]}
         for key, names in FIGURES.items():
-            found = [told["figures"][name] for name in names if name in told["figures"]]
+            found = [turned(told, name) if key in ("cycles", "latency") else told["figures"][name]
+                     for name in names if name in told["figures"]]
             stage[key] = sum(found) if found else None
         return {**stage, "limit": self.limit(self.work[number], stage), "started": started(self.work[number], stage)}
 
