@@ -103,7 +103,8 @@ class Scene:
         self.programs = [[compiled(WHOLE, text.replace("TURN", turn).replace("SHIFT", shift)) for text in (BLUR, TONE)] for turn, shift in (
             ("gl_FragCoord.xy", "0.0"), ("gl_FragCoord.xy", "1.0"), ("vec2(gl_FragCoord.x, 96.0 - gl_FragCoord.y)", "0.0"))]
         self.scene, self.again, self.stored, self.resolved = target(True), target(False), target(False), target(False)
-        self.soft = {"": target(False), "format": target(False, 0x881A), "wrap": target(False, wrap=0x2901)}
+        self.soft = {"": target(False), "format": target(False, 0x881A), "wrap": target(False, wrap=0x2901), "channels": target(False)}
+        gl.glTexParameteri(TEXTURE_2D, 0x8E42, 0x1904)  # of the last one, red is read as green
         samples = texture(SAMPLES, "glTexStorage2DMultisample", 4, RGBA8, SIDE, SIDE, 1)
         array, layers = (texture(ARRAY, "glTexStorage3D", 1, RGBA8, SIDE, SIDE, 3) for _ in range(2))
         mips, self.made_mips = (texture(TEXTURE_2D, "glTexStorage2D", 4, RGBA8, SIDE, SIDE) for _ in range(2))
@@ -149,6 +150,7 @@ class Scene:
 
     def cover(self, wrong: bool) -> None:
         """Targets of all kinds. The middle one of each kind's layers, mips or faces may be wrong."""
+        switch(0x809E, on=wrong)  # alpha to coverage
         for frame, attach, places, program, smaller in self.targets:
             for at, place in enumerate(places):
                 use(program, frame, side=SIDE >> at * smaller, shade=0.9 if wrong and at == len(places) // 2 else 0.1 * at)
@@ -164,7 +166,7 @@ class Scene:
         gl.glBindImageTexture(0, self.stored[1], 0, 0, 0, 0x88B9, RGBA8)
         for place, name in enumerate((self.buffers[0], self.buffers[2 if wrong else 1]), 1):
             gl.glBindBufferBase(STORAGE, place, name)
-        gl.glDispatchCompute(12, 12, 1)
+        gl.glDispatchCompute(12, 11 if wrong else 12, 1)
         gl.glMemoryBarrier(0xffffffff)
         gl.glUseProgram(self.solid)
         for draw in range(100):

@@ -48,21 +48,23 @@ judged() { # folder of captures, both APIs, "condition|name of the fault"...
 }
 check "a program in OpenGL is captured" captured once.rdc 3 /usr/bin/python3 -B "$scene"
 check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
-    none cull offset uniform clock shader rows vertices cover covered
+    none cull offset uniform clock shader rows vertices channels cover covered
 mv gl/*.rdc .
 faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"|cull'
     '"against factor 0, units 0.5: factor and units are swapped" in t|offset'
     '"exposure: 1 against 1.25" in t and p["guilty"]["pass"] == "02_draw_96x96"|uniform'
     'p["captures"]["moments"]["01_draw_96x96"] == ["iTime: 0.22 against 0.49"]|clock' '"shift of " in str(p["results"][2]["why"])|shader'
     'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in str(p["results"][2]["why"])|rows'
-    '"vertex data spot: 1 of 12 numbers differ, by up to 0.1" in t and "vertex data indices: 2 of 6 numbers" in t|vertices')
+    '"vertex data spot: 1 of 12 numbers differ, by up to 0.1" in t and "vertex data indices: 2 of 6 numbers" in t|vertices'
+    '"clampedge/clampedge, channels green/green/blue/alpha" in t|channels')
 judged . "OpenGL against OpenGL" "${faults[@]}"
 check "another moment is told before the passes" grep -Pzq 'not the same moment: iTime: 0.22 .*\n.*\npass ' "$work/said"
 says 1 'draw 96x96 first half .* draw 96x96 first half' cover.rdc covered.rdc --json all.json >"$work/output"
 check "targets of all kinds differ where they are wrong: samples, a layer, all layers, a face, a mip, a slice, shared memory" pair 0 \
     '{"01.color0", "03.color0", "05.color0", "09.color0", "14.color0", "19.color0", "22.color0"} <= b and not b & {"21.color0", "23.color0"}'
 check "... mips that are made, a resolve, an image, buffers that a shader reads and writes" pair 0 \
-    '{"24.color0", "25.color0", "26.picture", "26.Sums", "26.Keys"} <= b and not b & {"02.color0", "08.color0", "13.color0", "18.color0"}'
+    '"groups (12, 12, 1) against (12, 11, 1)" in t and "alpha to coverage: off against on" in t and
+    {"24.color0", "25.color0", "26.picture", "26.Sums", "26.Keys"} <= b and not b & {"02.color0", "08.color0", "13.color0", "18.color0"}'
 check "state stands beside the first difference" says 1 '^beside it, in the state of 00_.*: cull: nocull against back$' \
     none.rdc cull.rdc --save saved --html page
 check "... and on the page" grep -q 'cull: nocull against back' page/index.html
@@ -199,5 +201,36 @@ if [ -n "$qml" ] && QT_QPA_PLATFORM=offscreen timeout 3 "$qml" scene.qml >"$work
     check "... which tells a uniform of another value" says 1 'opacity: 1 against 0.5' qt_gl.rdc qt_other.rdc
 else
     skip "Qt Quick with both APIs" "qml-qt6, qml6-module-qtquick-window or qml6-module-qtqml-workerscript is not installed"
+fi
+
+# ---- Large programs, in long runs -------------------------------------------------------------------------------------
+
+large() { # API, option of `capture`, command...
+    HOME=$work QSG_RHI_BACKEND=$1 timeout 200 "$diptych" capture -o "large_$1.rdc" "${@:2}"
+}
+cat >three.qml <<'END'
+import QtQuick
+import QtQuick3D
+Window { visible: true; width: 160; height: 96
+    View3D { anchors.fill: parent
+        environment: SceneEnvironment { backgroundMode: SceneEnvironment.Color; clearColor: "gray"; aoStrength: 100; aoDistance: 40; aoSoftness: 20 }
+        PerspectiveCamera { position: "0,100,300"; eulerRotation.x: -18 }
+        DirectionalLight { eulerRotation.x: -40; castsShadow: true }
+        Model { source: "#Cube"; scale: "2,.2,2"; materials: PrincipledMaterial { } }
+        Model { source: "#Sphere"; y: 50; materials: PrincipledMaterial { baseColor: "tan" } }
+        Model { source: "#Cube"; y: 9000; materials: DefaultMaterial { } NumberAnimation on x { to: 1; loops: Animation.Infinite; duration: 90000 } } } }
+END
+if [ -z "${DIPTYCH_LONG:-}" ]; then
+    : # they take minutes
+elif [ -n "$qml" ] && [ -x /usr/games/warzone2100 ] && [ -e "$(find /usr/lib -path '*/qml/QtQuick3D/qmldir' -print -quit)" ]; then
+    for api in opengl vulkan; do check "Qt Quick 3D is captured with $api" large "$api" --frame 10 -- "$qml" three.qml; done
+    check "... and its ambient occlusion alone differs on both sides alike" says 1 '^alone, with equal inputs, gl and vk agree' large_{opengl,vulkan}.rdc
+    for api in opengl vulkan; do
+        check "Warzone 2100 is captured with $api" large "$api" --after 20 -- /usr/games/warzone2100 --window --resolution=640x480 \
+            --nosound --game=CAM_1A "--gfxbackend=$api"
+    done
+    check "... and its polygon offset is told" says 1 'factor and units are swapped' large_{opengl,vulkan}.rdc
+else
+    skip "large programs" "warzone2100 or qml6-module-quick3d is not installed"
 fi
 finish

@@ -36,10 +36,10 @@ class Taken:
 
     def __init__(self, frame: Frame, action: Any):
         self.frame, self.action, self.control = frame, action, frame.control
-        self.dispatch = bool(action.flags & rd.ActionFlags.Dispatch)
+        self.kind = "dispatch" if action.flags & rd.ActionFlags.Dispatch else "draw"
         self.control.SetFrameEvent(action.eventId, True)
         self.state = self.control.GetPipelineState()
-        self.stage = rd.ShaderStage.Compute if self.dispatch else rd.ShaderStage.Pixel
+        self.stage = rdc_state.STAGES[self.kind][-1]
         self.shader = self.state.GetShaderReflection(self.stage)
         self.files: list[Json] = []
         if self.shader is None:
@@ -77,88 +77,109 @@ class Taken:
                 found[name] = found[number] = literal(variable)
 
     def values(self) -> dict[str, str]:
-        places, found = self.state.GetBindpointMapping(self.stage).constantBlocks, {}  # type: Any, dict[str, str]
-        pipeline = self.state.GetComputePipelineObject() if self.dispatch else self.state.GetGraphicsPipelineObject()
-        for index, block in enumerate(self.shader.constantBlocks):
-            bound = self.state.GetConstantBuffer(self.stage, index, 0)
-            if block.bufferBacked and not int(bound.resourceId):
-                continue
-            values = self.control.GetCBufferVariableContents(pipeline, self.shader.resourceId, self.stage, self.shader.entryPoint, index,
-                                                             bound.resourceId, bound.byteOffset, bound.byteSize)
+        places = self.state.GetBindpointMapping(self.stage).constantBlocks
+        found: dict[str, str] = {}
+        for block, values in rdc_state.blocks(self.control, self.state, self.kind, self.stage, self.shader):
             self.collect(values, "", place_of(places[block.bindPoint]) if block.bindPoint < len(places) else "", found)
         return found
 
     # ---- Textures --------------------------------------------------------------------------------
 
     def textures(self) -> list[Json]:
-        made, textures = [], rdc_state.bound_textures(self.control, self.state, self.stage, self.frame.gl)
-        for resource, place, number, bound, item, addresses in textures:
-            info = self.frame.textures.get(number)
-            mips = item.maxLOD >= 0.5 and word(item.filter.mip) != "nofilter"
-            count = max(1, min(bound.numMips, info.mips - bound.firstMip)) if info and mips else 1
-            levels = [self.texels(number, resource.name, mip) for mip in range(bound.firstMip, bound.firstMip + count)]
-            order = [word(getattr(bound.swizzle, name)) for name in ("red", "green", "blue", "alpha")]
-            wraps = {word(address) for address in addresses}
-            if order != ["red", "green", "blue", "alpha"] or word(item.filter.filter) == "comparison" or not wraps <= WRAPS.keys() or \
-                    len(wraps) > 1 or (count > 1 and item.filter.minify != item.filter.magnify):
-                raise Untold(f"{resource.name} has its channels in another order, or is sampled as no spec can")
+        made = []
+        bound = rdc_state.bound_textures(self.control, self.state, self.stage, self.frame.gl)
+        for resource, place, number, seen, item, addresses in bound:
+            info, chosen = self.frame.textures.get(number), item.filter
+            mips = item.maxLOD >= 0.5 and word(chosen.mip) != "nofilter"
+            count = max(1, min(seen.numMips, info.mips - seen.firstMip)) if info and mips else 1
+            levels = [self.texels(number, resource.name, mip) for mip in range(seen.firstMip, seen.firstMip + count)]
+            wraps = {word(address) for address in addresses[:2]}
+            if rdc_state.order(seen) != rdc_state.CHANNELS:
+                raise Untold(f"{resource.name} has its channels in another order")
+            if (word(chosen.filter) == "comparison" or len(wraps) > 1 or not wraps <= WRAPS.keys()
+                    or (count > 1 and chosen.minify != chosen.magnify)):
+                raise Untold(f"{resource.name} is sampled as no spec can")
             sampler = {"kind": "filter", "wrap": WRAPS[wraps.pop()],
-                       "filter": "nearest" if word(item.filter.magnify) == "point" else "linear",
-                       "mip_filter": "linear" if word(item.filter.mip) == "linear" else "nearest", "anisotropy": max(1, item.maxAnisotropy)}
+                       "filter": "nearest" if word(chosen.magnify) == "point" else "linear",
+                       "mip_filter": "linear" if word(chosen.mip) == "linear" else "nearest",
+                       "anisotropy": max(1, item.maxAnisotropy)}
             made.append({"name": resource.name, "place": place_of(place), "format": levels[0][0], "sampler": sampler,
                          "levels": [self.keep(rows) for _, rows in levels]})
         return made
 
     # ---- A draw ----------------------------------------------------------------------------------
 
-    def vertices(self) -> tuple[np.ndarray, list[Any]]:
-        """Behind the vertex shader: of each vertex of a list of triangles, its position and what the fragment shader reads."""
-        mesh = self.control.GetPostVSData(0, 0, rd.MeshDataStage.VSOut)
-        shape, stride = word(mesh.topology), mesh.vertexByteStride
-        if self.state.GetShaderReflection(rd.ShaderStage.Geometry) or self.state.IsTessellationEnabled() or self.action.numInstances > 1:
-            raise Untold("it has a geometry shader, tessellation or instances")
+    def order(self, mesh: Any) -> np.ndarray:
+        """Of the vertices of a list of triangles."""
+        shape = word(mesh.topology)
         if shape not in LISTS or not int(mesh.vertexResourceId) or not 3 <= mesh.numIndices <= MOST_VERTICES:
             raise Untold(f"its vertices cannot be read: {mesh.numIndices}, {shape}")
         count = mesh.numIndices // 3 if shape == "trianglelist" else mesh.numIndices - 2
         order = np.array([LISTS[shape](at) for at in range(count)]).ravel()
-        if int(mesh.indexResourceId):
-            raw = bytes(self.control.GetBufferData(mesh.indexResourceId, mesh.indexByteOffset, mesh.numIndices * mesh.indexByteStride))
-            order = np.frombuffer(raw, f"<u{mesh.indexByteStride}")[order].astype(int) + mesh.baseVertex
+        if not int(mesh.indexResourceId):
+            return order
+        size = mesh.indexByteStride
+        raw = bytes(self.control.GetBufferData(mesh.indexResourceId, mesh.indexByteOffset, mesh.numIndices * size))
+        return np.frombuffer(raw, f"<u{size}")[order].astype(int) + mesh.baseVertex
+
+    def outputs(self) -> dict[Any, int]:
+        """Where each output of the vertex shader stands among the words behind the position."""
+        at, found = 4, {}
+        aligned = self.state.HasAlignedPostVSData(rd.MeshDataStage.VSOut)
+        for item in self.state.GetShaderReflection(rd.ShaderStage.Vertex).outputSignature:
+            if word(item.systemValue) == "position":
+                continue
+            unit = (4 if item.compCount > 2 else item.compCount) if aligned else 1
+            at = -(-at // unit) * unit
+            if word(item.systemValue) == "undefined":
+                found[self.key(item)] = at
+            at += item.compCount
+        return found
+
+    def key(self, item: Any) -> Any:
+        """What an output and an input of two shaders have in common."""
+        return item.varName if self.frame.gl else item.regIndex
+
+    def vertices(self) -> tuple[np.ndarray, list[Any]]:
+        """Behind the vertex shader: of each vertex of a list of triangles, its position and what the fragment shader reads."""
+        if self.state.GetShaderReflection(rd.ShaderStage.Geometry) or self.state.IsTessellationEnabled() or self.action.numInstances > 1:
+            raise Untold("it has a geometry shader, tessellation or instances")
+        mesh = self.control.GetPostVSData(0, 0, rd.MeshDataStage.VSOut)
+        order, outputs, stride = self.order(mesh), self.outputs(), mesh.vertexByteStride
         raw = bytes(self.control.GetBufferData(mesh.vertexResourceId, mesh.vertexByteOffset, 0))
         words = np.frombuffer(raw[:len(raw) // stride * stride], "<f4").reshape(-1, stride // 4)[order]
-        at, outputs = 4, {}
-        for item in self.state.GetShaderReflection(rd.ShaderStage.Vertex).outputSignature:
-            if word(item.systemValue) != "position":
-                unit = (4 if item.compCount > 2 else item.compCount) if self.state.HasAlignedPostVSData(rd.MeshDataStage.VSOut) else 1
-                at = -(-at // unit) * unit
-                if word(item.systemValue) == "undefined":
-                    outputs[item.varName if self.frame.gl else item.regIndex] = at
-                at += item.compCount
         read = [item for item in self.shader.inputSignature if word(item.systemValue) == "undefined"]
         rows = np.zeros((len(words), 1 + len(read), 4), "<f4")
         rows[:, 0] = words[:, :4]
         for column, item in enumerate(read, 1):
-            start = outputs.get(item.varName if self.frame.gl else item.regIndex)
+            start = outputs.get(self.key(item))
             if start is None or word(item.varType) not in TYPES:
                 raise Untold(f"the vertex shader does not write {item.varName}, or it is {word(item.varType)}")
             rows[:, column, :item.compCount] = words[:, start:start + item.compCount]
         return rows, read
 
-    def drawn(self) -> Json:
-        fixed, target = rdc_state.fixed(self.control, self.frame.gl), self.state.GetDepthTarget()
+    def rectangles(self, fixed: Json) -> Json:
+        """Viewport, scissor and cull of the pass."""
         viewport, scissor = self.state.GetViewport(0), self.state.GetScissor(0)
-        clip = self.control.GetGLPipelineState().vertexProcessing if self.frame.gl else None
-        rows, read = self.vertices()
-        made: Json = {"left": ["stencil test"] if fixed["stencil front"] != "off" else []}
-        places, area = rows[:, 0], [viewport.x, viewport.y + min(0, viewport.height), viewport.width, abs(viewport.height)]
-        if viewport.height < 0 or (clip and not clip.clipOriginLowerLeft):
-            places[:, 1] *= -1
-        made["pass"] = {"draw": {"vertices": len(rows)}, "viewport": list(map(int, area))}
+        y = viewport.y + min(0, viewport.height)
+        made: Json = {"viewport": list(map(int, (viewport.x, y, viewport.width, abs(viewport.height))))}
         if fixed["cull"] in ("front", "back"):  # a spec's front is counter-clockwise as rows go up; Vulkan's go down
             same = (fixed["front"] == "ccw") == self.frame.gl
-            made["pass"]["cull"] = fixed["cull"] if same else {"front": "back", "back": "front"}[fixed["cull"]]
+            made["cull"] = fixed["cull"] if same else {"front": "back", "back": "front"}[fixed["cull"]]
         if scissor.enabled:
-            made["pass"]["scissor"] = list(map(int, rdc_state.rectangle(scissor)))
+            made["scissor"] = list(map(int, rdc_state.rectangle(scissor)))
+        return made
+
+    def drawn(self) -> Json:
+        """In the clip space of a spec: that of Vulkan, with rows that go up."""
+        fixed, target, viewport = rdc_state.fixed(self.control, self.frame.gl), self.state.GetDepthTarget(), self.state.GetViewport(0)
+        clip = self.control.GetGLPipelineState().vertexProcessing if self.frame.gl else None
+        rows, read = self.vertices()
+        places = rows[:, 0]
+        made: Json = {"left": ["stencil test"] if fixed["stencil front"] != "off" else [],
+                      "pass": {"draw": {"vertices": len(rows)}, **self.rectangles(fixed)}}
+        if viewport.height < 0 or (clip and not clip.clipOriginLowerLeft):
+            places[:, 1] *= -1
         if clip and clip.clipNegativeOneToOne:
             places[:, 2] = (places[:, 2] + places[:, 3]) / 2
         if int(target.resourceId) and fixed["depth test"] in TESTS:
@@ -176,16 +197,23 @@ class Taken:
                            for slot, item in enumerate(self.state.GetOutputTargets()) if int(item.resourceId)]
         return {**made, "vertices": self.keep(rows.reshape(-1, 4)), "vert": vertex_shader(read, self.frame.gl, bytes(self.shader.rawBytes))}
 
+    # ---- Either ----------------------------------------------------------------------------------
+
+    def dispatched(self) -> Json:
+        stored = [{"name": name, "place": "", "id": resource, "mip": 0} for name, resource in self.stored()]
+        return {"pass": {"groups": list(self.action.dispatchDimension)}, "targets": stored, "left": []}
+
+    def stored(self) -> list[tuple[str, int]]:
+        bindings = rdc_state.bindings(self.control, self.state, self.kind, self.frame.gl)
+        return [(name, resource) for name, resource, stores in bindings if stores]
+
     def all(self) -> Json:
-        kind = "dispatch" if self.dispatch else "draw"
-        stored = [{"name": name, "place": "", "id": resource, "mip": 0}
-                  for name, resource, stores in rdc_state.bindings(self.control, self.state, kind, self.frame.gl) if stores]
-        if stored and not self.dispatch:
+        if self.kind == "draw" and self.stored():
             raise Untold("it draws, and stores in buffers or images")
-        code, end = bytes(self.shader.rawBytes), ".comp" if self.dispatch else ".frag"
+        code, end = bytes(self.shader.rawBytes), ".comp" if self.kind == "dispatch" else ".frag"
         made: Json = {"textures": self.textures(), "values": self.values(),
                       "shader": self.frame.keep(code, end + (".spv" if code[:4] == b"\x03\x02#\x07" else ""))}
-        made |= {"pass": {"groups": list(self.action.dispatchDimension)}, "targets": stored, "left": []} if self.dispatch else self.drawn()
+        made |= self.dispatched() if self.kind == "dispatch" else self.drawn()
         for key in ("after", "before"):
             for target in [*made["targets"], *([made["depth"]] if "depth" in made else [])]:
                 target["format"], rows = self.texels(target["id"], target["name"], target["mip"])

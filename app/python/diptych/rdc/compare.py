@@ -4,13 +4,10 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import shutil
-import signal
 import subprocess
 import sys
 import tempfile
-from concurrent.futures import ThreadPoolExecutor, TimeoutError as TooLong
 from contextlib import suppress
 from typing import Any, Iterator
 
@@ -21,136 +18,28 @@ from .capture import renderdoc
 from ..console import Console, printable, write
 from .left import TAKEN, Unreadable, frame_of, read
 from .match import Matcher, Pair, Side, numbers_of
+from .replays import SECONDS, confines, limit, replay, sandbox
 from .texels import doubled_depth
-from ..verbs import HERE
 
 Json = dict[str, Any]
-LIMITS = {resource.RLIMIT_AS: 16 << 30, resource.RLIMIT_CPU: 1800, resource.RLIMIT_FSIZE: 4 << 30}  # of a replay
-SECONDS = 900
 MOST_BESIDE = 8  # texts of state
-READ = ["/usr", "/lib", "/lib64", "/bin", "/etc/vulkan", "/etc/glvnd", "/etc/ld.so.cache", "/etc/alternatives", "/etc/drirc", "/sys"]
-LAVAPIPE = ["/usr/share/vulkan/icd.d/" + name for name in ("lvp_icd.x86_64.json", "lvp_icd.json", "lvp_icd.aarch64.json")]
 LABELS = {"OpenGL": "gl", "Vulkan": "vk"}
-
-# ---- Replays -------------------------------------------------------------------------------------
-
-
-def software() -> dict[str, str]:
-    """A replay is Mesa's on the CPU. RenderDoc makes OpenGL's programs anew at each event: /tmp keeps what the driver compiled."""
-    driver = next(filter(os.path.exists, LAVAPIPE), "")
-    return {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver, "VK_ICD_FILENAMES": driver,
-            "XDG_CACHE_HOME": "/tmp"}
-
-
-def sandbox(read: list[str], folder: str, package: list[str]) -> list[str]:
-    words = ["bwrap", "--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp", "--clearenv"]
-    for path in [*READ, *package, *read]:
-        words += ["--ro-bind-try", path, path]
-    words += ["--bind", folder, folder, "--chdir", folder]
-    for name, value in {"HOME": "/tmp", "PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(package), **software()}.items():
-        words += ["--setenv", name, value]
-    return words
-
-
-def confines() -> bool:
-    """Whether there can be a sandbox."""
-    words = ["bwrap", "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "--dev", "/dev", "/bin/true"]
-    return bool(shutil.which("bwrap")) and subprocess.run(words, capture_output=True, check=False).returncode == 0
-
-
-def limit() -> None:
-    for kind, most in LIMITS.items():
-        hard = resource.getrlimit(kind)[1]
-        resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
-
-
-class Replays:
-    """Processes of replay.py."""
-
-    def __init__(self, console: Console, confined: bool):
-        self.console, self.confined = console, confined
-        self.running: list[subprocess.Popen[str]] = []
-        self.ended = False
-
-    def __enter__(self) -> "Replays":
-        return self
-
-    def __exit__(self, *_: Any) -> None:
-        self.ended = True
-        for process in self.running:
-            process.kill()
-
-    def run(self, capture: str, folder: str, draws: str, module: str = "replay") -> str:
-        """Why it failed, or nothing."""
-        path = os.path.realpath(capture)
-        package = [os.path.dirname(HERE), *filter(None, os.environ.get("PYTHONPATH", "").split(":"))]
-        words = ["/usr/bin/python3", "-m", f"diptych.rdc.{module}", path, folder, draws]
-        words = sandbox([path], folder, package) + words if self.confined else words
-        process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-                                   errors="replace", preexec_fn=limit)
-        self.running.append(process)
-        if self.ended:
-            process.kill()
-        last = ""
-        for line in process.stderr or ():
-            if line.startswith("replay: "):
-                self.console.info(f"{capture}: {line.removeprefix('replay: ').rstrip()}")
-            last = line.rstrip() or last
-        status = process.wait()
-        if status in (-signal.SIGXCPU, 128 + signal.SIGXCPU):
-            return "the replay took more than its time"
-        if status < 0 or status > 128:
-            return f"the replay was ended by signal {-status if status < 0 else status - 128}: the capture is damaged, or asks too much"
-        done = not status and os.path.exists(os.path.join(folder, "frame.json"))
-        return "" if done else last or "cannot be replayed"
-
-    def all(self, captures: list[str], folders: list[str], draws: list[str]) -> list[Side]:
-        with ThreadPoolExecutor(2) as pool:
-            done = [pool.submit(self.run, *job) for job in zip(captures, folders, draws)]
-            try:
-                failed = [item.result(SECONDS) for item in done]
-            except TooLong:
-                self.__exit__()
-                self.console.fail(f"a replay took more than {SECONDS} s")
-            except BaseException:
-                self.__exit__()
-                raise
-        for capture, reason in zip(captures, failed):
-            if reason:
-                self.console.error(f"{capture}: {reason}")
-        if any(failed):
-            self.console.fail("nothing was compared")
-        return [self.side(capture, folder) for capture, folder in zip(captures, folders)]
-
-    def side(self, capture: str, folder: str) -> Side:
-        try:
-            frame = frame_of(folder)
-        except Unreadable as reason:
-            self.console.fail(f"{capture}: {reason}")
-        source = f"{capture} ({frame['api']}, RenderDoc {frame['renderdoc']}{frame['device'] and ', captured on ' + frame['device']})"
-        side = Side(folder, LABELS.get(frame["api"], frame["api"]), source, frame)
-        self.console.info(f"{capture}: {len(side.passes)} passes, {frame['bytes'] / 1e6:.1f} MB")
-        for note in frame["notes"]:
-            self.console.warning(f"{capture}: {note}")
-        return side
-
 
 # ---- Matching ------------------------------------------------------------------------------------
 
 
+def size_of(entry: Json) -> str:
+    return f"{entry['width']}x{entry['height']}" if entry["kind"] == "image" else f"{entry['count']} words"
+
+
 def described(item: Json) -> str:
-    sizes = {f"{entry['width']}x{entry['height']}" if entry["kind"] == "image" else f"{entry['count']} words" for entry in item["entries"]}
     where = item["where"] and f" {item['where'][-1]}"
-    return f"{item['index']:02d} {item['kind']} {'+'.join(sorted(sizes))}{where or ''}"
+    return f"{item['index']:02d} {item['kind']} {'+'.join(sorted(set(map(size_of, item['entries']))))}{where or ''}"
 
 
 def pass_names(passes: list[Json]) -> list[str]:
-    names = []
-    for number, item in enumerate(passes):
-        entry = item["entries"][0]
-        size = f"{entry['width']}x{entry['height']}" if entry["kind"] == "image" else str(entry["count"])
-        names.append(f"{number:02d}_{item['kind']}_{size}")
-    return names
+    sizes = [size_of(item["entries"][0]).removesuffix(" words") for item in passes]
+    return [f"{number:02d}_{item['kind']}_{size}" for number, (item, size) in enumerate(zip(passes, sizes))]
 
 
 def write_match(path: str, sides: tuple[Side, Side], pairs: list[Pair], names: list[str]) -> None:
@@ -362,14 +251,29 @@ class Comparison:
 
     def replay(self, draws: list[str], name: str) -> list[Side]:
         captures = [capture for group in self.groups for capture in group]
-        folders = [os.path.join(self.folder, f"{name}{index}") for index in range(len(captures))]
-        for folder in folders:
+        sides = []
+        for index, capture in enumerate(captures):
+            folder = os.path.join(self.folder, f"{name}{index}")
             os.mkdir(folder)
-        with Replays(self.console, self.confined) as replays:
-            sides = replays.all(captures, folders, draws or [""] * len(captures))
+            why = replay(self.console, self.confined, "replay", capture, folder, draws[index] if draws else "")
+            if why:
+                self.console.fail(f"{capture}: {why}")
+            sides.append(self.side(capture, folder))
         for side in sides if not draws else ():
             side.join(set.intersection(*(other.labels() for other in sides)))
         return sides
+
+    def side(self, capture: str, folder: str) -> Side:
+        try:
+            frame = frame_of(folder)
+        except Unreadable as reason:
+            self.console.fail(f"{capture}: {reason}")
+        source = f"{capture} ({frame['api']}, RenderDoc {frame['renderdoc']}{frame['device'] and ', captured on ' + frame['device']})"
+        side = Side(folder, LABELS.get(frame["api"], frame["api"]), source, frame)
+        self.console.info(f"{capture}: {len(side.passes)} passes, {frame['bytes'] / 1e6:.1f} MB")
+        for note in frame["notes"]:
+            self.console.warning(f"{capture}: {note}")
+        return side
 
     def each_draw(self, sides: list[Side]) -> list[Side]:
         """Replays once more: the draws of one pass."""
@@ -441,12 +345,11 @@ class Comparison:
             os.mkdir(folder)
             taken = os.path.join(folder, "taken")
             os.mkdir(taken)
-            why = replays.run(self.groups[side][0], taken, str(items[side]["last"]), "alone")
+            why = replay(self.console, self.confined, "alone", self.groups[side][0], taken, str(item["last"]))
             found = {"why": why} if why else read(taken, TAKEN)["passes"][0]
             return guilty.Alone(matched.labels[side], found, taken, os.path.join(folder, "alone"), self.run_alone)
 
-        with Replays(self.console, self.confined) as replays, ThreadPoolExecutor(2) as pool:
-            sides = list(pool.map(made, (0, 1)))
+        sides = [made(0), made(1)]
         for side, label in zip(sides, ("first", "second")):
             if self.save and not side.why:
                 shutil.copytree(side.folder, os.path.join(self.save, label, "alone"))

@@ -13,14 +13,10 @@ MOST_TOLD = 6  # uniforms of a pass
 CLOCK = re.compile(r"time|clock|cycle|elapsed|ticks?$|frame_?(count|number|index|id)", re.I)
 
 
-def number(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
-
-
 def text_of(value: Any) -> str:
     if isinstance(value, list):
         return f"({', '.join(map(text_of, value))})" if len(value) != 1 else text_of(value[0])
-    return number(value)
+    return f"{value:.6g}" if isinstance(value, (int, float)) else str(value)
 
 
 # ---- State ---------------------------------------------------------------------------------------
@@ -58,7 +54,7 @@ def other_front(state: Json) -> Json:
 
 def offset_text(first: list[float], second: list[float]) -> str:
     def side(offset: list[float]) -> str:
-        return f"factor {number(offset[1])}, units {number(offset[0])}" + (f", clamp {number(offset[2])}" if offset[2] else "")
+        return f"factor {text_of(offset[1])}, units {text_of(offset[0])}" + (f", clamp {text_of(offset[2])}" if offset[2] else "")
 
     swapped = first[:2] == second[1::-1] or np.allclose(first[:2], second[1::-1])
     return f"polygon offset: {side(first)} against {side(second)}" + (": factor and units are swapped" if swapped else "")
@@ -143,7 +139,7 @@ def stream_differences(first: Json, second: Json, folders: list[str], across: bo
             found[f"vertex data {name}"] = f"{len(a)} of {a.shape[1]} numbers against {len(b)} of {b.shape[1]}"
         elif not any(np.allclose(turn, b, rtol=1e-6, atol=1e-6, equal_nan=True) for turn in turns):
             gaps = np.abs(a - b)[a != b]
-            found[f"vertex data {name}"] = f"{len(gaps)} of {a.size} numbers differ, by up to {number(float(gaps.max()))}"
+            found[f"vertex data {name}"] = f"{len(gaps)} of {a.size} numbers differ, by up to {text_of(float(gaps.max()))}"
     return found
 
 
@@ -175,7 +171,7 @@ def steps(first: Json, second: Json) -> Iterator[tuple[int, Json, Json, bool]]:
         one, two = first["chosen"][at], second["chosen"][other]
         if min(one, two) < 0:  # too many states
             continue
-        both = (one, two) == (at, other) and first["counts"][at] == second["counts"][other]
+        both = (one, two) == (at, other) and (first["counts"][at] == second["counts"][other] or first["kind"] == "dispatch")
         yield at, sides[0][one], sides[1][two], both
 
 
@@ -191,7 +187,8 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
         texts.append(f"{first['draws']} against {second['draws']} draws")
     elif first["counts"] != second["counts"]:
         at = next(index for index, pair in enumerate(zip(first["counts"], second["counts"])) if pair[0] != pair[1])
-        texts.append(f"draw {at + 1}: vertices and instances {text_of(first['counts'][at])} against {text_of(second['counts'][at])}")
+        what = "groups" if first["kind"] == "dispatch" else f"draw {at + 1}: vertices and instances"
+        texts.append(f"{what} {text_of(first['counts'][at])} against {text_of(second['counts'][at])}")
     draws: dict[str, list[int]] = {}  # that a text is true of
     clocks: set[str] = set()
     told: set[str] = set()

@@ -10,7 +10,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from .left import Unreadable, array, own
+from .left import Unreadable, loaded, own
 from .texels import NUMBERS, four
 
 Json = dict[str, Any]
@@ -70,7 +70,7 @@ class Spec:
                 file.write(text)
 
     def load(self, name: str) -> np.ndarray:
-        return np.asarray(array(self.source, name))
+        return np.asarray(loaded(self.source, name))
 
     def buffer(self, name: str, rows: np.ndarray) -> str:
         """One with a file."""
@@ -220,7 +220,7 @@ def count_text(first: list[np.ndarray], second: list[np.ndarray]) -> str:
 
 def other_textures(sides: list[Alone]) -> list[str]:
     """Which textures of one name differ, in either order of rows."""
-    textures = [{item["name"]: [array(side.source, file) for file in item["levels"]] for item in side.made["textures"]}
+    textures = [{item["name"]: [loaded(side.source, file) for file in item["levels"]] for item in side.made["textures"]}
                 for side in sides]
     return [f"texture {name}" for name in textures[0] if name in textures[1]
             and not any(all(map(np.array_equal, textures[0][name], other)) for other in

@@ -6,7 +6,7 @@ import json
 import os
 import zipfile
 import zlib
-from typing import Any, NoReturn
+from typing import Any, Callable
 
 import numpy as np
 
@@ -27,10 +27,6 @@ class Unreadable(Exception):
     """What is wrong, in words."""
 
 
-def refuse(error: BaseException) -> NoReturn:
-    raise Unreadable(f"what its replay left cannot be read: {type(error).__name__}: {error}") from None
-
-
 def fits(value: Any, shape: Any) -> bool:
     if isinstance(shape, dict):
         return isinstance(value, dict) and all(key in value and fits(value[key], item) for key, item in shape.items())
@@ -47,22 +43,17 @@ def own(folder: str, name: str) -> str:
     return path
 
 
-def array(folder: str, name: str) -> Any:
-    """Of a file .npy, or, by name, those of a file .npz."""
+def loaded(folder: str, name: str, load: Callable[[Any], Any] = np.load) -> Any:
     try:
-        stored = np.load(own(folder, name))
-        return dict(stored) if name.endswith(".npz") else stored
+        with open(own(folder, name), "rb") as file:
+            return load(file)
     except FAULTS as error:
-        refuse(error)
+        raise Unreadable(f"what its replay left cannot be read: {type(error).__name__}: {error}") from None
 
 
 def read(folder: str, shape: Json) -> Json:
     """frame.json, if it has this shape."""
-    try:
-        with open(own(folder, "frame.json"), encoding="utf-8") as file:
-            frame: Json = json.load(file)
-    except FAULTS as error:
-        refuse(error)
+    frame: Json = loaded(folder, "frame.json", json.load)
     if not fits(frame, shape):
         raise Unreadable("what its replay left is no frame")
     return frame
@@ -71,13 +62,13 @@ def read(folder: str, shape: Json) -> Json:
 def frame_of(folder: str) -> Json:
     """What replay.py left, with the small pictures as `small`."""
     frame = read(folder, FRAME)
-    frame["small"] = array(folder, "small.npz")
+    frame["small"] = loaded(folder, "small.npz", lambda file: dict(np.load(file)))
     for made in frame["passes"]:
         entries = [*made["entries"], *made["inputs"]]
         streams = [stream for state in made["states"] for stream in state["streams"].values()]
-        if not all(fits(entry, IMAGE if entry["kind"] == "image" else BUFFER) and entry["file"] in frame["small"] for entry in entries) or \
-                not all(fits(stream[:1], [""]) for stream in streams):
+        whole = [fits(entry, IMAGE if entry["kind"] == "image" else BUFFER) and entry["file"] in frame["small"] for entry in entries]
+        if not all(whole) or not fits([stream[:1] for stream in streams], [[""]]):
             raise Unreadable("what its replay left is no frame")
-        for name in [item["file"] for item in [*entries, *made["shaders"]]] + [stream[0] for stream in streams]:
+        for name in [item["file"] for item in entries + made["shaders"]] + [stream[0] for stream in streams]:
             own(folder, name)
     return frame

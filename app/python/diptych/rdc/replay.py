@@ -54,21 +54,14 @@ def fail(text: str) -> NoReturn:
     leave(2)
 
 
-def name_of(text: str) -> str:
-    return re.sub(r"\W+", "_", text).strip("_")
-
-
-class Progress:
-    """Told now and then."""
-
-    def __init__(self, what: str, count: int):
-        self.what, self.count, self.done, self.told = what, count, 0, time.monotonic()
-
-    def step(self) -> None:
-        self.done += 1
-        if time.monotonic() - self.told > SECONDS_OF_PROGRESS:
-            self.told = time.monotonic()
-            print(f"replay: {self.done} of {self.count} {self.what}", file=sys.stderr, flush=True)
+def progress(items: list[Any], what: str) -> Iterator[Any]:
+    """The items; how many are done is told now and then."""
+    told = time.monotonic()
+    for done, item in enumerate(items):
+        if time.monotonic() - told > SECONDS_OF_PROGRESS:
+            told = time.monotonic()
+            print(f"replay: {done} of {len(items)} {what}", file=sys.stderr, flush=True)
+        yield item
 
 
 # ---- Passes --------------------------------------------------------------------------------------
@@ -279,7 +272,7 @@ class Frame:
 
     def label(self, resource: int) -> str:
         text = self.labels.get(resource, "")
-        return "" if "/" in text or text.startswith("Backbuffer") else name_of(text)
+        return "" if "/" in text or text.startswith("Backbuffer") else re.sub(r"\W+", "_", text).strip("_")
 
     def layers(self, texture: Any, mip: int) -> Iterator[bytes]:
         depth = max(1, texture.depth >> mip)
@@ -385,14 +378,12 @@ class Frame:
 
     def read(self, looked: list[Json]) -> None:
         """Puts contents in the places of those that are wanted."""
-        stops = self.stops(looked)
-        progress = Progress("contents", sum(map(len, stops.values())))
-        for event, jobs in stops.items():
-            if event != OPENED:
+        at_event = OPENED
+        for event, wanted, at in progress([(event, *job) for event, jobs in self.stops(looked).items() for job in jobs], "contents"):
+            if event != at_event:
                 self.control.SetFrameEvent(event, False)
-            for wanted, at in jobs:
-                wanted[at] = self.content(wanted[at]["id"], wanted[at]["slot"], wanted[at]["mip"])
-                progress.step()
+                at_event = event
+            wanted[at] = self.content(wanted[at]["id"], wanted[at]["slot"], wanted[at]["mip"])
         for item in looked:
             for key in ("entries", "inputs"):
                 item[key] = [content for content in item[key] if content]
@@ -434,7 +425,8 @@ class Frame:
         known.update(inputs)
         shaders = [{"stage": stage, "entry": entry, "file": self.keep(code, suffix)}
                    for stage, entry, code, suffix in rdc_state.shaders(state, made.kind)]
-        counts = [[action.numIndices, action.numInstances] for action in made.draws]
+        counts = [list(action.dispatchDimension) if made.kind == "dispatch" else [action.numIndices, action.numInstances]
+                  for action in made.draws]
         return {"index": index, "run": made.run, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
                 "draws": len(made.draws), "counts": counts, "states": states, "chosen": chosen, "shaders": shaders, "left_out": [],
                 "entries": [{"id": resource, "mip": mip, "slot": slot} for (resource, mip), slot in wanted.items()],
@@ -443,10 +435,10 @@ class Frame:
     def look_at(self, passes: list[Pass], most: float = math.inf) -> list[Json]:
         """Nothing, if it takes too many seconds of a processor."""
         chosen, self.opened, end = choose(passes), False, time.process_time() + most
-        progress, known, looked = Progress("passes", len(passes)), set(), []  # type: Progress, set[int], list[Json]
-        for index, made in enumerate(passes):
-            looked.append(self.look(made, index, chosen[index], known))
-            progress.step()
+        known: set[int] = set()
+        looked: list[Json] = []
+        for made in progress(passes, "passes"):
+            looked.append(self.look(made, len(looked), chosen[len(looked)], known))
             if time.process_time() > end:
                 return []
         return looked

@@ -10,6 +10,7 @@ from .texels import texels_of, values_of
 
 Json = dict[str, Any]
 STAGES = {"dispatch": [rd.ShaderStage.Compute], "draw": [rd.ShaderStage.Vertex, rd.ShaderStage.Geometry, rd.ShaderStage.Pixel]}
+CHANNELS = ["red", "green", "blue", "alpha"]
 MOST_UNIFORMS = 1024  # of a draw
 MOST_VERTICES = 1 << 28  # bytes of an attribute
 
@@ -105,31 +106,37 @@ def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[f
         found[name] = list(values[:count])
 
 
+def blocks(control: Any, state: Any, kind: str, stage: Any, reflection: Any) -> Iterator[tuple[Any, Any]]:
+    """A shader's blocks that are bound, each with its values."""
+    pipeline = state.GetComputePipelineObject() if kind == "dispatch" else state.GetGraphicsPipelineObject()
+    for index, block in enumerate(reflection.constantBlocks):
+        bound = state.GetConstantBuffer(stage, index, 0)
+        if not block.bufferBacked or int(bound.resourceId):
+            yield block, control.GetCBufferVariableContents(pipeline, reflection.resourceId, stage, reflection.entryPoint, index,
+                                                            bound.resourceId, bound.byteOffset, bound.byteSize)
+
+
 def uniforms(control: Any, state: Any, kind: str) -> dict[str, list[float]]:
     """By name, without those of the blocks."""
     found: dict[str, list[float]] = {}
-    dispatch = kind == "dispatch"
-    pipeline = state.GetComputePipelineObject() if dispatch else state.GetGraphicsPipelineObject()
     for stage, reflection in stages(state, kind):
-        for index, block in enumerate(reflection.constantBlocks):
-            bound = state.GetConstantBuffer(stage, index, 0)
-            if block.compileConstants or (block.bufferBacked and not int(bound.resourceId)):
-                continue
-            values = control.GetCBufferVariableContents(pipeline, reflection.resourceId, stage, reflection.entryPoint, index,
-                                                        bound.resourceId, bound.byteOffset, bound.byteSize)
-            flatten(values, block.variables, "", found)
+        for block, values in blocks(control, state, kind, stage, reflection):
+            if not block.compileConstants:
+                flatten(values, block.variables, "", found)
     return found
 
 
 # ---- State ---------------------------------------------------------------------------------------
 
 
-def blend(item: Any) -> str:
+def blend(item: Any, constant: Any) -> str:
     def equation(part: Any) -> str:
         return f"{word(part.operation)}({word(part.source)}, {word(part.destination)})"
 
     mask = "".join(name for bit, name in enumerate("rgba") if item.writeMask >> bit & 1) or "nothing"
     how = f"colour {equation(item.colorBlend)}, alpha {equation(item.alphaBlend)}" if item.enabled else "off"
+    how += f", constant {' '.join(f'{value:g}' for value in constant)}" if "factor" in how else ""
+    how += f", logic {word(item.logicOperation)}" if item.logicOperationEnabled else ""
     return f"{how}; writes {mask}"
 
 
@@ -139,13 +146,26 @@ def stencil(face: Any) -> str:
     return f"{word(face.function)} {face.reference} & {masks[0]:#x}, {'/'.join(operations)}, writes {masks[1]:#x}"
 
 
-def sampler(item: Any, addresses: tuple[Any, ...], texture: Any) -> str:
+def order(seen: Any) -> list[str]:
+    """In which a texture's channels are read."""
+    return [word(getattr(seen.swizzle, name)) for name in CHANNELS]
+
+
+def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any) -> str:
     """Vulkan has no word for a sampler without mips: programs forbid all but the first level."""
-    chosen, several = item.filter, texture is not None and texture.mips > 1
-    mips = f", mips {'nofilter' if item.maxLOD < 0.5 else word(chosen.mip)}" if several else ""
-    text = f"{word(chosen.minify)}/{word(chosen.magnify)}{mips}, {'/'.join(map(word, addresses))}"
+    chosen, count = item.filter, texture.mips if texture else 1
+    mips = "nofilter" if item.maxLOD < 0.5 else word(chosen.mip)
+    text = f"{word(chosen.minify)}/{word(chosen.magnify)}{f', mips {mips}' if count > 1 else ''}, {'/'.join(addresses)}"
+    text += f", border {' '.join(f'{value:g}' for value in item.borderColor)}" if "clampborder" in addresses else ""
     text += f", compare {word(item.compareFunction)}" if word(chosen.filter) == "comparison" else ""
-    return text + (f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else "")
+    text += f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else ""
+    last = min(count, seen.firstMip + seen.numMips) - 1 if seen.numMips > 0 else count - 1
+    levels = seen.firstMip + max(0, item.minLOD), min(last, seen.firstMip + item.maxLOD) if mips != "nofilter" else count - 1
+    text += f", levels {levels[0]:g} to {levels[1]:g}" if levels != (0, count - 1) else ""
+    bias = getattr(item, "mipBias", 0) or getattr(item, "mipLODBias", 0)
+    text += f", bias {bias:g}" if bias and count > 1 else ""
+    text += f", channels {'/'.join(order(seen))}" if order(seen) != CHANNELS else ""
+    return text + (", sRGB" if form and form.compType == rd.CompType.UNormSRGB else "")
 
 
 def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[tuple[Any, Any, int, Any, Any, tuple[Any, ...]]]:
@@ -158,17 +178,23 @@ def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[t
             continue
         if gl and place.bind < len(own.samplers) and int(own.textures[place.bind].resourceId):
             item, seen = own.samplers[place.bind], own.textures[place.bind]
-            yield resource, place, int(seen.resourceId), seen, item, (item.addressS, item.addressT)
+            yield resource, place, int(seen.resourceId), seen, item, (item.addressS, item.addressT, item.addressR)
         elif not gl and place.bindset < len(sets) and place.bind < len(sets[place.bindset].bindings):
             item = next(iter(sets[place.bindset].bindings[place.bind].binds), None)
             if item and int(item.samplerResourceId):
-                yield resource, place, int(item.resourceResourceId), item, item, (item.addressU, item.addressV)
+                yield resource, place, int(item.resourceResourceId), item, item, (item.addressU, item.addressV, item.addressW)
 
 
 def samplers(control: Any, state: Any, kind: str, gl: bool, textures: dict[int, Any]) -> dict[str, str]:
     """By the name of the texture in the shader."""
-    return {resource.name: sampler(item, addresses, textures.get(number)) for stage, _ in stages(state, kind)
-            for resource, _, number, _, item, addresses in bound_textures(control, state, stage, gl)}
+    found = {}
+    for stage, _ in stages(state, kind):
+        for resource, _, number, seen, item, addresses in bound_textures(control, state, stage, gl):
+            texture = textures.get(number)
+            names = list(map(word, addresses))[:texture.dimension if texture else 2]
+            form = getattr(seen, "viewFormat", texture and texture.format)
+            found[resource.name] = sampler(item, seen, names, texture, form)
+    return found
 
 
 def rectangle(item: Any) -> list[float]:
@@ -196,22 +222,41 @@ def fixed(control: Any, gl: bool) -> Json:
             "stencil back": stencil(faces.backFace) if stenciled else "off"}
 
 
-def channels(form: Any) -> str:
-    """Numbers and bits of a format; the order of channels and a missing alpha are not told."""
+def channels(form: Any, encodes: bool) -> str:
+    """Numbers and bits of a format; the order of channels and a missing alpha are not told. `encodes`: what is written in sRGB."""
     if form.type != rd.ResourceFormatType.Regular:
         return word(form.type)
-    return f"{8 * form.compByteWidth} bits {word(form.compType)}"
+    kind = form.compType if encodes or form.compType != rd.CompType.UNormSRGB else rd.CompType.UNorm
+    return f"{8 * form.compByteWidth} bits {word(kind)}"
+
+
+def coverage(own: Any, gl: bool, samples: int) -> Json:
+    """Of several samples; of one, all this has no effect."""
+    if gl:
+        raster = own.rasterizer.state
+        alpha, mask = raster.alphaToCoverage, raster.sampleMaskValue if raster.sampleMask else ~0
+        rate = raster.minSampleShadingRate if raster.sampleShading else 0
+    else:
+        raster = own.multisample
+        alpha, mask = own.colorBlend.alphaToCoverageEnable, raster.sampleMask
+        rate = raster.minSampleShading if raster.sampleShadingEnable else 0
+    several = {"alpha to coverage": "on" if alpha else "off", "sample mask": f"{mask & (1 << samples) - 1:#x}", "sample shading": rate}
+    return {"samples": samples, **(several if samples > 1 else {})}
 
 
 def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Json:
+    own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
+    encodes, blends = (own.framebuffer.framebufferSRGB, own.framebuffer.blendState) if gl else (True, own.colorBlend)
     bound = [*state.GetOutputTargets(), state.GetDepthTarget()]
     sizes = [textures[int(item.resourceId)] for item in bound if int(item.resourceId) in textures]
     height = max(1, sizes[0].height >> max(0, next(item.firstMip for item in bound if int(item.resourceId)))) if sizes else 0
     viewport, scissor = state.GetViewport(0), state.GetScissor(0)
-    return {**fixed(control, gl), "height": height, "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
+    return {**fixed(control, gl), **coverage(own, gl, max((item.msSamp for item in sizes), default=1)), "height": height,
+            "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
             "scissor": rectangle(scissor) if scissor.enabled else [], "topology": word(state.GetPrimitiveTopology()),
-            "samples": max((item.msSamp for item in sizes), default=1), "formats": [channels(item.format) for item in sizes],
-            "blend": [blend(item) for item in list(state.GetColorBlends())[:max(1, len(sizes) - 1)]]}
+            **({"flat values": "of the last vertex" if own.vertexInput.provokingVertexLast else "of the first vertex"} if gl else {}),
+            "formats": [channels(item.format, encodes) for item in sizes],
+            "blend": [blend(item, blends.blendFactor) for item in list(state.GetColorBlends())[:max(1, len(sizes) - 1)]]}
 
 
 def state_of(control: Any, gl: bool, kind: str, textures: dict[int, Any]) -> Json:
