@@ -140,7 +140,7 @@ FAULTS = [
     ("half_rate!", lambda s: (s.light, np.repeat(s.light[:, ::2], 2, 1))), ("nearest", lambda s: linear_twice(s.light)), ("byte_order!", lambda s: (s.cells, s.cells.byteswap())), ("wrapped!", lambda s: (s.ids * 3, s.ids * 3 % 256)),
     ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0))), ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0.5))), ("smear", lambda s: (s.light, np.where(s.x[:, :, None] > (40, 51, 60)[s.k], s.light[:, (40, 51, 60)[s.k], None], s.light))),
     ("smear", lambda s: (s.light, np.where(s.y[:, :, None] > (30, 37, 44)[s.k], s.light[None, (30, 37, 44)[s.k]], s.light))),
-    ("matrix", lambda s: (s.picture, (s.picture @ MATRICES[s.k].T).astype(f32))), ("limited_range", lambda s: (s.picture, s.picture * f32(219 / 255) + f32(16 / 255))), ("depth_bias", lambda s: (plane(s), (plane(s) + (0.5, 1, 2)[s.k] * slope(plane(s)) + 1e-4).astype(f32))),
+    ("matrix", lambda s: (s.picture, (s.picture @ MATRICES[s.k][1].T).astype(f32))), ("limited_range", lambda s: (s.picture, s.picture * f32(219 / 255) + f32(16 / 255))), ("depth_bias", lambda s: (plane(s), (plane(s) + (0.5, 1, 2)[s.k] * slope(plane(s)) + 1e-4).astype(f32))),
     ("dither!", lambda s: (dither(s.picture, bayer()), dither(s.picture, bayer()[::-1]))), ("blurred", lambda s: (s.light, blurred(s.light))),
     ("order!", lambda s: (s.points, s.points[s.r.permutation(120)])), ("nan!", lambda s: (s.light, edge(s.light, s.noise < (0.01, 0.05, 0.3)[s.k], np.nan))),
     ("uninitialised!", lambda s: (s.cells, edge(s.cells, slice(50, 90), u32(0xcdcdcdcd).view(f32)))), ("uninitialised!", lambda s: (s.ids, edge(s.ids, s.noise < 0.1, 0xdeadbeef))),
@@ -168,7 +168,6 @@ FAULTS = [
 ]
 
 
-def other_noise(n): s = Scene(n); return s.picture, (s.picture + s.r.normal(0, 0.05, (H, W, 1))).astype(f32)
 def other_scene(n): return Scene(n).display, Scene(n + 500).display
 def other_light(n): r = np.random.default_rng(n); return Scene(n, light=[1, 1, 1]).picture, Scene(n, light=r.normal(size=3) + [0, 0.5, 0]).picture
 def filtering(n): a = Scene(n, w=W + 2).picture; f = Scene(n).r.random((H, W, 1)); return a[:, 1:-1], (a[:, 1:-1] * (1 - f) + f * (a[:, 2:] + a[:, :-2]) / 2).astype(f32)
@@ -176,13 +175,13 @@ def half_float(n): s = Scene(n); a = s.light; return a, (((a * f32(1.7)).astype(
 def fading(n): s = Scene(n); return s.picture, (0.7 * s.picture + 0.3 * Scene(n + 700).picture).astype(f32)
 def object_moved(n): return Scene(n).picture, Scene(n, time=0.13).picture
 def occlusion(n): s = Scene(n); a, b = (np.clip(s.ao[:, :, 0] * (1 - 0.3 * s.r.random((H, W)) ** 2), 0, 1) for _ in range(2)); return code(a), code(b - 0.04 * (s.x / W))
-def camera(n): return Scene(n).display, Scene(n, jitter=0.031).display
 def shadow(n): s = Scene(n); m = np.clip((s.x + s.y - 50) / 9, 0, 1)[:, :, None]; q = np.clip((s.x + 1.2 * s.y - 56) / 5, 0, 1)[:, :, None]; return (s.picture * (0.4 + 0.6 * m)).astype(f32), (s.picture * (0.4 + 0.6 * q)).astype(f32)
+def shadow_map(n): s = Scene(n); return tuple((s.picture * (0.3 + 0.7 * (s.x // q * q + 0.5 * (s.y // q * q) > 30 + n % 7)[:, :, None])).astype(f32) for q in (2, 5))
+def thin_glass(n): s = Scene(n); a = s.picture + 0.3 * s.noise[:, :, None]; bar = (abs(s.x - s.y * 0.7 - n % 9) < 1.2)[:, :, None]; c = np.roll(a, 7, 1); return tuple(np.where(bar, f32(o) * c + f32(1 - o) * a, a) for o in (1, 0.5))
+def zoomed(n): s = Scene(n, balls=3); x, y = (np.clip((v - m) / (1.18 + n % 3 * 0.05) + m, 0, 2 * m - 1) for v, m in ((s.x, W / 2), (s.y, H / 2))); return s.display, s.display[y.astype(int), x.astype(int)]
 def codes(n): s = Scene(n); return s.display, (s.display.astype(int) + s.r.integers(-2, 3, s.display.shape)).clip(0, 255).astype(u8)
 def rounding(n): s = Scene(n); return s.depth, (s.depth.view(u32) + s.r.integers(-5, 6, s.depth.shape).astype(u32)).view(f32)
 
-
-# Kinds that were held out while the rules were made.
 def lod_bias(n): s = Scene(n); b = [s.picture, blurred(s.picture), blurred(s.picture, 3)]; return tuple(code(sum(np.maximum(1 - abs(np.clip(s.y / H * 2.5 + bias, 0, 2) - i), 0)[:, :, None] * b[i] for i in range(3))) for bias in (0, 0.5))
 def jittered(n): a, b, c = (Scene(n, jitter=j / W).picture for j in (0, 0.3, 0.45)); return code(0.4 * a + 0.6 * b), code(0.1 * a + 0.9 * c)
 def local_contrast(n): a = Scene(n).picture; b = a + 0.4 * (a - blurred(a, 4)); return a, np.clip(b / (0.6 + 0.5 * b), 0, 1).astype(f32)
@@ -200,7 +199,7 @@ def back_faces(n): face = np.array([[0, 0, 0], [0, 0, 0], [0, -0.8, 0.6], [0.8, 
 def chaos(n): r = np.random.default_rng(n); a = r.random((200, 3)); b = a + 1e-7 * r.normal(size=a.shape); return tuple(sum(np.sin(v * 3.9 ** i) for i in range(14)).astype(f32) for v in (a, b))
 
 
-DECOYS = [other_noise, other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, camera, shadow, codes, rounding,
+DECOYS = [other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, shadow, shadow_map, thin_glass, zoomed, codes, rounding,
           lod_bias, jittered, local_contrast, hinting, acne, compressed, grain, other_dither, objects_missing, fog, other_ids, fighting, culled_glass, back_faces, chaos]
 
 

@@ -166,7 +166,8 @@ class Pair:
     def peaks(self) -> list[tuple[float, float]]:
         """Steps by which `to` seems moved, by phase and by plain correlation."""
         a, b = (crop[:, :, :3].mean(2) for crop in self.crops(192 if self.question.box_bits else 512))
-        cross = np.fft.rfft2(a - a.mean()) * np.conj(np.fft.rfft2(b - b.mean()))
+        window = np.outer(*(np.hanning(n + 2)[1:-1] for n in a.shape))  # borders stand still
+        cross = np.fft.rfft2(window * (a - a.mean())) * np.conj(np.fft.rfft2(window * (b - b.mean())))
         found: dict[tuple[float, float], None] = {}
         for spectrum in (cross / np.maximum(np.abs(cross), 1e-12), cross):
             surface = np.fft.irfft2(spectrum, a.shape)
@@ -379,6 +380,9 @@ class Trial:
     errors: tuple[float, float] = (0., 0.)  # medians before and after
     after: int = 0
 
+    def fitted(self) -> int:
+        return sum(fault.found for fault, _ in self.faults)
+
     def model_bits(self) -> float:
         bits = sum(NAME_BITS * fault.names + NUMBER_BITS * fault.found for fault, _ in self.faults)
         return bits + math.log2(self.choices) + len(self.only)
@@ -416,8 +420,7 @@ class Evidence:
         self.constant = np.fmin(self.worst[0], question.error(middle, got).max(1))
         self.varied = question.loud(middle + 0 * got, got)
         self.want_all, self.part = want_all, question.box_bits > 0
-        self.fitted = sum(fault.found for fault, _ in trial.faults)
-
+        self.fitted = trial.fitted()
         self.is_fitted_map = any(fault.found and fault.map for fault, _ in trial.faults)
 
     @cached_property
@@ -503,7 +506,7 @@ def loses_nothing(e: Evidence) -> bool:
 def is_solid(e: Evidence) -> bool:
     """A fault that holds where they differ alone, as in one object: they lie side by side, and one number at most is measured. In a
     part it shows what to look for."""
-    return e.part or (e.fitted < 2 and e.question.solid > 0.6)
+    return e.part or (e.fitted < 2 and e.question.solid > 0.85)
 
 
 def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
@@ -694,19 +697,15 @@ class Search:
 
 
 def holds(question: Question, trial: Trial) -> bool:
-    """What the samples say is so of all elements."""
-    return trial.after <= (1 if trial.falls else 0.1) * question.before
-
-
-def count_left(question: Question, trial: Trial) -> int:
-    """Of all elements, those that the faults leave beyond the contract. Unknown ones stay as they were."""
+    """What the samples say is so of all elements: counts those left beyond the contract. Unknown ones stay as they were."""
     pair, left, step = question.pairs[trial.side], 0, question.stride()
     for _, points in question.chunks(step):
         want, got = trial.predict(pair, points), pair.target.get(*points)
         unknown = np.isnan(want)
         wrong = question.beyond(np.where(unknown, got, want), got)
         left += int((wrong & question.beyond(pair.get(*points), got) if trial.inside else wrong).sum())
-    return min(left * step, question.elements)
+    trial.after = min(left * step, question.elements)
+    return trial.after <= (1 if trial.falls else 0.1) * question.before
 
 
 def describe(question: Question, trial: Trial) -> dict[str, Any]:
@@ -752,7 +751,8 @@ def shown(question: Question, faults: list[Fault]) -> dict[str, Any] | None:
 
 
 CHANNEL_NAMES = ("red", "green", "blue", "alpha")
-LOOKS, LEAST_SHARE, LEAST_PIECE = 50, 0.01, 32  # of pieces: boxes that are tried, and what is told
+LOOKS, LEAST_PIECE = 50, 32  # of pieces: boxes that are tried, and what is told
+LEAST_SHARE, PLAIN_SHARE, MEASURED_SHARE = 0.01, 0.03, 0.1  # if most is explained; else without and with numbers that are measured
 UNORDERED = ("byte_order", "reciprocal")  # maps that keep no order, and lose nothing
 LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
 VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.16, "layer_alone": 0.05}  # places that fit much
@@ -775,6 +775,24 @@ def size_of(question: Question) -> str:
 # ---- Pieces --------------------------------------------------------------------------------------
 
 
+def some_of(low: int, high: int, most: int = 256) -> range:
+    return range(low, high, -(-(high - low) // most))
+
+
+def weights_of(question: Question, trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]) -> Array:
+    """Where a trial explains what differs, and where it does not, in these rows and columns of one layer."""
+    pair = question.pairs[trial.side]
+    y, x = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
+    points = np.full_like(x, z), y, x
+    source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(pair, points)
+    differs = question.counts(points) & question.beyond(source, got) & (~question.are_loud | question.loud(source, got))
+    known = ~np.isnan(want).any(1)
+    before, after = (question.error(values, got).max(1) for values in (source, want))
+    good = known & (after <= question.tenth(before))
+    misses = np.where(differs, ~good, question.loud(want, got)) & known
+    return (np.where(good & differs, 1., 0) - 9 * misses).reshape(len(rows), len(columns))
+
+
 def best_runs(weights: Array) -> tuple[Array, Array, Array]:
     """Of each row the run with the largest sum: its sum, start and end; of equal ones the shortest."""
     sums = np.concatenate([np.zeros((len(weights), 1)), np.cumsum(weights, 1)], 1)
@@ -784,43 +802,20 @@ def best_runs(weights: Array) -> tuple[Array, Array, Array]:
     return gains[rows, ends], sums.shape[1] - 1 - before[:, ::-1].argmin(1), ends
 
 
-def best_box(weights: Array) -> tuple[float, slice, slice]:
-    """The rectangle with the largest sum; its rows first in cells."""
+def best_box(question: Question, trial: Trial, z: int, *sides: Sequence[int]) -> tuple[float, Side, Side, int]:
+    """The rectangle of those rows and columns where the trial explains most; its rows first in cells."""
+    weights = weights_of(question, trial, z, *sides)
     starts = np.arange(0, len(weights), -(-len(weights) // 32))
-    cells, best = np.cumsum(np.add.reduceat(weights, starts, 0), 0), (0., slice(0), slice(0))
+    cells, gain, columns = np.cumsum(np.add.reduceat(weights, starts, 0), 0), 0., slice(0)
     for top in range(len(starts)):
         gains, firsts, ends = best_runs(cells[top:] - (cells[top - 1] if top else 0))
         at = int(gains.argmax())
-        if gains[at] > best[0]:
-            best = float(gains[at]), slice(0), slice(int(firsts[at]), int(ends[at]))
-    _, first, last = best_runs(weights[:, best[2]].sum(1)[None])
-    return best[0], slice(int(first[0]), int(last[0])), best[2]
-
-
-class Chart:
-    """Where a trial explains what differs, and where it does not, in these rows and columns of one layer."""
-
-    def __init__(self, question: Question, trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]):
-        self.sides, pair = (rows, columns), question.pairs[trial.side]
-        y, x = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
-        points = np.full_like(x, z), y, x
-        source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(pair, points)
-        differs = question.counts(points) & question.beyond(source, got) & (~question.are_loud | question.loud(source, got))
-        known = ~np.isnan(want).any(1)
-        before, after = (question.error(values, got).max(1) for values in (source, want))
-        good = known & (after <= question.tenth(before))
-        misses = np.where(differs, ~good, question.loud(want, got)) & known
-        self.weights = (np.where(good & differs, 1., 0) - 9 * misses).reshape(len(rows), len(columns))
-
-    def box(self) -> tuple[float, Side, Side]:
-        """The best rectangle in the picture's rows and columns."""
-        gain, *places = best_box(self.weights)
-        first, last = ((side[place.start], side[place.stop - 1] + 1) if gain else (0, 0) for side, place in zip(self.sides, places))
-        return gain, first, last
-
-
-def chart_of(question: Question, trial: Trial, z: int, *sides: Side) -> Chart:
-    return Chart(question, trial, z, *(range(*side, -(-(side[1] - side[0]) // 256)) for side in sides))
+        if gains[at] > gain:
+            gain, columns = float(gains[at]), slice(int(firsts[at]), int(ends[at]))
+    _, first, end = best_runs(weights[:, columns].sum(1)[None])
+    places = [(side[run.start], side[run.stop - 1] + 1) if gain else (0, 0)
+              for side, run in zip(sides, (slice(int(first[0]), int(end[0])), columns))]
+    return gain, places[0], places[1], z
 
 
 def has_sharp_sides(question: Question, trial: Trial, box: Box) -> bool:
@@ -830,7 +825,7 @@ def has_sharp_sides(question: Question, trial: Trial, box: Box) -> bool:
         wide = max(2, (high - low) // 16)
         for strip in ((max(0, low - wide), low), (high, min(size, high + wide))):
             if strip[0] < strip[1]:
-                weights = chart_of(question, trial, z, *(sides[:axis] + [strip] + sides[axis + 1:])).weights
+                weights = weights_of(question, trial, z, *(some_of(*side) for side in sides[:axis] + [strip] + sides[axis + 1:]))
                 if (weights > 0).sum() > 0.5 * max(4, (weights != 0).sum()):
                     return False
     return True
@@ -839,21 +834,21 @@ def has_sharp_sides(question: Question, trial: Trial, box: Box) -> bool:
 def piece_of(question: Question, trial: Trial) -> Piece | None:
     """What the trial explains, if that is a box: judged there by all rules."""
     w, h, d = question.extent
-    charts = [(z, *chart_of(question, trial, z, (0, h), (0, w)).box()) for z in range(0, d, -(-d // 8))]
-    z, gain, rows, columns = max(charts, key=lambda item: item[1])
+    gain, rows, columns, z = max(best_box(question, trial, z, some_of(0, h), some_of(0, w)) for z in some_of(0, d, 8))
     if gain < FEW:
         return None
     if max(h, w) > 256:  # to the texel
-        few = [range(low, high, -(-(high - low) // 64)) for low, high in (rows, columns)]
+        few = [some_of(low, high, 64) for low, high in (rows, columns)]
         wide = [range(max(0, low - size // 128), min(size, high + size // 128)) for (low, high), size in ((rows, h), (columns, w))]
-        rows, columns = Chart(question, trial, z, wide[0], few[1]).box()[1], Chart(question, trial, z, few[0], wide[1]).box()[2]
+        rows, columns = best_box(question, trial, z, wide[0], few[1])[1], best_box(question, trial, z, few[0], wide[1])[2]
     box = ((z, z + 1), rows, columns)
+    if any(high - low < min(FEW, size) for (low, high), size in ((rows, h), (columns, w))):  # a line looks like much
+        return None
     part = question.within(box, MOST_COUNTED >> 4)
     pair = part.pairs[trial.side]
     if part.before < LEAST_PIECE or not judge(pair, trial, *(trial.predict(pair, points) for points in (pair.differing, pair.all))) or (
             trial.inside):
         return None
-    trial.after = count_left(part, trial)
     return Piece(part, trial) if holds(part, trial) and has_sharp_sides(question, trial, box) else None
 
 
@@ -891,14 +886,16 @@ def pieces(question: Question, search: Search) -> list[Piece]:
     for piece in sorted(found, key=lambda piece: (-round(piece.share(question), 2), piece.trial.bits)):
         if piece.share(question) >= LEAST_SHARE and not any(overlap(piece.part.box, other.part.box) for other in chosen):
             chosen.append(piece)
-    return chosen
+    told = sum(piece.share(question) for piece in chosen)
+    measured = 1. if question.one else MEASURED_SHARE  # any change of light nearly is a factor on few codes
+    return [piece for piece in chosen if told > 0.5 or piece.share(question) >= (measured if piece.trial.fitted() else PLAIN_SHARE)]
 
 
 def cells(question: Question) -> Iterator[Box]:
     """The box of all that differs, and its parts."""
     layers, *sides = ((int(axis.min()), int(axis.max()) + 1) for axis in question.pairs[0].differing)
     parts = [[(low + i * (high - low) // 6, low + (i + 1) * (high - low) // 6) for i in range(6)] for low, high in sides]
-    for layer in range(*layers, -(-(layers[1] - layers[0]) // 8)):
+    for layer in some_of(*layers, 8):
         for rows, columns in [tuple(sides), *itertools.product(*parts)]:
             if rows[0] < rows[1] and columns[0] < columns[1]:
                 yield (layer, layer + 1), rows, columns
@@ -914,13 +911,9 @@ def answer(question: Question) -> dict[str, Any]:
         return {**result, "why_not": noise, "noise": True}
     search = Search(question)
     trial = search.run() if not first and question.before >= FEW else None
-    if trial:
-        trial.after = count_left(question, trial)
     reason = first or (describe(question, trial) if trial and holds(question, trial) else None) or shown(question, SHOWN)
     if reason and reason["name"] not in VAGUE:
         return {**result, "why": [reason]}
-    if search.inside:
-        search.inside.after = count_left(question, search.inside)
     if search.inside and holds(question, search.inside):
         parts = [Piece(question, search.inside)]
     else:

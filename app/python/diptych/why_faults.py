@@ -221,13 +221,16 @@ def luma(kr: float, kb: float) -> Array:
     return np.array([[kr, kg, kb], [-kr / 2 / (1 - kb), -kg / 2 / (1 - kb), 0.5], [0.5, -kg / 2 / (1 - kr), -kb / 2 / (1 - kr)]])
 
 
-BT601, BT709 = luma(0.299, 0.114), luma(0.2126, 0.0722)
-MATRICES = [np.linalg.inv(BT709) @ BT601, np.linalg.inv(BT601) @ BT709,
-            *(np.linalg.inv(m) @ np.diag([219 / 255, 224 / 255, 224 / 255]) @ m for m in (BT601, BT709))]
+LUMAS = {"BT.601": luma(0.299, 0.114), "BT.709": luma(0.2126, 0.0722), "BT.2020": luma(0.2627, 0.0593)}
+MATRICES = [*((f"as if {{to}} was encoded with {one} and decoded with {other}, {{from}} not", np.linalg.inv(LUMAS[other]) @ LUMAS[one], 0.)
+              for one in LUMAS for other in LUMAS if one != other),
+            *((f"if {{to}} has the limited range of video in {name}",
+               np.linalg.inv(m) @ np.diag([219 / 255, 224 / 255, 224 / 255]) @ m, 16 / 255) for name, m in LUMAS.items())]
 
 
 def matrix(p: Any, v: Array) -> Array:
-    return np.concatenate([v[:, :3] @ MATRICES[int(p[0])].T + p[1], v[:, 3:]], 1)
+    _, rows, offset = MATRICES[int(p[0])]
+    return np.concatenate([v[:, :3] @ rows.T + offset, v[:, 3:]], 1)
 
 
 # ---- Maps: each number by itself -----------------------------------------------------------------
@@ -315,20 +318,6 @@ def line_of(v: Array, target: Array) -> list[tuple[float, ...]]:
     return [(slope, offset)] if np.isfinite(slope + offset) and abs(slope) > 1e-6 else []
 
 
-def fit_inverse(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    return line_of(v[target != 0], 1 / target[target != 0])
-
-
-def fit_factor(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    large = np.abs(v) > 0.1 * pair.range
-    factor = settled(target[large] / v[large])
-    return [(factor, 0.)] if abs(factor) > 1e-9 and abs(factor - 1) > 1e-5 else []
-
-
-def fit_offset(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
-    return [(1., offset) for offset in [settled(target - v)] if np.isfinite(offset) and offset != 0]
-
-
 def fit_power(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
     keep = (v > 0.02) & (v < 0.98) & (target > 0.001) & (target < 0.999)
     exponent = settled(np.log(target[keep]) / np.log(v[keep]))
@@ -339,17 +328,12 @@ def fit_power(pair: Any, v: Array, target: Array) -> list[tuple[float, ...]]:
 
 
 def slope_of(pair: Any, z: Array, y: Array, x: Array) -> Array:
-    """The larger of both axes; of each the step to the side on which the surface bends less. NaN where it bends on both."""
+    """The larger of both axes. NaN where the surface bends or ends."""
     here, axes = pair.get(z, y, x), []
     for j, i in ((0, 1), (1, 0)):
-        steps: list[Array] = []
-        bends: list[Array] = []
-        for side in (1, -1):
-            near, far = (pair.get(z, y + n * side * j, x + n * side * i) for n in (1, 2))
-            steps.append(np.abs(near - here))
-            bends.append(np.nan_to_num(np.abs(far - 2 * near + here), nan=np.inf))
-        step: Array = np.where(bends[0] <= bends[1], *steps)
-        axes.append(np.where(np.minimum(*bends) <= 0.05 * step + 1e-5 * pair.range, step, np.nan))
+        before, behind = (pair.get(z, y + n * j, x + n * i) for n in (-1, 1))
+        step = np.abs(behind - before) / 2
+        axes.append(np.where(np.abs(behind - 2 * here + before) <= 0.05 * step + 1e-5 * pair.range, step, np.nan))
     return np.maximum(*axes)
 
 
@@ -394,14 +378,15 @@ def tile_edge(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     return (x % p[0] % (p[0] - 1) == 0) | (pair.image & (y % p[0] % (p[0] - 1) == 0))
 
 
-def only(where: Callable[..., Array], fill: float = 0.3, holds: Callable[..., bool] | None = None) -> Callable[..., float | None]:
-    """All differences lie there, it is a small part of the whole, and a fair share of it differs."""
+def only(where: Callable[..., Array], fill: float = 0.3, most: float = 0.02,
+         holds: Callable[..., bool] | None = None) -> Callable[..., float | None]:
+    """But for `most`, all differences lie there, it is a small part of the whole, and a fair share of it differs."""
     def mark(pair: Any, p: Any) -> float | None:
         inside = where(pair, p, *pair.differing)
         share = max(float(where(pair, p, *pair.all).mean()), 1 / pair.question.elements)
         pair.vague = 0.3 * share
         proved = share <= 0.6 and pair.share * inside.mean() >= fill * share and len(inside) * -np.log2(share) >= 25
-        return float(1 - inside.mean()) if proved and inside.mean() >= 0.98 and (not holds or holds(pair, p)) else None
+        return float(1 - inside.mean()) if proved and inside.mean() >= 1 - most and (not holds or holds(pair, p)) else None
     return mark
 
 
@@ -468,15 +453,16 @@ def other_order(pair: Any, p: Any) -> float | None:
 
 
 def not_tiles(pair: Any, p: Any) -> float | None:
-    """The share of tiles with a difference that do not differ as a whole."""
+    """The share of tiles with a difference that do not differ as a whole; what differs ends at borders of tiles."""
     tile = int(p[0])
     if pair.d > 1 or pair.w < 3 * tile or pair.h < 2 * tile or pair.w * pair.h > 1 << 22:
         return None
     whole = pair.mask()[:pair.h // tile * tile, :pair.w // tile * tile]
     shares = whole.reshape(pair.h // tile, tile, pair.w // tile, tile).mean((1, 3))
-    touched = shares > 0
-    full = shares[touched] > 0.9
-    return float(1 - full.mean()) if 3 <= touched.sum() <= 0.8 * touched.size else None
+    full = shares[shares > 0] > 0.9
+    ends = [np.nonzero(np.diff(whole, axis=axis))[axis] + 1 for axis in (0, 1)]
+    luck = sum(len(np.unique(places)) for places in ends) * np.log2(tile)  # a box may end there by chance, not many
+    return float(1 - full.mean()) if luck >= 20 and (np.concatenate(ends) % tile == 0).mean() > 0.7 else None
 
 
 def lines_of(pair: Any, side: Any, axis: int) -> Array:
@@ -506,7 +492,6 @@ def goes_round(lines: Array, edge: int, width: int) -> bool:
     again = 1 + np.flatnonzero((same > 0.85) & (same > np.minimum.accumulate(np.fmin(same, 1)) + 0.3))
     if len(again) and np.abs(again - width).max() <= 2:
         return True
-
     steps = np.abs(np.diff(lines, axis=1)).mean((0, 2))
     joint = min(np.abs(lines[:, 0] - lines[:, other]).mean() for other in (-1, first))
     return bool(steps[edge] > 1.5 * np.quantile(steps, 0.9) and joint <= 0.6 * steps[edge])
@@ -567,24 +552,33 @@ def not_tested(pair: Any, p: Any) -> float | None:
     return None
 
 
-def at_edges(pair: Any) -> tuple[float, float]:
-    """How many of what differs are beside an edge of `from`; of how many `to` is there a mix of `from` and of one neighbour."""
-    z, y, x = pair.differing
+def across_edges(pair: Any, points: Point) -> tuple[Array, Array]:
+    """The steps to the neighbours in `from`; whether one is large."""
+    z, y, x = points
     ring = np.stack([pair.get(z, y + j, x + i) for j in (-1, 0, 1) for i in (-1, 0, 1) if (i, j) != (0, 0)])
-    across, moved = ring - pair.differing_from, pair.differing_to - pair.differing_from
+    across = ring - pair.get(z, y, x)
+    return across, np.abs(across).max(2) > 0.1 * pair.range
+
+
+def softened(pair: Any) -> float:
+    """Of how many that differ is `to` a mix of `from` and of one neighbour across an edge."""
+    across, steep = across_edges(pair, pair.differing)
+    moved = pair.differing_to - pair.differing_from
     part = (across * moved).sum(2) / np.maximum((across ** 2).sum(2), 1e-30)
-    off, steep = np.abs(part[..., None] * across - moved).max(2), np.abs(across).max(2) > 0.1 * pair.range
+    off = np.abs(part[..., None] * across - moved).max(2)
     mixes = (off <= 0.3 * np.abs(moved).max(1) + 1.01 * pair.step) & (part < 0.95) & (part > 0) & steep
-    return float(steep.any(0).mean()), float(mixes.any(0).mean())
+    return float(mixes.any(0).mean())
 
 
-def not_antialiased(pair: Any, p: Any) -> float | None:
-    """Differences at few edges alone, which `to` has softer, and not `from`: its bright side gets darker, its dark side brighter."""
-    if len(pair.differing[0]) < 16 or pair.share > 0.2:
-        return None
-    (beside, softer), (_, sharper) = (at_edges(side) for side in sorted(pair.question.pairs, key=lambda other: other is not pair))
+def at_edge(pair: Any, p: Any, *points: Array) -> Array:
+    return across_edges(pair, points)[1].any(0)  # type: ignore[arg-type]
+
+
+def is_antialiased(pair: Any, p: Any) -> bool:
+    """`to` has edges softer, and not `from`: its bright side gets darker, its dark side brighter."""
+    softer, sharper = (softened(side) for side in sorted(pair.question.pairs, key=lambda other: other is not pair))
     brighter = (pair.differing_to - pair.differing_from).sum(1) > 0
-    return 1 - beside if softer > max(2 * sharper, 0.7) and 0.1 < brighter.mean() < 0.9 else None
+    return bool(pair.share <= 0.2 and softer > max(2 * sharper, 0.7) and 0.1 < brighter.mean() < 0.9)
 
 
 # ---- The table -----------------------------------------------------------------------------------
@@ -614,7 +608,7 @@ def grid(name: str, words: str, *p: float) -> Fault:
 
 FLIP_NAMES = {(0, 1): ("flip_y", "a flip in y: OpenGL's row 0 is the bottom"), (1, 0): ("mirror_x", "a mirror in x"),
               (1, 1): ("turn", "half a turn: x and y run backwards")}
-BLOCKS = {(2, 2): "2x2 texels", (4, 4): "4x4 texels", (3, 3): "3x3 texels", (2, 1): "2 columns", (1, 2): "2 rows"}
+BLOCKS = {(2, 2): "2x2 texels", (4, 4): "4x4 texels", (3, 3): "3x3 texels", (6, 6): "6x6 texels", (2, 1): "2 columns", (1, 2): "2 rows"}
 ENDS = {(0, 0, 0, 1): "in the last row alone", (0, 1, 0, 0): "in the first row alone",
         (0, 0, 1, 0): "in the last column (or element) alone",
         (1, 0, 0, 0): "in the first column (or element) alone",
@@ -708,11 +702,7 @@ CHANNELS = [
     Fault("channel_negated", "with x (red) negated", map=one_channel, p=(0, 1), applies="several", sided=False),
     Fault("channel_negated", "with y (green) negated", map=one_channel, p=(1, 1), applies="several", sided=False),
     Fault("channel_negated", "with z (blue) negated: the other handedness", map=one_channel, p=(2, 1), applies="three", sided=False),
-    *(Fault("matrix", words, map=matrix, p=p, applies="colour") for words, p in (
-        ("as if {to} was encoded with BT.601 and decoded with BT.709, {from} not",
-         (0, 0.)), ("as if {to} was encoded with BT.709 and decoded with BT.601, {from} not", (1, 0.)),
-        ("if {to} has the limited range of video in BT.601", (2, 16 / 255)), ("if {to} has the limited range of video in BT.709",
-                                                                              (3, 16 / 255)))),
+    *(Fault("matrix", words, map=matrix, p=(i,), applies="colour") for i, (words, *_) in enumerate(MATRICES)),
 ]
 
 MAPS = [
@@ -741,7 +731,8 @@ MAPS = [
     Fault("logarithm", "if {to} has log2 of {from}", map=lambda p, v: np.log2(v), applies="reals"),
     Fault("logarithm", "if {to} has ln of {from}", map=lambda p, v: np.log(v), applies="reals"),
     Fault("depth_linear", "if {from} is hyperbolic depth and {to} linear: 1 / {to} is {0} {from} + {1}",
-          map=lambda p, v: 1 / line(p, v), fit=fit_inverse, found=2, applies="reals"),
+          map=lambda p, v: 1 / line(p, v), found=2, applies="reals",
+          fit=lambda pair, v, target: line_of(v[target != 0], 1 / target[target != 0])),
     Fault("byte_order", "with the bytes of each number in the other order", map=other_bytes,
           fit=lambda pair, *_: [(i,) for i, (kind, _) in enumerate(WORDS) if kind == pair.kind]),
     *(Fault("wrapped", f"if {{to}} keeps {bits} bits of {{from}}", map=lambda p, v: v % (p[1] + 1), p=(0, 2 ** bits - 1),
@@ -758,9 +749,11 @@ MAPS = [
     grid("bfloat16", "rounded to bfloat16", 7, 0, -126),
     grid("bfloat16", "cut to bfloat16", 7, 1, -126),
     grid("float19", "rounded to 10 bits of fraction (TF32)", 10, 0, -126),
-    Fault("factor", "with a factor of {0} on {from}", map=line, fit=fit_factor, found=1),
-    Fault("offset", "with {1} added to {from}", map=line, fit=fit_offset, found=1),
-    Fault("affine", "with {0} v + {1} of {from}", map=line, fit=lambda pair, *both: line_of(*both), found=2, applies="reals"),
+    Fault("factor", "with a factor of {0} on {from}", map=line, found=1,
+          fit=lambda pair, v, target: [(settled((target / v)[np.abs(v) > 0.1 * pair.range]), 0.)]),
+    Fault("offset", "with {1} added to {from}", map=line, found=1, fit=lambda pair, v, target: [(1., settled(target - v))]),
+    Fault("affine", "with {0} v + {1} of {from}", map=line, found=2, applies="reals",
+          fit=lambda pair, *both: [p for p in line_of(*both) if abs(p[0] - 1) > 1e-5 and abs(p[1]) > 1e-5 * pair.range]),
     Fault("power", "with {from} to the power of {0}", map=power, fit=fit_power, found=1, applies="reals"),
 ]
 
@@ -787,7 +780,7 @@ SHOWN = [
     Fault("clear", "where {from} has one value, as a clear leaves it: {to} has more drawn there, or lacks the clear", mark=cleared),
     Fault("layer_alone", "in layer {0} alone", mark=not_in_layer, applies="layers", sided=False),
     Fault("edges", "at edges alone, where {to} lies between its neighbours: {to} is multisampled or filtered, {from} is not",
-          mark=not_antialiased, leaves=0.1, applies="image"),
+          mark=only(at_edge, 0.05, holds=is_antialiased, most=0.15), leaves=0.15, applies="image"),
     Fault("alpha_edges", "only where alpha lies between the levels of {to}: {to} has alpha to coverage, or an alpha test",
           mark=not_tested, applies="alpha"),
 ]
