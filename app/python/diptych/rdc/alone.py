@@ -94,7 +94,7 @@ class Taken:
             count = max(1, min(seen.numMips, info.mips - seen.firstMip)) if info and mips else 1
             levels = [self.texels(number, resource.name, mip) for mip in range(seen.firstMip, seen.firstMip + count)]
             wraps = {word(address) for address in addresses[:2]}
-            if rdc_state.order(seen) != rdc_state.CHANNELS:
+            if any(word(getattr(seen.swizzle, name)) != name for name in rdc_state.CHANNELS):
                 raise Untold(f"{resource.name} has its channels in another order")
             if (word(chosen.filter) == "comparison" or len(wraps) > 1 or not wraps <= WRAPS.keys()
                     or (count > 1 and chosen.minify != chosen.magnify)):

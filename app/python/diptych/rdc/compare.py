@@ -297,8 +297,8 @@ class Comparison:
     def dump(self, sides: list[Side]) -> list[str]:
         """Folders of the dumps. All sides, and all runs of them, are matched with the first."""
         runs = len(self.groups[0])
-        for item in [item for side in sides for item in side.passes if not all(side.frame["samples"] for side in sides)]:
-            item["entries"] = [entry for entry in item["entries"] if "samples" not in entry]
+        for side in sides if not all(side.frame["samples"] for side in sides) else ():
+            side.leave_samples()
         names = pass_names(sides[0].passes)
         folders = [os.path.join(self.folder, "dumps", str(index // runs), str(index % runs)) for index in range(len(sides))]
         matches = [Matched((sides[0], side), self.pair_sides(sides[0], side, names), names) for side in sides[1:]]

@@ -45,6 +45,14 @@ class Side:
             before = place
         self.frame["passes"] = joined
 
+    def leave_samples(self) -> None:
+        """A pass of which nothing else is read has what its samples are resolved into next, so that its state is compared."""
+        for item, after in zip(self.frame["passes"], [*self.frame["passes"][1:], {"kind": ""}]):
+            item["entries"] = [entry for entry in item["entries"] if "samples" not in entry]
+            if not item["entries"] and (item["kind"], after["kind"]) == ("draw", "resolve"):
+                item.update(entries=after["entries"], left_out=[])
+                after["entries"] = []
+
 
 def add_part(whole: Json, part: Json) -> None:
     """The second is of the same run, and follows."""

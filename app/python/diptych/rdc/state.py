@@ -146,9 +146,10 @@ def stencil(face: Any) -> str:
     return f"{word(face.function)} {face.reference} & {masks[0]:#x}, {'/'.join(operations)}, writes {masks[1]:#x}"
 
 
-def order(seen: Any) -> list[str]:
-    """In which a texture's channels are read."""
-    return [word(getattr(seen.swizzle, name)) for name in CHANNELS]
+def order(seen: Any, form: Any) -> list[str]:
+    """In which the channels of a texture of colours are read; a fixed 0 or 1 stands for a channel that the format of the API lacks."""
+    read = [word(getattr(seen.swizzle, name)) for name in CHANNELS]
+    return [name if told in ("zero", "one") or not form or form.compCount < 3 else told for name, told in zip(CHANNELS, read)]
 
 
 def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any) -> str:
@@ -164,7 +165,8 @@ def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any)
     text += f", levels {levels[0]:g} to {levels[1]:g}" if levels != (0, count - 1) else ""
     bias = getattr(item, "mipBias", 0) or getattr(item, "mipLODBias", 0)
     text += f", bias {bias:g}" if bias and count > 1 else ""
-    text += f", channels {'/'.join(order(seen))}" if order(seen) != CHANNELS else ""
+    channels = order(seen, form)
+    text += f", channels {'/'.join(channels)}" if channels != CHANNELS else ""
     return text + (", sRGB" if form and form.compType == rd.CompType.UNormSRGB else "")
 
 
@@ -250,8 +252,13 @@ def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Jso
     bound = [*state.GetOutputTargets(), state.GetDepthTarget()]
     sizes = [textures[int(item.resourceId)] for item in bound if int(item.resourceId) in textures]
     height = max(1, sizes[0].height >> max(0, next(item.firstMip for item in bound if int(item.resourceId)))) if sizes else 0
-    viewport, scissor = state.GetViewport(0), state.GetScissor(0)
-    return {**fixed(control, gl), **coverage(own, gl, max((item.msSamp for item in sizes), default=1)), "height": height,
+    viewport, scissor, tests = state.GetViewport(0), state.GetScissor(0), fixed(control, gl)
+    depth = textures.get(int(bound[-1].resourceId))
+    if not depth:
+        tests.update({"depth test": "off", "depth writes": "off"})
+    if not depth or depth.format.type == rd.ResourceFormatType.Regular:
+        tests.update({"stencil front": "off", "stencil back": "off"})
+    return {**tests, **coverage(own, gl, max((item.msSamp for item in sizes), default=1)), "height": height,
             "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
             "scissor": rectangle(scissor) if scissor.enabled else [], "topology": word(state.GetPrimitiveTopology()),
             **({"flat values": "of the last vertex" if own.vertexInput.provokingVertexLast else "of the first vertex"} if gl else {}),
