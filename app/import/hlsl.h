@@ -5,7 +5,7 @@
 
 /* By the file's ending, or by words that GLSL has not; text: NULL before it is read. */
 bool hlsl_is(const char *path, const char *text);
-/* The stages that the text has an entry point for, bits 1 << REFLECT_...; "main" counts for none. */
+/* The stages that the text has an entry point for, bits 1 << REFLECT_.... That of main() is told by its attributes and semantics. */
 unsigned hlsl_stages(const char *text);
 /* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */
 uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage, size_t *count,

@@ -24,7 +24,7 @@ static char *trim(char *text)
     return text;
 }
 
-/* Without quotes; without a comment behind them, or behind a value that has none. */
+/* Without quotes; without a comment behind them, or behind a value that has none, as in `s.slang#x`. */
 static char *unquote(char *value)
 {
     value = trim(value);
@@ -33,10 +33,8 @@ static char *unquote(char *value)
         value[strcspn(value, "\"")] = 0;
         return value;
     }
-    char *comment = strstr(value, " #");
+    value[strcspn(value, "#")] = 0;
     char *other = strstr(value, "//");
-    if (comment)
-        *comment = 0;
     if (other && (other == value || isspace((unsigned char)other[-1])))
         *other = 0;
     return trim(value);
@@ -114,12 +112,14 @@ void preset_free(struct preset *preset)
 const struct preset_entry *preset_find(const struct preset *preset, const char *format, ...)
 {
     char key[256];
+    const struct preset_entry *found = NULL;
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(key, sizeof key, format, arguments);
     va_end(arguments);
     for (uint32_t i = preset->count; i-- > 0;)
-        if (!strcmp(preset->entries[i].key, key))
-            return &preset->entries[i];
-    return NULL;
+        if (!strcmp(preset->entries[i].key, key) &&
+            (!found || !strcmp(preset->entries[i].file, found->file)))
+            found = &preset->entries[i];
+    return found;
 }

@@ -318,11 +318,11 @@ static bool write_input(struct making *making, const struct reflected *item, int
 static bool write_constant(struct making *making, const struct reflected *item)
 {
     bool real = !strcmp(item->type, "float"), truth = !strcmp(item->type, "bool");
+    if (!real && !truth && strcmp(item->type, "int") != 0 && strcmp(item->type, "uint") != 0)
+        return true; /* it keeps its value */
     if (!isfinite(item->number))
         return REFUSE(making, item, "the constant `%s` is not finite, which a spec cannot say",
                       item->name);
-    if (!real && !truth && strcmp(item->type, "int") != 0 && strcmp(item->type, "uint") != 0)
-        return REFUSE(making, item, "the constant `%s` is no float, int, uint or bool", item->name);
     if (!name_is_free(item->name))
         return REFUSE(making, item, "`%s` cannot be the name of a parameter", item->name);
     text_add(&making->params, "  %s: {value: ", item->name);
@@ -611,7 +611,7 @@ static bool check_stages(const struct making *making)
 /* A file may have an entry point for each of two stages, if it is HLSL. */
 static bool read_file(struct making *making, const char *path)
 {
-    if (!hlsl_is(path, NULL) || stage_of(path) >= 0 || making->count)
+    if (!hlsl_is(path, NULL) || stage_of(path) >= 0)
         return making->count < 2 && read_shader(making, path, -1);
     size_t size;
     char *text = file_read(path, &size, making_log(making));

@@ -76,6 +76,15 @@ const EShMessages rules_of_hlsl = static_cast<EShMessages>(EShMsgSpvRules | EShM
  * mean nothing else to it. */
 const char *const precisions = "precision mediump float;\nprecision mediump int;\n#line 2 0\n";
 
+/* In front of a shader of Vulkan that is read for OpenGL: words that OpenGL's GLSL does not have. */
+const char *const included = "#extension GL_GOOGLE_include_directive : require\n";
+const char *const as_opengl = "#extension GL_GOOGLE_include_directive : require\n"
+                              "#extension GL_EXT_spirv_intrinsics : enable\n"
+                              "#define VULKAN 100\n#define set binding\n"
+                              "#define push_constant std140\n#define std430 std140\n"
+                              "#define gl_VertexIndex gl_VertexID\n"
+                              "#define gl_InstanceIndex gl_InstanceID\n";
+
 struct Text { /* its pieces must stay until the shader is parsed */
     const char *pieces[3];
     int lengths[3];
@@ -109,7 +118,7 @@ void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
         shader.setStringsWithLengths(text.pieces, text.lengths, 3);
     else
         shader.setStrings(&job.code, 1);
-    shader.setPreamble("#extension GL_GOOGLE_include_directive : require\n");
+    shader.setPreamble(job.opengl ? as_opengl : included);
     set_targets(shader, stages[job.stage], job);
     if (job.whole) {
         if (!job.opengl)

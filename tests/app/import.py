@@ -1,5 +1,5 @@
 """Holds what imported specs compute against NumPy. import.py table FOLDER: the pictures that tests/app/import needs. import.py chain DUMP
-GAIN FRAMES: a dump of chain.slangp. import.py sums DUMP, import.py pair DUMP: of the shaders."""
+GAIN FRAMES: a dump of chain.slangp. import.py sums DUMP, import.py pair DUMP, import.py meant DUMP: of the shaders."""
 import json, os, struct, sys, zlib
 import numpy as np
 
@@ -61,8 +61,12 @@ def pair(dump):
     near("place", color[..., 3] / 255.0, ((np.arange(HEIGHT) + 0.5) / HEIGHT)[:, None], 0.51 / 255)
 
 
+def meant(dump):
+    near("fmod, % and ldexp of HLSL", load(dump, "run", "meant").view(np.float32)[:3], [-1.5, -1, 8], 0)
+
+
 if sys.argv[1] == "table":
     png(os.path.join(sys.argv[2], "table.png"), table)
     png(os.path.join(sys.argv[2], "picture.png"), picture)
 else:
-    {"chain": chain, "sums": sums, "pair": pair}[sys.argv[1]](*sys.argv[2:])
+    {"chain": chain, "sums": sums, "pair": pair, "meant": meant}[sys.argv[1]](*sys.argv[2:])

@@ -71,6 +71,7 @@ case("... a block", {"a.frag": fragment("layout(location = 0) in S { vec4 a; } g
 case("a draw of depth alone", {"a.frag": "#version 450\nvoid main() { gl_FragDepth = 0.5; }\n"}, 0, "depth: {format: d32f, size: frame}")
 case("an image that a fragment shader stores in", {"a.frag": fragment("layout(binding = 0, r32ui) uniform uimage2D i;", "vec4(imageAtomicAdd(i, ivec2(0), 1u))")}, 1, "a.frag:2:45: error: a fragment shader stores in `i`")
 case("an array of 17 textures", {"a.frag": fragment("layout(binding = 0) uniform sampler2D t[17];", "texture(t[int(gl_FragCoord.x)], vec2(0))")}, 1, "a.frag:2:39: error: `t` is an array of more than 16, or by an index")
+case("a constant of another type keeps its value", {"a.frag": fragment("layout(constant_id = 0) const double n = 3.0LF;", "vec4(float(n))")}, 0, "shown: {")
 case("a length by a constant", {"a.comp": "#version 450\nlayout(constant_id = 0) const int N = 5;\nlayout(binding = 0) buffer B { uint sums[N + 1]; };\nvoid main() { sums[0] = N; }\n"}, 0, "updates: [B]")
 for shape, words in (("samplerCubeArray", "size: [64, 64], cube: true, layers: 6"), ("sampler1D", "a.frag:2:19: error: `t` is sampler1D, which specs do not have"), ("samplerBuffer", "error: `t` is samplerBuffer")):
     case(f"a {shape}", {"a.frag": fragment(f"uniform {shape} t;", "vec4(textureSize(t" + ", 0" * (shape[7] != "B") + ").x)")}, int("error" in words), words)
@@ -142,6 +143,7 @@ case("a reference to no file", {"a.slangp": '#reference "b.slangp"\n'}, 1, "a.sl
 case("a reference by the driver's name", preset() | {"a.slangp": '#reference "b-$VID-DRV$.slangp"\n', "b-vulkan.slangp": "shaders = 1\nshader0 = s.$VID-DRV-SHADER-EXT$\n"}, 0)
 case("... that is in the file's name", preset() | {"a.slangp": '#reference "b-$SCREEN-ORIENT$.slangp"\n', "b-$SCREEN-ORIENT$.slangp": "shaders = 1\nshader0 = s.slang\n"}, 0)
 case("a key that is misspelled", preset("scale_type_0 = source\n"), 0, "a.slangp:3: `scale_type_0` is no key of a preset and no parameter of its shaders; did you mean `scale_type0`?")
+case("a key that stands twice, beside a comment: the first counts", preset("scale_type0 = source#viewport\nscale0 = 3.0\nscale0 = 2.0\n"), 0, "pass0_width: Original.width * 3\n")
 case("a key of a pass that is not there", preset("wrap_mode7 = repeat\n"), 0)
 
 # ---- Workgroups, uniforms ---------------------------------------------------------------------------------------------
@@ -149,10 +151,14 @@ case("a key of a pass that is not there", preset("wrap_mode7 = repeat\n"), 0)
 for local in ("local_size_x = 1", "local_size_x_id = 0", "local_size_x = 1, local_size_y = 4"):
     case(f"a workgroup of {local}", {"a.comp": f"#version 450\nlayout({local}) in;\nlayout(binding = 0) buffer B {{ uint w[]; }};\nvoid main() {{ w[gl_GlobalInvocationID.x] = 1; }}\n"}, 0,
          "dispatch: 65535 ")
-case("... an entry point of HLSL that its attribute tells", {"a.hlsl": "RWStructuredBuffer<uint> w;\n[numthreads(4, 1, 1)]\nvoid fill(uint i : SV_DispatchThreadID) { w[i] = i; }\n"}, 0, "local: [4, 1, 1]")
+for entry in ("fill", "main"):
+    case(f"... an entry point of HLSL, {entry}, that its attribute tells", {"a.hlsl": f"RWStructuredBuffer<uint> w;\n[numthreads(4, 1, 1)]\nvoid {entry}(uint i : SV_DispatchThreadID) {{ w[i] = i; }}\n"}, 0,
+         "local: [4, 1, 1]")
+case("... that its semantics tell, in two files", {"a.hlsl": "float4 main(uint i : SV_VertexID) : SV_Position { return i; }\n", "b.hlsl": "float4 main() : SV_Target { return 1; }\n"}, 0,
+     'shader: ["a.hlsl.vert.spv", "b.hlsl.frag.spv"]')
 
-case("initializers of uniforms", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);",
-     "vec4(a * b, c.x + c.y)")}, 0, """  a: {value: 0.5, type: float, live: true}
+case("initializers of uniforms, beside what Vulkan alone has", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);\n"
+     "layout(push_constant, std430) uniform P { vec4 d; };\nlayout(set = 1, binding = 2) uniform Q { vec4 e; };", "vec4(a * b, c.x + c.y) + d + e")}, 0, """  a: {value: 0.5, type: float, live: true}
   b: {value: [0.25, 0.5, 1], type: vec3, live: true}
   c: {value: [3, 4000000000], type: uvec2, live: true}
 """)

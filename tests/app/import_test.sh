@@ -57,6 +57,8 @@ check "it runs at once" runs both/both.yaml 8x6 1
 sed 's/+ 1/+ 9/' in/both.hlsl >both.hlsl
 check "lines of HLSL" bash -c '"$0" import both.hlsl -o nine && ! "$0" compare --spec nine/both.yaml --size 8x6 --sanitize >told 2>&1 &&
     grep -q "both.hlsl:12:.*index 9 of an array of 4 elements" told' "$diptych"
+check "HLSL of main() alone becomes a spec" "$diptych" import in/meant.hlsl -o meant
+check "it computes what HLSL means" holds meant meant/meant.yaml 8x6 1
 check "doors that are held" /usr/bin/python3 "$root/tests/app/import_doors.py" "$diptych" "$build/diptych-gen" "$root/templates" "$work/doors"
 check "a missing shader" refused missing.slangp "in/missing.slangp:2: shader0 = nowhere.slang: this shader cannot be used"
 check "a scale of another kind" refused scale.slangp "in/scale.slangp:3: scale_type0 = golden: a scale is of source, viewport or absolute"
