@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "formats.h"
+#include "model/leaves.h"
 #include "sanitizer.h"
 
 struct assigned {        /* of an id */
@@ -38,17 +39,25 @@ static bool in_stage(const struct sanitizer *s, uint32_t model)
     return entry && entry[1] == model;
 }
 
+/* Of a variable, or of the first member of its block; UINT32_MAX: it has none. */
+static uint32_t location_of(const struct sanitizer *s, const uint32_t *variable)
+{
+    uint32_t own = spirv_decoration(s->from, variable[2], SpvDecorationLocation);
+    uint32_t type = spirv_element_type(s->from, spirv_pointee(s->from, variable));
+    return own == UINT32_MAX ? spirv_member_decoration(s->from, type, 0, SpvDecorationLocation)
+                             : own;
+}
+
 /* What stages hand on at a location. */
 static bool is_handed_on(const struct sanitizer *s, const uint32_t *variable)
 {
     enum { MOST_LOCATIONS = 16 }; /* the next ones hold bits */
-    const uint32_t *type = spirv_definition(s->from, spirv_definition(s->from, variable[1])[3]);
+    uint32_t component = spirv_decoration(s->from, variable[2], SpvDecorationComponent);
     bool input = in_stage(s, SpvExecutionModelFragment) && variable[3] == SpvStorageClassInput;
     bool output = in_stage(s, SpvExecutionModelVertex) && variable[3] == SpvStorageClassOutput;
     return (input || output) && s->request->pass->own_vertices &&
-           !spirv_is(type, SpvOpTypeStruct) && spirv_scalars(s->from, type[1]) <= 32 &&
-           spirv_decoration(s->from, variable[2], SpvDecorationLocation) < MOST_LOCATIONS &&
-           spirv_decoration(s->from, variable[2], SpvDecorationComponent) == UINT32_MAX;
+           spirv_scalars(s->from, spirv_pointee(s->from, variable)) <= 32 &&
+           location_of(s, variable) < MOST_LOCATIONS && (component == UINT32_MAX || component == 0);
 }
 
 /* Bits that an output must have in the end: channels of a target, depth, gl_Position. 0: it may be left. */
@@ -156,7 +165,6 @@ static uint32_t flag_of(struct sanitizer *s, const uint32_t *variable)
 {
     struct spirv_edit *edit = &s->edit;
     struct assigned *of = &s->ids[variable[2]];
-    uint32_t location = spirv_decoration(s->from, variable[2], SpvDecorationLocation);
     if (of->flag)
         return of->flag;
     uint32_t type =
@@ -164,7 +172,7 @@ static uint32_t flag_of(struct sanitizer *s, const uint32_t *variable)
     of->flag = edit->bound++;
     SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, of->flag, variable[3]);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, of->flag, SpvDecorationLocation,
-              location + 16);
+              location_of(s, variable) + 16);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, of->flag, SpvDecorationFlat);
     spirv_append(edit, &s->handed_on, &of->flag, 1);
     return of->flag;

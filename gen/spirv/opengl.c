@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/leaves.h"
 #include "passes.h"
 
 /* The variable with a built-in; 0: there is none. */
@@ -18,6 +19,22 @@ static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
     return 0;
 }
 
+/* Whether it is the block of an array that stages hand on: Mesa's GLSL knows no locations of these, but those of arrays of structs. */
+static bool is_block_of_array(const struct spirv *module, uint32_t type)
+{
+    bool found = false;
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        const uint32_t *i = module->words + at;
+        bool between = spirv_is(i, SpvOpVariable) &&
+                       (i[3] == SpvStorageClassInput || i[3] == SpvStorageClassOutput) &&
+                       spirv_decoration(module, i[2], SpvDecorationLocation) != UINT32_MAX;
+        found |= between && spirv_pointee(module, i) != type &&
+                 spirv_element_type(module, spirv_pointee(module, i)) == type;
+    }
+    return found;
+}
+
 static void copy_decorations(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
@@ -25,7 +42,8 @@ static void copy_decorations(struct spirv_edit *edit)
     {
         const uint32_t *i = from->words + at;
         bool decorates = spirv_is(i, SpvOpDecorate);
-        if (decorates && i[2] == SpvDecorationDescriptorSet)
+        if (decorates && (i[2] == SpvDecorationDescriptorSet ||
+                          (i[2] == SpvDecorationBlock && is_block_of_array(from, i[1]))))
             continue;
         size_t start = edit->annotations.count;
         spirv_copy(edit, &edit->annotations, i);

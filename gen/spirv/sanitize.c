@@ -171,11 +171,12 @@ static uint32_t allowed_number(const struct sanitizer *s, unsigned kind)
     return 0;
 }
 
-/* Findings of one kind that are allowed take no room from others: see templates/glsl/sanitize.glsl. */
+/* Findings of one kind that are allowed take no room from others: see templates/glsl/sanitize.glsl. Sites at regular distances, as
+ * of lines that look alike, are spread over the others. */
 uint32_t sanitizer_what(struct sanitizer *s, uint32_t site)
 {
-    uint32_t allowed = allowed_number(s, s->kind);
-    uint32_t room = allowed ? SANITIZE_FREE_ROOMS - 1 + allowed : site % SANITIZE_FREE_ROOMS;
+    uint32_t allowed = allowed_number(s, s->kind), spread = site + (site / 6 ^ site / 9);
+    uint32_t room = allowed ? SANITIZE_FREE_ROOMS - 1 + allowed : spread % SANITIZE_FREE_ROOMS;
     return sanitizer_number(s, site * SANITIZE_ROOMS + room % SANITIZE_ROOMS);
 }
 

@@ -19,7 +19,7 @@ layout(std430, @layout@) coherent buffer Diptych_reports {
     uint diptych_reports[];
 };
 
-/* What an invocation has found: the first one of each room, and how often. Operations of a pass are in four rooms in turn; those of
+/* What an invocation has found: the first one of each room, and how often. Operations of a pass are spread over four rooms; those of
  * a kind that the pass allows have a room of their own. `what` of a check is the site times 16, and the room. Drivers inline every
  * check, so a check only selects; diptych_flush() reports, once, behind the body. */
 struct Diptych_found {

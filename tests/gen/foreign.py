@@ -116,6 +116,18 @@ def sanitized(tap):
             "void main() { sums[gl_GlobalInvocationID.x + gl_WorkGroupSize.y] = 3u; }\n")
     tap.result("an index of a compute shader", told("a.comp:4:", "--sanitize"))
     tap.result("... is found in its invocation", told("index 8 of `Sums`, which has 8 elements\n  pass run, invocation (7, 0, 0), 1 time", "--sanitize"))
+    compute("layout(local_size_x = 8) in;\nlayout(std430) buffer Sums { uint sums[]; };\nvoid main()\n{\n" +
+            "".join(f"    sums[{k}] = {k + 1}u / gl_LocalInvocationIndex;\n" for k in range(4)) + "}\n")
+    found = diptych("compare", "--spec", "a.yaml", "--sanitize=arithmetic").stdout.count("undefined: ")
+    tap.result("lines that look alike take no room from each other", [] if found > 2 else [f"{found} of 4 findings"])
+    for members, word in (("pair[1].a = pair[1].b = ", ""), ("pair[1].a = ", "`pair` is read before it has a value")):
+        draw(VERTEX.format("out Pair { vec2 a; vec2 b; } pair[2]; layout(location = 9, component = 0) out vec2 low; layout(location = 9, component = 2) out float high;",
+                           f"low = pair[0].a = pair[0].b = {members}vec2(high = 1);"),
+             FRAGMENT.format("in Pair { vec2 a; vec2 b; } pair[2]; layout(location = 9) in vec2 low; layout(location = 9, component = 2) in float high;",
+                             "vec4(pair[0].a, low.x + high, pair[1].b.x)"))
+        done = diptych("compare", "--spec", "a.yaml", "--sanitize", "--backend", "gl,vk,gl+glsl")
+        good = word in done.stdout and done.stdout.count("undefined: ") == bool(word) == done.returncode
+        tap.result(f"arrays of blocks, parts of a location, {word or 'no finding'}", [] if good else [done.stdout])
 
 
 def modules(tap):
