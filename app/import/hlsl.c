@@ -125,6 +125,8 @@ uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int s
     uint32_t *words = spirv_init() ? glslang_compile(&job, count, why) : NULL;
     uint32_t *meant = put_all_meant(words, count);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_LEGALIZE) : NULL;
+    if (words && !legal)
+        spirv_check(words, *count, why);
     free(words);
     free(meant);
     if (!legal || spirv_check(legal, *count, why))

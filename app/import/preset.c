@@ -40,17 +40,18 @@ static char *unquote(char *value)
     return trim(value);
 }
 
-static bool add_entry(struct preset *preset, const char *key, const char *value, const char *file,
-                      unsigned line, const struct dt_log *log)
+static bool add_entry(struct preset *preset, struct preset_entry given, const struct dt_log *log)
 {
     if (preset->count == MOST_ENTRIES)
-        return report_error(log, "%s:%u: there are more than %d keys", file, line, MOST_ENTRIES);
+        return report_error(log, "%s:%u: there are more than %d keys", given.file, given.line,
+                            MOST_ENTRIES);
     struct preset_entry *all =
         realloc(preset->entries, (preset->count + 1) * sizeof *preset->entries);
     if (!all)
         return false;
     preset->entries = all;
-    all[preset->count] = (struct preset_entry){strdup(key), strdup(value), strdup(file), line};
+    all[preset->count] = (struct preset_entry){strdup(given.key), strdup(given.value),
+                                               strdup(given.file), given.line, given.depth};
     const struct preset_entry *entry = &all[preset->count++];
     return entry->key && entry->value && entry->file;
 }
@@ -85,7 +86,9 @@ static bool read_preset(const char *path, struct preset *preset, unsigned depth,
             good = read_reference(path, line + sizeof reference - 1, preset, depth, number, log);
         } else if (*line != '#' && strncmp(line, "//", 2) != 0 && equals) {
             *equals = 0;
-            good = add_entry(preset, unquote(line), unquote(equals + 1), path, number, log);
+            struct preset_entry own = {unquote(line), unquote(equals + 1), (char *)path, number,
+                                       depth};
+            good = add_entry(preset, own, log);
         }
     }
     free(all);
@@ -109,6 +112,7 @@ void preset_free(struct preset *preset)
     *preset = (struct preset){0};
 }
 
+/* Keys of a preset count before those of its references, in a file the first, of two references the second. */
 const struct preset_entry *preset_find(const struct preset *preset, const char *format, ...)
 {
     char key[256];
@@ -117,9 +121,11 @@ const struct preset_entry *preset_find(const struct preset *preset, const char *
     va_start(arguments, format);
     vsnprintf(key, sizeof key, format, arguments);
     va_end(arguments);
-    for (uint32_t i = preset->count; i-- > 0;)
-        if (!strcmp(preset->entries[i].key, key) &&
-            (!found || !strcmp(preset->entries[i].file, found->file)))
-            found = &preset->entries[i];
+    for (uint32_t i = preset->count; i-- > 0;) {
+        const struct preset_entry *own = &preset->entries[i];
+        if (!strcmp(own->key, key) &&
+            (!found || own->depth < found->depth || !strcmp(own->file, found->file)))
+            found = own;
+    }
     return found;
 }

@@ -28,10 +28,10 @@ void slang_free(struct slang *slang);
 
 struct preset_entry { /* KEY = VALUE */
     char *key, *value, *file;
-    unsigned line;
+    unsigned line, depth; /* depth: of references */
 };
 struct preset {
-    struct preset_entry *entries; /* those of #reference first */
+    struct preset_entry *entries;
     uint32_t count, references;
 };
 

@@ -74,7 +74,7 @@ static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
         put_format(edit, id, "%s", name);
 }
 
-/* A name of letters, digits and single underscores, as GLSL's _texture: HLSL's "in.var.UV" becomes in_var_UV. Functions keep theirs. */
+/* A name of letters, digits and single underscores, as GLSL's _texture: HLSL's "in.var.UV" becomes in_var_UV, the counter "a@count" a_at_count. Functions keep theirs. */
 static void put_clean(struct spirv_edit *edit, const uint32_t *i)
 {
     uint32_t first = spirv_is(i, SpvOpName) ? 2 : 3, length = spirv_length(i);
@@ -82,6 +82,8 @@ static void put_clean(struct spirv_edit *edit, const uint32_t *i)
     size_t count = 0;
     for (const char *at = (const char *)(i + first); *at && count + 1 < sizeof clean; at++) {
         bool letter = isalnum((unsigned char)*at);
+        if (*at == '@' && count && count + 4 < sizeof clean)
+            count += (size_t)sprintf(clean + count, "_at");
         if (letter ||
             (count ? clean[count - 1] != '_' : *at == '_' && isalpha((unsigned char)at[1])))
             clean[count++] = letter ? *at : '_';

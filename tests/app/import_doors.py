@@ -143,7 +143,8 @@ case("a reference to no file", {"a.slangp": '#reference "b.slangp"\n'}, 1, "a.sl
 case("a reference by the driver's name", preset() | {"a.slangp": '#reference "b-$VID-DRV$.slangp"\n', "b-vulkan.slangp": "shaders = 1\nshader0 = s.$VID-DRV-SHADER-EXT$\n"}, 0)
 case("... that is in the file's name", preset() | {"a.slangp": '#reference "b-$SCREEN-ORIENT$.slangp"\n', "b-$SCREEN-ORIENT$.slangp": "shaders = 1\nshader0 = s.slang\n"}, 0)
 case("a key that is misspelled", preset("scale_type_0 = source\n"), 0, "a.slangp:3: `scale_type_0` is no key of a preset and no parameter of its shaders; did you mean `scale_type0`?")
-case("a key that stands twice, beside a comment: the first counts", preset("scale_type0 = source#viewport\nscale0 = 3.0\nscale0 = 2.0\n"), 0, "pass0_width: Original.width * 3\n")
+case("a key that stands twice, beside a comment and before a reference: the first counts", {"a.slangp": 'scale_type0 = source#viewport\nscale0 = 3.0\nscale0 = 2.0\n#reference "b.slangp"\n',
+     "b.slangp": "shaders = 1\nshader0 = s.slang\nscale0 = 4.0\n", "s.slang": slang()}, 0, "pass0_width: Original.width * 3\n")
 case("a key of a pass that is not there", preset("wrap_mode7 = repeat\n"), 0)
 
 # ---- Workgroups, uniforms ---------------------------------------------------------------------------------------------
