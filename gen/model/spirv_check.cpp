@@ -50,7 +50,11 @@ try {
     spvtools::Optimizer optimizer(SPV_ENV_UNIVERSAL_1_6);
     spvtools::OptimizerOptions options;
     std::vector<uint32_t> out;
-    options.set_run_validator(false);
+    /* A fault of glslang's HLSL would end the passes by a signal. */
+    spvtools::ValidatorOptions early;
+    early.SetBeforeHlslLegalization(true);
+    options.set_validator_options(early);
+    options.set_run_validator(passes & SPIRV_LEGALIZE);
     /* Without one, a pass that has something to say throws. */
     optimizer.SetMessageConsumer(
         [](spv_message_level_t, const char *, const spv_position_t &, const char *) {});

@@ -157,6 +157,9 @@ for entry in ("fill", "main"):
          "local: [4, 1, 1]")
 case("... that its semantics tell, in two files", {"a.hlsl": "float4 main(uint i : SV_VertexID) : SV_Position { return i; }\n", "b.hlsl": "float4 main() : SV_Target { return 1; }\n"}, 0,
      'shader: ["a.hlsl.vert.spv", "b.hlsl.frag.spv"]')
+case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
+case("a module that glslang makes wrong", {"a.hlsl": "RWStructuredBuffer<float2> a;\n[numthreads(1, 1, 1)]\nvoid main() { float2x2 m = 1; a[0] = m._m00_m11; }\n"}, 1,
+     "a.hlsl:1:1: error: spirv-val says: ")
 
 case("initializers of uniforms, beside what Vulkan alone has", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);\n"
      "layout(push_constant, std430) uniform P { vec4 d; };\nlayout(set = 1, binding = 2) uniform Q { vec4 e; };", "vec4(a * b, c.x + c.y) + d + e")}, 0, """  a: {value: 0.5, type: float, live: true}
