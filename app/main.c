@@ -22,7 +22,7 @@ static const struct verb verbs[] = {
     {"compare", VERB_COMPARE,
      "run two or more backends, or take dumps, and compare every resource after every pass",
      "Prints a table. Its last line names the guilty pass: the first with an error of its own when "
-     "it gets\nthe first side's inputs.\nWith dumps nothing is run but --run: the last line names "
+     "it gets\nthe first side's inputs.\nWith dumps nothing is run: the last line names "
      "the first pass that differs, lines before it say why.\nLines that begin with `elsewhere:` "
      "tell what other devices or runs may do.\nThe verdict `not finite`: both have NaN or infinity "
      "in the same places, which no contract accepts.\nExit status: 0 the backends agree, 1 they "

@@ -646,8 +646,6 @@ static bool check_options(const struct options *options, const struct dt_log *lo
         wrong = "--write-contracts: needs --measure N";
     else if (options->repeats && options->setup.against)
         wrong = "--measure: --against is a single run; compare dumps of several runs: compare A B";
-    else if (options->run_second)
-        wrong = "--run: is for two dumps: compare A B --run PROGRAM";
     if (wrong)
         report_error(log, "%s", wrong);
     return !wrong;

@@ -54,9 +54,6 @@ static const struct option_row rows[] = {
      "each folder holds N dumps in folders of their own"},
     {"--write-contracts", OPTION_STRING, AT(write_contracts), VERB_COMPARE, 0, "FILE",
      "--measure: write contracts that all these runs keep, and that are as tight as that"},
-    {"--run", OPTION_STRING, AT(run_second), VERB_COMPARE, 0, "PROGRAM",
-     "A B: on a difference, runs PROGRAM PASS INPUTS OUTPUTS for passes of B's renderer on A's "
-     "resources, which tells whose error it is"},
     {"DIR", OPTION_STRING, AT(folder), VERB_REPORT, 0, NULL,
      "with --collect: folder that a bundle's `run` left; the page goes there"},
     {"VERB", OPTION_STRING, AT(topic), VERB_HELP, 0, NULL, "verb to describe (default: list all)"},

@@ -36,7 +36,6 @@ struct options {
     const char *contracts;
     const char *write_contracts;
     uint32_t repeats;       /* compare: runs of each side; 0: not measured */
-    const char *run_second; /* compare: program that runs a pass of the second dump's renderer */
     const char *files[3];   /* import: one or two, then NULL */
     const char *picture;
     const char *dump;

@@ -65,7 +65,7 @@ static int wider(int width, const char *text)
 
 static const char *own_heading(const struct sheet *sheet)
 {
-    return sheet->blames ? "inputs  own error   " : sheet->reruns ? "own error   " : "";
+    return sheet->blames ? "inputs  own error   " : "";
 }
 
 /* Of rows before the first frame, those that differ. */
@@ -130,8 +130,6 @@ static void print_own(const struct sheet *sheet, const struct sheet_row *row, in
     sheet_write_own(row, own);
     if (sheet->blames && row->inputs)
         snprintf(text, sizeof text, "%-6s  %-12s", row->inputs, own);
-    else if (sheet->reruns)
-        snprintf(text, sizeof text, "%s", own);
     if (width)
         printf("%-*s  ", width, text);
 }

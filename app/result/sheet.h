@@ -67,8 +67,7 @@ struct sheet {
     struct sheet_row *rows;
     uint32_t count, early, alone; /* all, the first, the last */
     bool lone;                    /* all rows are of one pass, whose name is not shown */
-    bool blames;                  /* `inputs` and `own` of rows are shown; */
-    bool reruns;                  /* `own` is */
+    bool blames;                  /* `inputs` and `own` of rows are shown */
     bool agree;
     bool on_equal_inputs; /* the results are the passes' own errors */
     struct sheet_event first_break, guilty, not_repeatable;
@@ -111,6 +110,3 @@ bool sheet_shows(const struct sheet_files *files, const struct sheet_row *row);
 bool sheet_draw(const struct sheet *sheet, struct sheet_row *row, const struct sheet_files *files,
                 uint32_t number, const char *name, const struct dt_bytes copies[2],
                 const struct dt_log *log);
-
-/* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
-char *sheet_word(const char *text);

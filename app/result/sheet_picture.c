@@ -7,7 +7,8 @@
 
 #include "base/files.h"
 
-char *sheet_word(const char *text)
+/* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
+static char *file_word(const char *text)
 {
     char *word = strdup(text);
     for (char *at = word; at && *at; at++)
@@ -74,7 +75,7 @@ bool sheet_draw(const struct sheet *sheet, struct sheet_row *row, const struct s
         return true;
     char *text = format_string("%02u.%s.%s%s%s", number, row->pass, name, files->several ? "." : "",
                                files->several ? sheet->labels[1] : "");
-    char *stem = text ? sheet_word(text) : NULL;
+    char *stem = text ? file_word(text) : NULL;
     bool known = stem && (!files->html || !differ ||
                           difference_histogram(row->shown.bins, row->resource, copies));
     if (!known)

@@ -232,10 +232,8 @@ static bool check_options(const struct console *console, const struct options *o
         wrong = "two dumps are needed: compare A B";
     else if (options->setup.spec || options->setup.scene || options->setup.against ||
              options->golden || options->bisect)
-        wrong = "dumps take --contracts, --measure, --write-contracts, --run, --html, --junit, "
-                "--pictures and --json alone";
-    else if (options->run_second && (options->dumps.count > 2 || options->repeats))
-        wrong = "--run takes two dumps, without --measure";
+        wrong = "dumps take --contracts, --measure, --write-contracts, --html, --junit, --pictures "
+                "and --json alone";
     else if (options->write_contracts && !options->repeats)
         wrong = "--write-contracts needs --measure N";
     else if (!has_captures(options) &&

@@ -123,8 +123,9 @@ static bool level(struct match *match, struct dt_bytes copies[2])
     return count;
 }
 
-bool dumps_load(const struct theirs *const sides[2], struct match *match, struct dt_bytes copies[2],
-                bool *same)
+/* Loads both copies of a match in one form; free(copies[].data), also on false. *same: they can be compared. */
+static bool load_copies(struct theirs *const sides[2], struct match *match,
+                        struct dt_bytes copies[2], bool *same)
 {
     memset(copies, 0, 2 * sizeof *copies);
     for (int i = 0; i < 2; i++)
@@ -142,20 +143,19 @@ bool dumps_load(const struct theirs *const sides[2], struct match *match, struct
 }
 
 /* Both copies of another resource of the match's pass, of which `wanted` says whether it is one; false: there is none. Free the copies. */
-static bool load_beside(const struct dumps *dumps, const struct theirs *const sides[2],
-                        const struct match *match,
+static bool load_beside(const struct dumps *dumps, const struct match *match,
                         bool (*wanted)(const struct match *match, const struct dt_resource *what),
                         struct dt_resource *what, struct dt_bytes copies[2])
 {
     for (uint32_t i = 0; i < dumps->count; i++) {
-        struct match beside = {.sides = {dumps->matches[i].sides[0],
-                                         dumps_partner(sides[1], dumps->matches[i].sides[0], 0)}};
+        struct match beside = {.sides = {dumps->matches[i].sides[0], dumps->matches[i].sides[1]}};
         const struct their_entry *entry = beside.sides[0];
         bool same = false, found = false;
         if (!beside.sides[1] || strcmp(entry->pass, match->sides[0]->pass) != 0 ||
             entry->frame != match->sides[0]->frame || entry->mip != match->sides[0]->mip)
             continue;
-        found = dumps_load(sides, &beside, copies, &same) && same && wanted(match, &beside.what);
+        found = load_copies(dumps->sides, &beside, copies, &same) && same &&
+                wanted(match, &beside.what);
         *what = beside.what;
         free(beside.note);
         if (found)
@@ -211,19 +211,19 @@ static bool is_depths(const struct match *match, const struct dt_resource *what)
 }
 
 /* `raster`: where a texel of the pass's triangle numbers, else of its depth, differs from one around it. NULL: nowhere. */
-static bool find_edges(const struct dumps *dumps, const struct theirs *const sides[2],
-                       const struct match *match, const uint32_t extent[3], bool **edges)
+static bool find_edges(const struct dumps *dumps, const struct match *match,
+                       const uint32_t extent[3], bool **edges)
 {
     struct dt_resource what;
     struct dt_bytes found[2], depths[2];
     *edges = NULL;
     if (match->what.contract.kind != DT_CONTRACT_RASTER ||
-        (!load_beside(dumps, sides, match, is_numbers, &what, found) &&
-         !load_beside(dumps, sides, match, is_depths, &what, found)))
+        (!load_beside(dumps, match, is_numbers, &what, found) &&
+         !load_beside(dumps, match, is_depths, &what, found)))
         return true;
     bool good = edges_find(edges, &what, found);
     if (*edges && what.format != DT_FORMAT_D32F &&
-        load_beside(dumps, sides, match, is_depths, &what, depths)) {
+        load_beside(dumps, match, is_depths, &what, depths)) {
         if (!memcmp(depths[0].extent, found[0].extent, sizeof depths[0].extent) &&
             !memcmp(depths[1].extent, found[0].extent, sizeof depths[1].extent))
             edges_add_coincident(*edges, depths);
@@ -245,13 +245,13 @@ static bool has_margin(const struct match *match, const struct dt_resource *what
 }
 
 /* `flips` with `margin`. */
-static void add_margins(const struct dumps *dumps, const struct theirs *const sides[2],
-                        const struct match *match, struct difference *difference)
+static void add_margins(const struct dumps *dumps, const struct match *match,
+                        struct difference *difference)
 {
     struct dt_resource margin, what = match->what;
     struct dt_bytes copies[2];
     if (!match->kept || !match->kept->margin || !difference->flip_count ||
-        !load_beside(dumps, sides, match, has_margin, &margin, copies))
+        !load_beside(dumps, match, has_margin, &margin, copies))
         return;
     what.contract.margin_field = contracts_margin(match->kept, &margin);
     difference_add_margins(difference, &what, &margin, copies);
@@ -259,11 +259,13 @@ static void add_margins(const struct dumps *dumps, const struct theirs *const si
     free(copies[1].data);
 }
 
-bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
-                 struct match *match, const struct dt_bytes copies[2],
-                 struct difference *difference)
+/* Judges the copies by the contract of the match. `raster` needs an integer image or depth of the same pass, `margin` a
+ * buffer: they are looked for in the matches. */
+static bool judge_copies(const struct dumps *dumps, struct match *match,
+                         const struct dt_bytes copies[2])
 {
     struct dt_resource *what = &match->what;
+    struct difference *difference = &match->row->difference;
     bool integers = what->kind == DT_IMAGE && number_is_integer(format_info(what->format)->kind);
     bool *edges = NULL, good;
     match->kept =
@@ -274,11 +276,11 @@ bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
     if (what->kind == DT_BUFFER && !match->kept)
         good = measure_fields(match, copies, difference);
     else
-        good = find_edges(dumps, sides, match, copies[0].extent, &edges) &&
+        good = find_edges(dumps, match, copies[0].extent, &edges) &&
                difference_measure_draw(difference, what, match->sides[0]->frame, copies, edges);
     free(edges);
     if (good)
-        add_margins(dumps, sides, match, difference);
+        add_margins(dumps, match, difference);
     else
         report_error(&dumps->console->log, "out of memory");
     return good;
@@ -286,29 +288,28 @@ bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
 
 static bool compare_match(struct dumps *dumps, struct match *match)
 {
-    const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     struct dt_bytes copies[2];
     struct sheet_row *row = match->row;
-    bool good = dumps_load(sides, match, copies, &row->compared);
+    bool good = load_copies(dumps->sides, match, copies, &row->compared);
     const struct sheet_files files = {dumps->options->pictures, dumps->options->html,
                                       dumps->several};
     row->resource = row->compared ? &match->what : row->resource;
     if (good && row->compared)
-        good = dumps_judge(dumps, sides, match, copies, &row->difference) &&
+        good = judge_copies(dumps, match, copies) &&
                sheet_draw(&dumps->sheet, row, &files, (uint32_t)(match - dumps->matches),
                           match->name, copies, &dumps->console->log);
     free(copies[0].data);
     free(copies[1].data);
     if (good && !dumps->first &&
         (!row->compared || difference_verdict(&row->difference) == VERDICT_DIFFERS))
-        dumps->first = dumps->guilty = match;
+        dumps->first = match;
     return good;
 }
 
 /* ---- Why --------------------------------------------------------------------------------------- */
 
 struct asked_match {
-    const struct theirs *const *sides;
+    struct theirs *const *sides;
     const struct match *match;
 };
 
@@ -341,15 +342,14 @@ static bool load_relative(void *user, enum why_relative relative, int side, stru
 }
 
 /* False: logged. Copies that cannot be compared are left out. */
-static bool add_question(const struct dumps *dumps, const struct theirs *const sides[2],
-                         struct match *match, struct why_batch *batch)
+static bool add_question(const struct dumps *dumps, struct match *match, struct why_batch *batch)
 {
     struct dt_bytes copies[2];
-    struct asked_match asked = {sides, match};
+    struct asked_match asked = {dumps->sides, match};
     const struct dt_contract contract = match->what.contract; /* loading makes `what` anew */
-    bool *edges = NULL, same, good = dumps_load(sides, match, copies, &same);
+    bool *edges = NULL, same, good = load_copies(dumps->sides, match, copies, &same);
     match->what.contract = contract;
-    if (good && same && find_edges(dumps, sides, match, copies[0].extent, &edges))
+    if (good && same && find_edges(dumps, match, copies[0].extent, &edges))
         why_add(batch,
                 &(struct why_question){.resource = &match->what,
                                        .copies = copies,
@@ -363,44 +363,31 @@ static bool add_question(const struct dumps *dumps, const struct theirs *const s
     return good;
 }
 
-bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
-                   struct match *match)
+static bool is_first_pass(const struct dumps *dumps, const struct match *match)
 {
-    struct why_batch batch = {0};
-    if (!add_question(dumps, sides, match, &batch))
-        return false;
-    cJSON *answers = batch.questions ? why_ask_all(&batch, false, dumps->console) : NULL;
-    match->row->why = cJSON_DetachItemFromArray(answers, 0);
-    cJSON_Delete(answers);
-    return true;
+    return !strcmp(match->sides[0]->pass, dumps->first->sides[0]->pass) &&
+           match->sides[0]->frame == dumps->first->sides[0]->frame;
 }
 
-static bool is_guilty_pass(const struct dumps *dumps, const struct match *match)
-{
-    return !strcmp(match->sides[0]->pass, dumps->guilty->sides[0]->pass) &&
-           match->sides[0]->frame == dumps->guilty->sides[0]->frame;
-}
-
-/* Asks about matches from `next` on, as many as go in a batch: those of the guilty pass, or others, until one has more than noise. */
-static bool explain_some(struct dumps *dumps, bool guilty_pass, uint32_t *next)
+/* Asks about matches from `next` on, as many as go in a batch: those of the first pass that differs, or others, until one has more than noise. */
+static bool explain_some(struct dumps *dumps, bool first_pass, uint32_t *next)
 {
     enum { MOST_CONTENT = 256 << 20 };
-    const struct theirs *const sides[2] = {dumps->sides[0], dumps->sides[1]};
     struct match **asked = calloc(dumps->count, sizeof *asked);
     struct why_batch batch = {0};
     int count = 0;
     bool good = asked || report_error(&dumps->console->log, "out of memory");
     for (; *next < dumps->count && good && batch.size < MOST_CONTENT; ++*next) {
         struct match *match = &dumps->matches[*next];
-        if (!match->row->compared || is_guilty_pass(dumps, match) != guilty_pass ||
+        if (!match->row->compared || is_first_pass(dumps, match) != first_pass ||
             difference_verdict(&match->row->difference) != VERDICT_DIFFERS)
             continue;
-        good = add_question(dumps, sides, match, &batch);
+        good = add_question(dumps, match, &batch);
         if (cJSON_GetArraySize(batch.questions) > count)
             asked[count++] = match;
     }
     cJSON *answers =
-        batch.questions ? why_ask_all(&batch, !guilty_pass, dumps->console) : cJSON_CreateArray();
+        batch.questions ? why_ask_all(&batch, !first_pass, dumps->console) : cJSON_CreateArray();
     bool known = answers;
     for (int i = 0; i < count && cJSON_GetArraySize(answers); i++) {
         asked[i]->row->why = cJSON_DetachItemFromArray(answers, 0);
@@ -417,9 +404,9 @@ static bool explain_some(struct dumps *dumps, bool guilty_pass, uint32_t *next)
 static bool explain(struct dumps *dumps)
 {
     bool good = true;
-    for (int guilty_pass = 1; guilty_pass >= 0 && dumps->guilty; guilty_pass--)
-        for (uint32_t i = 0; i < dumps->count && good && (guilty_pass || !dumps->loud);)
-            good = explain_some(dumps, guilty_pass, &i);
+    for (int first_pass = 1; first_pass >= 0 && dumps->first; first_pass--)
+        for (uint32_t i = 0; i < dumps->count && good && (first_pass || !dumps->loud);)
+            good = explain_some(dumps, first_pass, &i);
     return good;
 }
 
@@ -434,13 +421,13 @@ struct measured_runs {
 static bool add_runs(void *user, struct errors *errors, const int sides[2], const uint32_t runs[2])
 {
     const struct measured_runs *all = user;
-    const struct theirs *const dumps[2] = {&all->dumps->sides[sides[0]][runs[0]],
-                                           &all->dumps->sides[sides[1]][runs[1]]};
+    struct theirs *const dumps[2] = {&all->dumps->sides[sides[0]][runs[0]],
+                                     &all->dumps->sides[sides[1]][runs[1]]};
     struct match match = {
         .sides = {dumps_partner(dumps[0], all->entry, 0), dumps_partner(dumps[1], all->entry, 0)}};
     struct dt_bytes copies[2] = {0};
     bool same = false;
-    bool good = !match.sides[0] || !match.sides[1] || dumps_load(dumps, &match, copies, &same);
+    bool good = !match.sides[0] || !match.sides[1] || load_copies(dumps, &match, copies, &same);
     errors->missing |= !match.sides[0] || !match.sides[1];
     if (good && !measured_add(errors, &match.what, same ? copies : NULL)) {
         report_error(dumps[0]->log, "out of memory");
@@ -471,8 +458,6 @@ bool dumps_compare(struct dumps *dumps)
     for (uint32_t i = 0; i < dumps->count; i++)
         if (dumps->matches[i].sides[1] && !compare_match(dumps, &dumps->matches[i]))
             return false;
-    if (dumps->first && dumps->options->run_second)
-        return dumps_run(dumps);
     return explain(dumps) && (!dumps->options->repeats || dumps_measure(dumps));
 }
 

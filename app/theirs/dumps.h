@@ -17,7 +17,6 @@ struct match {
     uint64_t not_finite;     /* see struct sheet_row */
     const struct kept_contract *kept; /* NULL: the default */
     struct sheet_row *row;            /* what is shown of it */
-    struct difference own;            /* --run: its own error */
 };
 
 /* Two sides. */
@@ -30,8 +29,7 @@ struct dumps {
     bool several;            /* one of several pairs */
     struct match *matches;
     uint32_t count;
-    struct match *first;  /* that differs; NULL: none */
-    struct match *guilty; /* the same, or with --run the first with an own error */
+    struct match *first; /* that differs; NULL: none */
     struct match
         *loud; /* the first that differs by more than rounding noise; NULL: none is known */
     struct sheet sheet; /* rows of all matches, and of entries that the second side alone has */
@@ -40,9 +38,6 @@ struct dumps {
 /* Brings both copies into one form: fields at the same places, the smaller format, one origin. Fills match->what
  * and match->note. False: they cannot be compared, and match->note says why. */
 bool dumps_convert(struct match *match, struct dt_bytes copies[2]);
-/* Brings a copy into the form of another entry of that resource. NULL, or why it cannot be. */
-const char *dumps_into(const struct their_entry *from, const struct their_entry *to,
-                       struct dt_bytes *bytes);
 
 /* The entry of a dump with that pass, resource, mip and place among its likes, in a frame that many later; NULL: none. */
 struct their_entry *dumps_partner(const struct theirs *theirs, const struct their_entry *entry,
@@ -52,24 +47,10 @@ struct their_entry *dumps_partner(const struct theirs *theirs, const struct thei
 
 /* Matches the entries of both sides; `sides` are open. dumps_free either way. */
 bool dumps_match(struct dumps *dumps);
-/* Judges all matches, and does what --run and --measure ask for. */
+/* Judges all matches, and does what --measure asks for. */
 bool dumps_compare(struct dumps *dumps);
 void dumps_free(struct dumps *dumps); /* takes a zeroed one */
 
-/* Loads both copies of a match in one form; free(copies[].data), also on false. *same: they can be compared. */
-bool dumps_load(const struct theirs *const sides[2], struct match *match, struct dt_bytes copies[2],
-                bool *same);
-/* Judges the copies by the contract of the match, which needs an integer image or depth of the same pass for `raster`, a buffer for
- * `margin`: they are looked for in the matches. */
-bool dumps_judge(const struct dumps *dumps, const struct theirs *const sides[2],
-                 struct match *match, const struct dt_bytes copies[2],
-                 struct difference *difference);
-/* Fills the row's `why`. */
-bool dumps_ask_why(const struct dumps *dumps, const struct theirs *const sides[2],
-                   struct match *match);
-
-/* --run: runs the passes that differ on the first side's resources, and finds the guilty one. */
-bool dumps_run(struct dumps *dumps);
 /* --measure: fills the errors of rows. */
 bool dumps_measure(struct dumps *dumps);
 

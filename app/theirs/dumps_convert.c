@@ -244,30 +244,3 @@ bool dumps_convert(struct match *match, struct dt_bytes copies[2])
     }
     return buffer ? convert_buffers(match, copies) : convert_images(match, copies);
 }
-
-/* ---- One copy ---------------------------------------------------------------------------------- */
-
-const char *dumps_into(const struct their_entry *from, const struct their_entry *to,
-                       struct dt_bytes *bytes)
-{
-    if (from->what.kind != to->what.kind)
-        return "a buffer here, an image there";
-    const char *missing;
-    if (to->what.kind == DT_BUFFER)
-        return same_layout(&from->what, &to->what) ||
-                       to_layout(bytes, &from->what, &to->what, &missing)
-                   ? NULL
-               : missing ? "a field has no equal in the first dump"
-                         : "out of memory";
-    const struct format_info *source = format_info(from->what.format);
-    const struct format_info *target = format_info(to->what.format);
-    if (from->what.format != to->what.format &&
-        (source->channels < target->channels ||
-         number_is_integer(source->kind) != number_is_integer(target->kind)))
-        return "the formats have no common one";
-    if (from->what.format != to->what.format && !to_format(bytes, &from->what, &to->what))
-        return "out of memory";
-    if (from->origin && to->origin && from->origin != to->origin)
-        flip_rows(&to->what, bytes);
-    return NULL;
-}

@@ -27,12 +27,10 @@ void dumps_conclude(struct dumps *dumps)
     for (uint32_t i = 0; i < dumps->count; i++)
         conclude_match(&dumps->matches[i]);
     sheet->agree = !dumps->first && !measured_breaks(sheet);
-    sheet->reruns = dumps->options->run_second && dumps->first;
-    if (!dumps->guilty)
+    if (!dumps->first)
         return;
-    sheet->guilty = (struct sheet_event){.row = dumps->guilty->row,
-                                         .frame = dumps->guilty->row->frame,
-                                         .more = cJSON_CreateObject()};
+    sheet->guilty = (struct sheet_event){
+        .row = dumps->first->row, .frame = dumps->first->row->frame, .more = cJSON_CreateObject()};
     if (dumps->loud) {
         cJSON *loud = cJSON_AddObjectToObject(sheet->guilty.more, "beyond_noise");
         cJSON_AddStringToObject(loud, "pass", dumps->loud->sides[0]->pass);
@@ -40,28 +38,22 @@ void dumps_conclude(struct dumps *dumps)
         cJSON_AddItemReferenceToObject(loud, "size",
                                        cJSON_GetObjectItem(dumps->loud->row->why, "size"));
     }
-    if (dumps->guilty->row->own)
-        cJSON_AddBoolToObject(sheet->guilty.more, "ran_again", true);
 }
 
 static void print_outcome(const struct dumps *dumps)
 {
-    const struct match *told = dumps->guilty;
+    const struct match *told = dumps->first;
     char frame[32] = "";
     uint32_t both = dumps->sides[1]->count - dumps->sheet.alone;
     if (told && told->row->frame)
         snprintf(frame, sizeof frame, ", in frame %u", told->row->frame);
-    if (!dumps->first && !dumps->sheet.agree)
+    if (!told && !dumps->sheet.agree)
         printf("the first runs agree, but not all do\n");
-    else if (!dumps->first)
-        printf("all %u resources that both have agree\n", both);
     else if (!told)
-        printf("no pass is guilty alone: on the resources of %s, each keeps its contracts\n",
-               dumps->sides[0]->label);
+        printf("all %u resources that both have agree\n", both);
     else
-        printf("%s: %s, resource %s%s\n",
-               told->row->own ? "guilty, on the same inputs" : "first pass that differs",
-               told->sides[0]->pass, told->sides[0]->resource, frame);
+        printf("first pass that differs: %s, resource %s%s\n", told->sides[0]->pass,
+               told->sides[0]->resource, frame);
     if (dumps->loud)
         printf("first error beyond noise: %s, resource %s: %s\n", dumps->loud->sides[0]->pass,
                dumps->loud->sides[0]->resource,

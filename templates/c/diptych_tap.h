@@ -359,30 +359,6 @@ TAP_FUNCTION void tap_buffer(struct tap *tap, const char *pass, const char *reso
     tap_write(tap, "]}", 2);
 }
 
-/* For `diptych compare A B --run PROGRAM`, which calls PROGRAM PASS INPUTS OUTPUTS FRAME to run a pass of B's renderer
- * on A's resources: reads one from the folder INPUTS, as it was before the pass, in the form in which B taps it, without
- * padding. Then run the pass and tap what it writes into the folder OUTPUTS. 0: the reason was printed. */
-TAP_FUNCTION int tap_input(const char *folder, const char *resource, unsigned mip, void *bytes,
-                           size_t size)
-{
-    struct tap tap;
-    char name[200], number[24];
-    memset(&tap, 0, sizeof tap);
-    tap.folder = (char *)folder;
-    snprintf(number, sizeof number, mip ? ".mip%u.raw" : ".raw", mip);
-    snprintf(name, sizeof name, "%.170s%s", resource, number);
-    tap_clean(name);
-    char *path = tap_path(&tap, name);
-    FILE *file = path ? fopen(path, "rb") : NULL;
-    int good = file && fread(bytes, 1, size, file) == size && fgetc(file) == EOF;
-    if (!good)
-        tap_fail(&tap, file ? "has another size" : strerror(errno), name);
-    if (file)
-        fclose(file);
-    free(path);
-    return good;
-}
-
 /* Writes the manifest and frees the tap. 0: something failed, and the folder is no dump. */
 TAP_FUNCTION int tap_close(struct tap *tap)
 {

@@ -105,7 +105,6 @@ check "contracts need runs" says 2 'needs --measure' plain plain --write-contrac
 
 check "noise has no reason" says 1 "^first pass" big other_big
 check "... and none is given" sh -c "! grep ^why said"
-check "... on any inputs: nothing is run" says 1 '^first pass that differs: a, resource b$' size size2 --run false
 check "half the size may be a mip" says 1 'one mip off, or half the resolution' size half
 
 for bad in no_entries no_format no_file outside long fields version nothing link fortran short bool16; do
@@ -114,7 +113,6 @@ done
 check "nothing in common" says 2 'nothing to compare' plain alone
 check "one dump is too few" says 2 'two dumps' plain
 check "options of a run are refused" says 2 'alone' plain plain --spec x.yaml
-check "a program runs passes of two dumps only" says 2 'takes two dumps' plain plain plain --run true
 
 # What render --dump writes.
 for backend in gl vk; do

@@ -81,16 +81,6 @@ check "the engines agree" says 0 '^all 4 resources that both have agree$' "$work
 check "rows are turned over" grep -q 'row 0 is the bottom here, the top there' "$work/said"
 check "the planted difference is in downsample" says 1 '^first pass that differs: downsample, resource small$' "$work/gl" "$work/faulty"
 check "... and is a flip" grep -q '^why: small: equal after a flip in y' "$work/said"
-# shellcheck disable=SC2016 # the program's own
-printf '#!/bin/sh\nexec "%s" "$3" faulty "$1" "$2"\n' "$work/tap_vk" >"$work/again"
-chmod +x "$work/again"
-check "on equal inputs downsample is guilty" says 1 '^guilty, on the same inputs: downsample, resource small$' "$work/gl" "$work/faulty" --run "$work/again" --json "$work/again.json" --html "$work/page"
-check "... on the page as well" grep -q "Guilty, on the same inputs: pass downsample: resource small" "$work/page/index.html"
-check "... and present is not" grep -Eq '^present +screen .* DIFFERS .* none ' "$work/said"
-check "... and why is of the pass alone" grep -q '^why: small: equal after a flip in y' "$work/said"
-sed -i 's/ faulty / faulty present /' "$work/again"
-check "a program that runs nothing is told" says 2 'left no resource small|cannot|failed' "$work/gl" "$work/faulty" --run "$work/again"
-check "so is one that is not there" says 2 'without arguments' "$work/gl" "$work/faulty" --run "$work/none"
 check_status 1 "a folder that cannot be made fails" "$work/tap_gl" /proc/none
 
 if /usr/bin/python3 -c 'import numpy' 2>"$work/output"; then

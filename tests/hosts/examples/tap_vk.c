@@ -1,6 +1,5 @@
-/* The same engine as tap_gl.c on Vulkan, with row 0 at the top: `tap_vk FOLDER [faulty [PASS INPUTS]]`. The faulty one
- * turns the picture over when it makes it smaller, as if Vulkan's rows began at the bottom. With PASS, that pass runs on
- * what compare --run has put into INPUTS. */
+/* The same engine as tap_gl.c on Vulkan, with row 0 at the top: `tap_vk FOLDER [faulty]`. The faulty one turns the picture
+ * over when it makes it smaller, as if Vulkan's rows began at the bottom. */
 #include "renderer_vk.h"
 
 #include "diptych_tap_vk.h"
@@ -72,24 +71,6 @@ static void upload(VkCommandBuffer commands, const struct buffer *staging, const
     fill(commands, staging, to);
 }
 
-/* compare --run: a pass, and the folder with its inputs. */
-struct again {
-    const char *pass, *inputs;
-};
-
-/* Before that pass: what it reads, of texels of that size, as the other renderer left it. */
-static void take_input(struct renderer *renderer, VkCommandBuffer commands,
-                       const struct again *again, const char *pass, const char *resource,
-                       const struct target *target, size_t texel, struct buffer *staging)
-{
-    size_t size = (size_t)target->width * (size_t)target->height * texel;
-    if (!again->pass || strcmp(again->pass, pass) != 0)
-        return;
-    *staging = make_buffer(renderer, size, VK_BUFFER_USAGE_TRANSFER_SRC_BIT);
-    check(tap_input(again->inputs, resource, 0, staging->bytes, size), resource);
-    fill(commands, staging, target);
-}
-
 static void blit(VkCommandBuffer commands, const struct target *from, const struct target *to,
                  bool over)
 {
@@ -121,13 +102,12 @@ static bool suits(VkInstance instance, VkPhysicalDevice physical)
     return instance && physical;
 }
 
-static void run(struct renderer *renderer, struct tap *tap, bool faulty, const struct again *again)
+static void run(struct renderer *renderer, struct tap *tap, bool faulty)
 {
     static const struct tap_field fields[] = {
         {"position", "vec3", 0, 0, 0}, {"exposure", "float", 12, 0, 0}, {"id", "uint", 16, 0, 0}};
     const VkFormat format = VK_FORMAT_B8G8R8A8_UNORM, wide = VK_FORMAT_R16G16B16A16_SFLOAT;
     struct tap_vk taps;
-    struct buffer given = {0};
     struct target albedo = make_target(renderer, VK_FORMAT_R8G8B8A8_UNORM, WIDTH, HEIGHT);
     struct target small = make_target(renderer, wide, WIDTH / SMALL, HEIGHT / SMALL);
     struct target screen = make_target(renderer, format, WIDTH, HEIGHT);
@@ -144,10 +124,8 @@ static void run(struct renderer *renderer, struct tap *tap, bool faulty, const s
     tap_target(&taps, commands, "upload", "albedo", &albedo, VK_FORMAT_R8G8B8A8_UNORM);
     tap_vk_buffer(&taps, commands, "upload", "cameras", cameras.handle, 0, CAMERAS,
                   sizeof(struct camera), fields, 3);
-    take_input(renderer, commands, again, "downsample", "albedo", &albedo, 4, &given);
     blit(commands, &albedo, &small, faulty);
     tap_target(&taps, commands, "downsample", "small", &small, wide);
-    take_input(renderer, commands, again, "present", "small", &small, 8, &given);
     blit(commands, &small, &screen, false);
     tap_target(&taps, commands, "present", "screen", &screen, format);
     end_frame(renderer, 0, 1);
@@ -161,19 +139,16 @@ static void run(struct renderer *renderer, struct tap *tap, bool faulty, const s
     }
     destroy_buffer(renderer, &staging);
     destroy_buffer(renderer, &cameras);
-    if (given.handle)
-        destroy_buffer(renderer, &given);
 }
 
 int main(int argc, char **argv)
 {
     static struct renderer renderer = {.width = WIDTH, .height = HEIGHT};
-    const struct again again = {argc == 5 ? argv[3] : NULL, argc == 5 ? argv[4] : NULL};
-    check(argc == 2 || argc == 3 || argc == 5, "usage: tap_vk FOLDER [faulty [PASS INPUTS]]:");
+    check(argc == 2 || argc == 3, "usage: tap_vk FOLDER [faulty]:");
     renderer_prepare(&renderer);
     renderer_open(&renderer, suits);
     struct tap *tap = tap_open(argv[1], "vk", NULL);
-    run(&renderer, tap, argc > 2, &again);
+    run(&renderer, tap, argc > 2);
     check(tap && tap_close(tap), argv[1]);
     renderer_close(&renderer);
     return 0;
