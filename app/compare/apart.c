@@ -17,14 +17,6 @@ static void add_edits(struct words *words, const char *edits)
     free(copy);
 }
 
-static void add_spec(struct words *words, const struct setup *setup, const char *edits)
-{
-    words_pair(words, "--spec", setup->spec);
-    for (uint32_t i = 0; i < setup->set_count; i++)
-        words_pair(words, "--set", setup->sets[i]);
-    add_edits(words, edits);
-}
-
 static void fill(struct words *words, const struct compare_apart *apart)
 {
     const struct setup *setup = apart->setup;
@@ -33,7 +25,10 @@ static void fill(struct words *words, const struct compare_apart *apart)
     snprintf(frames, sizeof frames, "%u", apart->frames);
     words_pair(words, "/proc/self/exe", "compare");
     words_pair(words, "--backend", setup->backend);
-    add_spec(words, setup, apart->edits);
+    words_pair(words, "--spec", setup->spec);
+    for (uint32_t i = 0; i < setup->set_count; i++)
+        words_pair(words, "--set", setup->sets[i]);
+    add_edits(words, apart->edits);
     words_pair(words, "--scene", setup->scene);
     words_pair(words, "--scenes", setup->scenes);
     words_pair(words, "--device", setup->device);
@@ -58,17 +53,4 @@ int compare_apart(struct console *console, const struct compare_apart *apart)
         status = tool_status(words.list, console);
     words_free(&words);
     return status;
-}
-
-bool list_apart(struct console *console, const struct setup *setup, const char *edits,
-                const char *gpu, const char *json)
-{
-    struct words words = {0};
-    words_pair(&words, "/proc/self/exe", "list");
-    add_spec(&words, setup, edits);
-    words_pair(&words, "--gpu", gpu);
-    words_pair(&words, "--json", json);
-    bool good = !words.failed && tool_quiet(words.list, console);
-    words_free(&words);
-    return good;
 }

@@ -1,4 +1,4 @@
-/* Other verbs in a process of its own, for a window whose drivers are open: they stand no fork. */
+/* `compare` in a process of its own, for a window whose drivers are open: they stand no fork. */
 #pragma once
 
 #include "console/console.h"
@@ -6,7 +6,7 @@
 
 struct compare_apart {
     const struct setup *setup; /* but for size, frames and motion */
-    const char *edits; /* more of --set: lines NAME=VALUE; NULL: none, so in all that follows */
+    const char *edits;         /* more of --set: lines NAME=VALUE; NULL: none */
     uint32_t size[2], frames;
     const char *motion;
     const char *folder; /* to write */
@@ -14,6 +14,3 @@ struct compare_apart {
 
 /* `compare --bisect`. Waits for its end. Returns the exit status of compare, or -1 with the error logged. */
 int compare_apart(struct console *console, const struct compare_apart *apart);
-/* `list --gpu`, without a word; `edits` as above. Waits for its end. Whether it has written its JSON into the file. */
-bool list_apart(struct console *console, const struct setup *setup, const char *edits,
-                const char *gpu, const char *json);

@@ -67,8 +67,6 @@ static const struct option_row rows[] = {
      "scene file, whose triangles are counted"},
     {"--gpu", OPTION_STRING, AT(gpu), VERB_COST, 0, "LIST",
      "chips, like navi21,polaris10 (default: navi21)"},
-    {"--gpu", OPTION_STRING, AT(gpu), VERB_LIST | VERB_VIEW, 0, "NAME",
-     "also waves, registers and spills of each pass on this chip, as `cost` finds them"},
     {"--motion", OPTION_STRING, AT(setup.motion), MOVING, 0, "FILE",
      "keyframes (YAML) that move camera and light from frame to frame"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,

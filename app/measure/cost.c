@@ -1,5 +1,5 @@
-/* `diptych cost` and `diptych list`: what a pipeline has and does in a frame, and what a GPU's compiler makes of it, for Python:
- * app/python/diptych/cost.py and listing.py. */
+/* `diptych list`: what a pipeline has, and `diptych cost`: also what it does in a frame, and what a GPU's compiler makes of it,
+ * for Python: app/python/diptych/listing.py and cost.py. */
 #include "measure/cost.h"
 
 #include <math.h>
@@ -184,12 +184,7 @@ int verb_cost(struct console *console, const struct options *options)
 int verb_list(struct console *console, const struct options *options)
 {
     struct costing costing = {.console = console, .setup = options->setup};
-    const char *gpu = options->gpu;
-    costing.setup.for_gpu = gpu;
     costing.setup.scene = NULL;
     costing.request = options_json(options, VERB_LIST);
-    bool good = take_pipeline(&costing) &&
-                (!gpu || (cost_chip(gpu, strlen(gpu), &console->log) &&
-                          cost_has_radv(&console->log) && ask(&costing, NULL, gpu)));
-    return finish(&costing, good, "list", EXIT_FAILED);
+    return finish(&costing, take_pipeline(&costing), "list", EXIT_FAILED);
 }

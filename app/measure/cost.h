@@ -1,4 +1,4 @@
-/* What a GPU's compiler says of each pass, asked without the GPU: for `cost`, `list` and `tune`. Python computes what follows for
+/* What a GPU's compiler says of each pass, asked without the GPU: for `cost` and `tune`. Python computes what follows for
  * a frame, and prints: app/python/diptych/cost.py. */
 #pragma once
 

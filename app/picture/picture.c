@@ -151,7 +151,7 @@ static float map_number(const struct dt_resource *resource, struct range range, 
 
 /* Hues by steps of the golden ratio, which spreads any number of hues evenly; lightness
  * alternates. */
-void picture_label(int64_t label, uint8_t codes[3])
+static void picture_label(int64_t label, uint8_t codes[3])
 {
     if (label < 0) {
         memset(codes, 64, 3);

@@ -48,9 +48,6 @@ bool picture_texel(const uint32_t extent[3], const uint32_t place[2], uint64_t *
 bool picture_linear(struct picture *picture, const struct dt_resource *resource,
                     const struct dt_bytes *bytes, const struct dt_log *log);
 
-/* The colour of a label; neighbouring ones get colours far apart. */
-void picture_label(int64_t label, uint8_t codes[3]);
-
 void picture_free(struct picture *picture);
 
 #ifdef __cplusplus

@@ -184,22 +184,6 @@ static void side_column(const struct overlay_model *model, uint32_t side)
                     width * static_cast<float>(model->side_count - side));
 }
 
-/* Left of the sides, `em` letters wide. */
-static void waves_column(const struct overlay_model *model, float em)
-{
-    float sides = 3.4f * static_cast<float>(model->side_count);
-    ImGui::SameLine(ImGui::GetWindowContentRegionMax().x - ImGui::GetFontSize() * (sides + em));
-}
-
-static void waves(const struct overlay_model *model, const struct overlay_waves *of_pass)
-{
-    waves_column(model, 2.4f);
-    if (std::isnan(of_pass->waves))
-        return ImGui::TextDisabled("-");
-    ImGui::Text("%.0f", of_pass->waves);
-    tip(of_pass->tip);
-}
-
 static void times(const struct overlay_model *model, const double ms[OVERLAY_SIDES])
 {
     for (uint32_t k = 0; k < model->side_count; k++) {
@@ -286,8 +270,6 @@ static void pass(struct overlay *overlay, struct overlay_model *model, uint32_t 
     tip(skipped ? "skipped in this frame" : pass->doc ? pass->doc : "");
     if (overlay->seek && overlay->guilty == index + 1)
         ImGui::SetScrollHereY();
-    if (model->waves)
-        waves(model, &model->waves[index]);
     times(model, ms);
     for (uint32_t i = first[index]; open && i < first[index + 1]; i++)
         if (whole || is_sought(overlay->search, model->rows->outputs.list[i].name))
@@ -341,11 +323,6 @@ static void passes(struct overlay *overlay, struct overlay_model *model)
     ImGui::InputTextWithHint("##search", "search passes and resources", overlay->search,
                              sizeof overlay->search);
     ImGui::TextDisabled("milliseconds");
-    if (model->waves) {
-        waves_column(model, 2.9f);
-        ImGui::TextDisabled("waves");
-        tip(model->gpu);
-    }
     for (uint32_t k = 0; k < model->side_count; k++) {
         side_column(model, k);
         ImGui::TextDisabled("%.6s", model->sides[k].label);
@@ -375,7 +352,7 @@ static const char key_text[] =
     "T  R          false colour; range of what is shown\n"
     "B  Ctrl+Z     settings A or B; undo\n"
     "Space  .      pause; one frame\n"
-    "V  0..9       points; what view.yaml says\n"
+    "0..9          the first live parameter that is an integer\n"
     "P  Ctrl+S     save the picture; the camera into the scene file\n"
     "F2 F3 F4 H    left, right, lower pane; all of them\n"
     "Ctrl + -      larger, smaller letters\n"
@@ -459,9 +436,8 @@ static void error_alone(struct overlay *overlay, const char *title, const char *
 static void status(struct overlay_model *model, struct box box)
 {
     pane_begin("status", box);
-    if (*model->state || *model->points) {
-        ImGui::TextColored(mark_color(OVERLAY_WITHIN), "%s%s%s", model->state,
-                           *model->points ? "  points: " : "", model->points);
+    if (*model->state) {
+        ImGui::TextColored(mark_color(OVERLAY_WITHIN), "%s", model->state);
         ImGui::SameLine(0, ImGui::GetFontSize() * 2);
     }
     ImGui::TextDisabled("Tab next image    G first difference    C compare    wheel zoom    "

@@ -43,12 +43,6 @@ struct overlay_side {
     bool flipped;                 /* the texture's row 0 is at the bottom */
 };
 
-/* What a GPU makes of a pass. */
-struct overlay_waves {
-    double waves; /* of a SIMD; NAN: not known */
-    char tip[128];
-};
-
 /* A number of the pipeline that the user may change. */
 struct overlay_param {
     const char *name;
@@ -107,11 +101,8 @@ struct overlay_model {
     uint32_t side_count;
     uint32_t extent[3]; /* of the shown resource: its mip, all layers */
     const char *state;  /* paused, reloading, ..., or "" */
-    const char *points; /* points that are shown, or "" */
     const char *error;  /* of a reload that failed; NULL: none */
     const char *error_title;
-    const struct overlay_waves *waves; /* of passes; NULL: none */
-    const char *gpu;                   /* their chip */
     const char *why;       /* lines: what would make the sides equal; NULL or "": not known */
     const char *undefined; /* lines of --sanitize; NULL: without it */
     const char *log;       /* lines */

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "measure/cost.h"
 #include "scenes/motion.h"
 #include "spec/inputs.h"
 #include "run/camera.h"
@@ -142,13 +141,10 @@ static bool open_view(struct view *view)
     view->backend_given = options->setup.backend;
     if (!options->setup.spec && !options->setup.scene)
         view->own.setup.scene = "cornell";
-    if ((options->gpu &&
-         !(cost_chip(options->gpu, strlen(options->gpu), log) && cost_has_radv(log))) ||
-        (options->screenshot && !file_can_write(options->screenshot, log)) ||
+    if ((options->screenshot && !file_can_write(options->screenshot, log)) ||
         (options->present && !file_can_write(options->present, log)) || !read_sides(view) ||
         !pipeline_load(&view->pipeline, view->console, &options->setup) || !view_find_home(view) ||
         !inputs_load(&view->pipeline, view->console, &view->own.setup) ||
-        !view_outline_read(view) ||
         !session_load_scene(&view->scene, view->console, view->pipeline.info, &options->setup))
         return false;
     view->moving = view->scene.motion;
@@ -160,7 +156,6 @@ static bool open_view(struct view *view)
         view->own.setup.for_gpu &= view->side[i].session.for_gpu;
     view->reload = reload_start(view->console, &view->own.setup, &view->pipeline);
     console_status(view->console, "%s", "");
-    view_waves_ask(view);
     return view->reload && view_times_create(view) && view_params_create(view) &&
            view_verdict_create(view);
 }
@@ -190,7 +185,7 @@ static bool render_side(struct view *view, struct view_side *side, const struct 
     bool output =
         (int)view->shown.resource == info->display_output && /* lives on after the frame */
         view->shown.pass == view_last_writer(info, view->shown.resource, 0);
-    bool takes = !output || view->shown_points || view->verdict.checking;
+    bool takes = !output || view->verdict.checking;
     const struct dt_observer own = {.after_pass = view_after_pass, .user = &watch};
     const struct dt_observer *observer = takes ? &own : NULL;
     double start = milliseconds_now();
@@ -286,7 +281,6 @@ bool view_render(struct view *view)
     struct dt_frame frame;
     memset(&frame, 0, sizeof frame);
     view_verdict_begin(view);
-    view_waves_poll(view);
     if (view->moving)
         move(view);
     scene_frame(&view->scene, view->size[0], view->size[1], &frame);
@@ -455,11 +449,9 @@ int verb_view(struct console *console, const struct options *options)
         view_settings_write(&view);
     }
     view_bisect_end(&view);
-    view_waves_end(&view);
     reload_stop(view.reload);
     close_sides(&view);
     view_close_window(&view);
-    view_outline_forget(&view);
     view_params_free(&view.params);
     view_verdict_free(&view.verdict);
     view_log_close(&view);

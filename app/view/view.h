@@ -13,22 +13,8 @@
 #include "run/undefined.h"
 #include "runtime_gl/window.h"
 #include "view/overlay.h"
-#include "picture/points.h"
 
-enum {
-    VIEW_SIDES = OVERLAY_SIDES,
-    VIEW_MAX_POINTS = 8,
-    VIEW_MAX_SOURCES = 4,
-    VIEW_TIMED_FRAMES = 256,
-    VIEW_UNDOS = 256
-};
-
-/* Points shown together: elements of one buffer or more. */
-struct view_points {
-    char *name; /* owned */
-    struct point_source sources[VIEW_MAX_SOURCES];
-    uint32_t count;
-};
+enum { VIEW_SIDES = OVERLAY_SIDES, VIEW_TIMED_FRAMES = 256, VIEW_UNDOS = 256 };
 
 /* Times of the last frames, in a ring. */
 struct view_times {
@@ -53,14 +39,6 @@ struct view_verdict {
     char *why;                 /* of the difference in the row `first`; owned */
     char *undefined;           /* --sanitize: what was found, a line each; NULL: not known; owned */
     double checked, cost;      /* end of the last check, and how long it took, in milliseconds */
-};
-
-/* --gpu: see view_waves.c. */
-struct view_waves {
-    struct overlay_waves *list; /* per pass; NULL: not known; owned */
-    struct asking *asking;      /* a thread at work; NULL: none */
-    pthread_t thread;
-    bool wanted; /* to be asked, after the thread that runs */
 };
 
 /* The parameters as the user has them. */
@@ -92,9 +70,7 @@ struct view_log {
 struct view_side {
     struct session session;
     struct view_times times;
-    struct dt_bytes shown; /* content of the shown resource after the last frame; owned */
-    /* content of the buffers and labels of shown points, by source; owned */
-    struct dt_bytes elements[VIEW_MAX_SOURCES], labels[VIEW_MAX_SOURCES];
+    struct dt_bytes shown;  /* content of the shown resource after the last frame; owned */
     struct picture picture; /* of what is shown; no codes while `direct` */
 };
 
@@ -118,7 +94,6 @@ struct view {
     pthread_t bisector; /* joined at the end, or before the next */
     bool bisected;
     atomic_bool bisecting;
-    struct view_waves waves;
     struct reload *reload;
     bool reloading;
     uint32_t losses;      /* of devices */
@@ -126,19 +101,12 @@ struct view {
     bool gave_up;         /* paused, since the device was lost twice: probably by a pass */
     bool noisy;           /* a closed side had validation messages */
     char *error;          /* of the last reload; NULL: none; owned */
-    bool outline_wrong;   /* the error is of the outline; the pipeline is the new one */
     uint32_t reloads;
     double reload_ms; /* of the last reload, from the saved file to its first picture; NAN: none */
     double device_ms; /* of that, for programs and memory */
 
     uint32_t home; /* resource, usually the display output */
     struct overlay_shown shown;
-    uint32_t shown_points; /* counted from 1; 0: none */
-
-    /* From the pipeline's outline. */
-    const struct dt_param *digits; /* parameter set by the keys 0 to 9; NULL: none */
-    struct view_points points[VIEW_MAX_POINTS];
-    uint32_t points_count;
 
     /* As of the last frame. */
     bool direct;      /* textures are display outputs as they were read, row 0 at the bottom */
@@ -191,8 +159,6 @@ void view_input_fly(struct view *view, double seconds); /* keys that are held */
 bool view_times_create(struct view *view); /* for the present pipeline */
 void view_times_free(struct view_times *times);
 bool view_times_take(struct view_side *side, double frame_ms); /* after its frame */
-/* Whether the last pass that writes the resource was skipped in the last frame. */
-bool view_is_skipped(const struct view *view, const struct view_side *side, uint32_t resource);
 bool view_overlay_build(struct view *view); /* applies the user's changes of parameters */
 void view_tell(struct view *view); /* for --json: frames, and median times of the last ones */
 
@@ -201,12 +167,6 @@ void view_tell(struct view *view); /* for --json: frames, and median times of th
 /* Swaps in a newly made pipeline, if there is one. False when neither runs. */
 bool view_reload(struct view *view);
 void view_set_live(struct view *view, const struct dt_param *param, const double values[4]);
-
-/* ---- view_outline.c -------------------------------------------------------------------------- */
-
-/* Reads the outline of view->pipeline. False with the error logged: then it offers nothing. */
-bool view_outline_read(struct view *view);
-void view_outline_forget(struct view *view);
 
 /* ---- view_verdict.c -------------------------------------------------------------------------- */
 
@@ -246,14 +206,6 @@ void view_settings_write(const struct view *view);
 void view_log_open(struct view *view); /* from now on, messages are kept, too */
 void view_log_close(struct view *view);
 
-/* ---- view_waves.c ---------------------------------------------------------------------------- */
-
-void view_waves_ask(struct view *view);  /* of the pipeline as it is from now on */
-void view_waves_poll(struct view *view); /* in each frame */
-/* Waits for the answer, and adds "waves", a number for each pass, if there is one. */
-void view_waves_tell(struct view *view, struct cJSON *root);
-void view_waves_end(struct view *view);
-
 /* ---- view_picture.c -------------------------------------------------------------------------- */
 
 bool view_find_home(struct view *view); /* and shows it */
@@ -266,8 +218,7 @@ void view_show(struct view *view, uint32_t resource);
 uint32_t view_mips(const struct view *view);
 uint32_t view_layers(const struct view *view);
 
-/* Call after that pass: reads what is shown after it, and points, when the pass is the last to write
- * them. */
+/* Call after that pass: reads what is shown after it. */
 bool view_take(const struct view *view, struct view_side *side, uint32_t pass);
 void view_forget(struct view_side *side); /* what was read, and its picture */
 /* Reads what is shown now, if the frame did not. */

@@ -60,11 +60,6 @@ static void change_mode(struct view *view, int by)
     view->shown.mode = (view->shown.mode + (unsigned)by) % OVERLAY_MODES;
 }
 
-static void change_points(struct view *view, int by)
-{
-    view->shown_points = (view->shown_points + (unsigned)by) % (view->points_count + 1);
-}
-
 static void change_tint(struct view *view, int unused)
 {
     (void)unused;
@@ -129,7 +124,6 @@ static const struct binding {
     {GLFW_KEY_DOWN, 0, change_layer, -1, true},
     {GLFW_KEY_PAGE_UP, 0, change_mip, 1, true},
     {GLFW_KEY_PAGE_DOWN, 0, change_mip, -1, true},
-    {GLFW_KEY_V, 0, change_points, 1, true},
     {GLFW_KEY_C, 0, change_mode, 1, true},
     {GLFW_KEY_EQUAL, 0, change_gain, 1, true},
     {GLFW_KEY_KP_ADD, 0, change_gain, 1, true},
@@ -144,11 +138,21 @@ static const struct binding {
     {GLFW_KEY_SPACE, 0, press_window, GLFW_KEY_SPACE, true},
 };
 
+/* Sets the first live parameter that is an integer. */
+static void press_digit(struct view *view, int digit)
+{
+    const struct dt_pipeline *info = view->pipeline.info;
+    uint32_t i = 0;
+    while (i < info->param_count && !(info->params[i].live && info->params[i].type == DT_TYPE_INT))
+        i++;
+    if (i < info->param_count)
+        view_params_set(view, info->params[i].name, digit);
+}
+
 static void press(struct view *view, int key, int modifiers)
 {
-    int digit = key - GLFW_KEY_0;
-    if (digit >= 0 && digit <= 9 && view->digits) {
-        view_params_set(view, view->digits->name, digit);
+    if (key >= GLFW_KEY_0 && key <= GLFW_KEY_9) {
+        press_digit(view, key - GLFW_KEY_0);
         return;
     }
     for (size_t i = 0; i < DT_ARRAY_COUNT(bindings); i++) {

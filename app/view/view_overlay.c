@@ -42,15 +42,6 @@ bool view_times_take(struct view_side *side, double frame_ms)
                                           times->pass_ms + (size_t)at * times->passes);
 }
 
-bool view_is_skipped(const struct view *view, const struct view_side *side, uint32_t resource)
-{
-    const struct view_times *times = &side->times;
-    uint32_t pass = view_last_writer(view->pipeline.info, resource, 0);
-    uint32_t last = (times->frames - 1) % VIEW_TIMED_FRAMES;
-    return pass == times->passes ||
-           (times->frames && isnan(times->pass_ms[(size_t)last * times->passes + pass]));
-}
-
 static uint32_t timed_frames(const struct view_times *times)
 {
     return times->frames < VIEW_TIMED_FRAMES ? times->frames : VIEW_TIMED_FRAMES;
@@ -168,12 +159,8 @@ static bool describe(struct view *view, const char *title, const char *state, co
         .rows = &verdict->rows,
         .side_count = view->side_count,
         .state = state,
-        .points = view->shown_points ? view->points[view->shown_points - 1].name : "",
         .error = view->error,
-        .error_title = view->outline_wrong ? "view.yaml is wrong; the pipeline runs"
-                                           : "reload failed; what was good before runs on",
-        .waves = view->waves.list,
-        .gpu = view->options->gpu,
+        .error_title = "reload failed; what was good before runs on",
         .why = verdict->worst == OVERLAY_DIFFERS ? verdict->why : NULL,
         .undefined =
             view->options->setup.sanitize ? (verdict->undefined ? verdict->undefined : "") : NULL,
@@ -254,7 +241,6 @@ void view_tell(struct view *view)
     free(changes);
     if (view->verdict.worst == OVERLAY_DIFFERS && view->verdict.why)
         cJSON_AddStringToObject(root, "why", view->verdict.why);
-    view_waves_tell(view, root);
     cJSON_AddStringToObject(root, "undefined", view->verdict.undefined);
     if (view->verdict.known && view->side_count > 1)
         cJSON_AddStringToObject(root, "verdict", view->verdict.text);

@@ -83,8 +83,8 @@ static bool is_direct(const struct view *view)
     return (int)view->shown.resource == info->display_output &&
            view->shown.pass == view_last_writer(info, view->shown.resource, 0) &&
            resource->format == DT_FORMAT_RGBA8 && !resource->layered && view->shown.mip == 0 &&
-           !view->shown_points && !look->channel && look->exposure == 0 && !look->ranged &&
-           !look->tinted && !is_difference(view);
+           !look->channel && look->exposure == 0 && !look->ranged && !look->tinted &&
+           !is_difference(view);
 }
 
 /* ---- From resources to codes ----------------------------------------------------------------- */
@@ -98,52 +98,12 @@ static void free_bytes(struct dt_bytes *bytes)
 void view_forget(struct view_side *side)
 {
     free_bytes(&side->shown);
-    for (int i = 0; i < VIEW_MAX_SOURCES; i++) {
-        free_bytes(&side->elements[i]);
-        free_bytes(&side->labels[i]);
-    }
     picture_free(&side->picture);
-}
-
-static bool take_picture(const struct view *view, const struct view_side *side, uint32_t pass,
-                         uint32_t resource, struct dt_bytes *bytes)
-{
-    const struct session *session = &side->session;
-    return view_last_writer(view->pipeline.info, resource, 0) != pass || bytes->data ||
-           session->runtime->read(session->handle, resource, 0, bytes);
 }
 
 bool view_take(const struct view *view, struct view_side *side, uint32_t pass)
 {
-    const struct session *session = &side->session;
-    if (pass == view->shown.pass && !side->shown.data &&
-        !session->runtime->read(session->handle, view->shown.resource, view->shown.mip,
-                                &side->shown))
-        return false;
-    if (!view->shown_points)
-        return true;
-    const struct view_points *points = &view->points[view->shown_points - 1];
-    for (uint32_t i = 0; i < points->count; i++) {
-        const struct point_source *source = &points->sources[i];
-        if (!take_picture(view, side, pass, source->buffer, &side->elements[i]) ||
-            (source->label == POINT_BUFFER &&
-             !take_picture(view, side, pass, source->label_buffer, &side->labels[i])))
-            return false;
-    }
-    return true;
-}
-
-/* Only over pictures of the frame's size: others may show another view. */
-static void draw_points(const struct view *view, const struct view_side *side)
-{
-    const struct picture *picture = &side->picture;
-    if (!view->shown_points || picture->width != view->size[0] || picture->height != view->size[1])
-        return;
-    const struct view_points *points = &view->points[view->shown_points - 1];
-    for (uint32_t i = 0; i < points->count; i++)
-        if (!view_is_skipped(view, side, points->sources[i].buffer)) /* else of an earlier frame */
-            points_draw(picture, &view->camera, view->pipeline.info, &points->sources[i],
-                        &side->elements[i], &side->labels[i]);
+    return pass != view->shown.pass || view_read(view, side);
 }
 
 struct dt_bytes view_layer(const struct view *view, const struct view_side *side)
@@ -177,7 +137,6 @@ static bool make_picture(struct view *view, struct view_side *side)
     if (!picture_look(&side->picture, &view->pipeline.info->resources[view->shown.resource], &part,
                       &view->shown.look, &side->session.log))
         return false;
-    draw_points(view, side);
     return true;
 }
 

@@ -101,13 +101,9 @@ static void set_error(struct view *view, char *text)
         fputs(text, stderr);
 }
 
-/* Starts view->pipeline, up to its first picture. With a wrong outline it runs, with no points and
- * keys. */
-static bool start_pipeline(struct view *view, const struct kept_shown *shown, bool *offered)
+/* Starts view->pipeline, up to its first picture. */
+static bool start_pipeline(struct view *view, const struct kept_shown *shown)
 {
-    uint32_t points = view->shown_points;
-    *offered = view_outline_read(view);
-    view->shown_points = points <= view->points_count ? points : 0;
     double begun = milliseconds_now();
     bool created =
         (view->options->setup.scene ||
@@ -117,7 +113,6 @@ static bool start_pipeline(struct view *view, const struct kept_shown *shown, bo
         memcpy(view->size, view->pipeline.frame_size, sizeof view->size);
     created = created && create(view);
     view->device_ms = milliseconds_now() - begun;
-    view_waves_ask(view);
     return created && keep_shown(view, shown) && view_times_create(view) &&
            view_params_create(view) && view_verdict_create(view) && view_render(view);
 }
@@ -128,44 +123,24 @@ static bool swap(struct view *view, struct pipeline *next)
 {
     struct pipeline old = view->pipeline;
     const struct kept_shown shown = shown_of(view, old.info);
-    bool offered, capture = console_capture(view->console);
+    bool capture = console_capture(view->console);
     view->pipeline = *next;
     keep_live(view, &old);
-    bool good = start_pipeline(view, &shown, &offered);
+    bool good = start_pipeline(view, &shown);
     char *text = capture ? console_captured(view->console) : NULL;
-    view->outline_wrong = good && !offered;
-    if (!good || !offered) {
-        set_error(view, text ? text : strdup("the reason stands on the terminal\n"));
-    } else {
+    if (good) {
         if (text)
             fputs(text, stderr);
         free(text);
-    }
-    if (good) {
         pipeline_unload(&old);
         return true;
     }
+    set_error(view, text ? text : strdup("the reason stands on the terminal\n"));
     struct pipeline refused = view->pipeline;
     view->pipeline = old;
-    good = start_pipeline(view, &shown, &offered);
+    good = start_pipeline(view, &shown);
     pipeline_unload(&refused); /* its panels were in use until now */
     return good;
-}
-
-/* Reloads the outline of the same pipeline; its errors are shown like the pipeline's. */
-static void reread_outline(struct view *view)
-{
-    uint32_t points = view->shown_points;
-    bool capture = console_capture(view->console);
-    bool good = view_outline_read(view);
-    char *text = capture ? console_captured(view->console) : NULL;
-    view->outline_wrong = !good;
-    if (good)
-        free(text);
-    else
-        set_error(view, text);
-    view->shown_points = points <= view->points_count ? points : 0;
-    view->step = true;
 }
 
 /* Prints one line about the reload. */
@@ -190,12 +165,10 @@ static bool take_reload(struct view *view, struct reload_result *result)
     free(result->text);
     set_error(view, NULL);
     bool same = plan_hash(result->pipeline.plan) == plan_hash(view->pipeline.plan);
-    if (same) { /* only its outline, or nothing */
+    if (same)
         pipeline_unload(&result->pipeline);
-        reread_outline(view);
-    } else if (!swap(view, &result->pipeline)) {
+    else if (!swap(view, &result->pipeline))
         return false;
-    }
     view->reloads += !view->error;
     double taken_ms = milliseconds_now() - start_ms;
     view->reload_ms = result->ms + taken_ms;
@@ -215,7 +188,7 @@ bool view_reload(struct view *view)
         view->reloading = false;
         return take_reload(view, &result);
     case RELOAD_FAILED:
-        view->reloading = view->outline_wrong = false;
+        view->reloading = false;
         set_error(view, result.text ? result.text : strdup("out of memory\n"));
         return true;
     default:

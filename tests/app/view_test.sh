@@ -89,12 +89,6 @@ xdotool key Tab
 check "Tab shows another image" see other.ppm not=none.ppm shown halves
 xdotool key Home
 check "Home the picture again" see home.ppm as=none.ppm
-xdotool key v
-check "points need bounces" see points.ppm as=none.ppm
-xdotool key 2
-check "... then they lie over the picture" see points.ppm not=none.ppm not=panels.ppm shown halves
-xdotool key v v 0
-check "... and are gone" see gone.ppm as=none.ppm
 
 # The camera.
 xdotool mousemove 100 60 mousedown 1 mousemove 130 70 mouseup 1
@@ -440,15 +434,6 @@ check "... and the window ends" ends 0
 check "... with nothing changed" holds_json 'd["changes"] == ""'
 cp view.json fault.json
 check "its verdict names what compare names" agrees
-
-# Waves, as the compiler of a GPU finds them.
-if compgen -G '/usr/share/vulkan/icd.d/radeon_icd*.json' >/dev/null; then
-    check "waves of a GPU stand beside times" "$diptych" view "${panes[@]}" --backend vk --window 640x360 --frames 2 --gpu navi21 --json view.json
-    check "... of each pass" holds_json 'len(d["waves"]) == 14 and all(n >= 2 for n in d["waves"])'
-    check_status 1 "... of no chip that there is not" "$diptych" view "${panes[@]}" --backend vk --frames 2 --gpu navi99
-else
-    skip "waves of a GPU" "RADV is not installed"
-fi
 
 # What a body does that is undefined.
 /usr/bin/python3 -B "$root/tests/gen/sanitize.py" make "$work" 1

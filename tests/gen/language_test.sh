@@ -20,15 +20,13 @@ check "--reference prints" bash -c "'$gen' --reference >'$work/LANGUAGE.md'"
 python=/usr/bin/python3
 if $python -c 'import jsonschema, yaml' 2>/dev/null; then
     check "every shipped YAML names a schema and is valid by it" $python tests/gen/language.py files \
-        templates/*.yaml templates/*/{report,view}.yaml tests/specs/*.yaml tests/specs/grey/report.yaml scenes/*.yaml
+        templates/*.yaml templates/*/report.yaml tests/specs/*.yaml tests/specs/grey/report.yaml scenes/*.yaml
     check "... and not with a misspelled key" $python tests/gen/language.py misspelled \
-        templates/rsm.yaml templates/*/{report,view}.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
+        templates/rsm.yaml templates/*/report.yaml tests/specs/features.yaml scenes/{cornell,atrium,cornell_walk}.yaml
     check "specs use every key of the language" $python tests/gen/language.py used "$work/schema.json" \
         templates/*.yaml templates/{shared,cull}/*.yaml tests/specs/*.yaml tests/specs/parts/*.yaml
     check "schemas of scenes and motions have the reader's keys" $python tests/gen/language.py keys \
         scenes/{scene,motion}.schema.json -- scenes/{scene,motion,camera_light}.c
-    check "... that of view's outlines, too" $python tests/gen/language.py keys \
-        templates/view.schema.json -- app/view/view_outline.c
     check "keys and examples of the reference fit the schema" \
         $python tests/gen/language.py reference "$work/schema.json" "$work/LANGUAGE.md"
     check "the reference lists the names that bodies have, and bodies use each" \

@@ -1,11 +1,9 @@
-"""`diptych list`: what a pipeline has, which the C program hands over (app/measure/cost.c); with --gpu, what a chip's compiler makes
-of each pass."""
+"""`diptych list`: what a pipeline has, which the C program hands over (app/measure/cost.c)."""
 from __future__ import annotations
 
 from typing import Any
 
 from .console import Console
-from .cost import Costs
 
 Json = dict[str, Any]
 
@@ -46,36 +44,23 @@ def resources(listed: Json, width: int) -> list[str]:
     return lines
 
 
-def stage_text(costs: Costs, stage: Json) -> str:
-    limit = f" ({stage['limit']})" if stage["limit"] else ""
-    spills = f"{stage['spills']:.0f} spills" if stage["spills"] else "no spills"
-    large = ", more than the instruction cache" if costs.is_large(stage) else ""
-    return (f"{costs.name} {stage['stage']}: {stage['waves']:.0f} waves{limit}, {stage['vgprs']:.0f} VGPRs, {spills}, "
-            f"{stage['code']:.0f} bytes of code{large}")
-
-
-def passes(listed: Json, width: int, costs: Costs | None) -> list[str]:
+def passes(listed: Json, width: int) -> list[str]:
     lines = []
-    for number, entry in enumerate(listed["passes"]):
+    for entry in listed["passes"]:
         call = " ".join(map(str, (entry["kind"], *entry["arguments"].values())))
         lines.append(f"  {entry['name']:<{width}}  {call:<24}  {entry.get('shader', ''):<30}  {entry['doc']}")
         lines += [f"  {'':{width}}  {word:<6} {', '.join(entry[word])}" for word in ("reads", "writes") if entry[word]]
-        if costs:
-            lines += [f"  {'':{width}}  {stage_text(costs, stage)}" for stage in costs.stages(number)]
     return lines
 
 
 def main(_console: Console, request: Json) -> tuple[int, Json]:
     listed: Json = request["list"]
-    costs = Costs(request, request["gpus"][0]) if "gpus" in request else None
     width = max(len(item["name"]) for key in ("params", "resources", "passes") for item in listed[key])
     lines = [listed["pipeline"] + (f": {listed['doc']}" if listed["doc"] else ""), "",
              f"{len(listed['params'])} parameters", *params(listed, width), "",
              f"{len(listed['resources'])} resources, at {listed['width']}x{listed['height']}", *resources(listed, width), "",
-             f"{len(listed['passes'])} passes, in order of execution", *passes(listed, width, costs)]
+             f"{len(listed['passes'])} passes, in order of execution", *passes(listed, width)]
     print("\n".join(line.rstrip(" ") for line in lines))
-    for number, entry in enumerate(listed["passes"]):
+    for entry in listed["passes"]:
         del entry["work"]
-        if costs:
-            entry["stages"] = costs.stages(number)
     return 0, listed
