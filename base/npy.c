@@ -8,7 +8,7 @@
 #include <string.h>
 
 #define MOST_BYTES ((size_t)1 << 30)
-enum { MOST_HEADER = 16384, MOST_REASON = 320 };
+enum { MOST_START = 12, MOST_HEADER = 16384, MOST_REASON = 320 };
 
 static _Thread_local char reason_text[MOST_REASON];
 
@@ -32,22 +32,25 @@ static bool pass(const char **at, char wanted)
     return true;
 }
 
-/* '<f4', '<i4' or '<u4'. */
+/* '<f4', '|u1': a letter and the bytes of a number. */
 static bool take_type(struct npy_field *field, const char **at, const char **reason)
 {
-    static const struct {
-        const char *text;
-        enum dt_type type;
-    } types[] = {{"'<f4'", DT_TYPE_FLOAT}, {"'<i4'", DT_TYPE_INT}, {"'<u4'", DT_TYPE_UINT}};
-    for (size_t i = 0; i < DT_ARRAY_COUNT(types); i++)
-        if (!strncmp(*at, types[i].text, 5)) {
-            field->type = types[i].type;
+    static const char *const known[] = {"f2", "f4", "f8", "i1", "i2", "i4",
+                                        "i8", "u1", "u2", "u4", "u8", "b1"};
+    const char *text = *at;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known); i++)
+        if (text[0] == '\'' && (text[1] == '<' || text[1] == '|') &&
+            !strncmp(text + 2, known[i], 2) && text[4] == '\'') {
+            field->type = text[2] == 'f'   ? DT_TYPE_FLOAT
+                          : text[2] == 'i' ? DT_TYPE_INT
+                          : text[2] == 'u' ? DT_TYPE_UINT
+                                           : DT_TYPE_BOOL;
+            field->bytes = (uint32_t)(text[3] - '0');
             *at += 5;
             return true;
         }
-    snprintf(reason_text, MOST_REASON,
-             "its dtype has %.*s; use float32, int32 and uint32, little-endian",
-             (int)strcspn(*at, ",})"), *at);
+    snprintf(reason_text, MOST_REASON, "its dtype has %.*s; use little-endian numbers",
+             (int)strcspn(text, ",})"), text);
     *reason = reason_text;
     return false;
 }
@@ -62,8 +65,7 @@ static bool take_shape(const char **at, uint32_t *shape, uint32_t most, uint32_t
     while (!pass(at, ')')) {
         char *end;
         unsigned long size = **at >= '0' && **at <= '9' ? strtoul(*at, &end, 10) : 0;
-        if (size < 1 || size > INT32_MAX || *dimensions == most ||
-            (numbers *= size) > MOST_BYTES / sizeof(uint32_t))
+        if (size < 1 || size > INT32_MAX || *dimensions == most || (numbers *= size) > MOST_BYTES)
             return false;
         shape[(*dimensions)++] = (uint32_t)size;
         *at = end;
@@ -80,6 +82,7 @@ static void count_numbers(struct npy *array)
     for (uint32_t i = 0; i < field->dimensions; i++)
         field->numbers *= field->shape[i];
     array->numbers += field->numbers;
+    array->stride += field->numbers * field->bytes;
 }
 
 /* ('name', '<f4', (3,)), the last part only for a field of several numbers. */
@@ -98,7 +101,7 @@ static bool take_field(struct npy *array, const char **at, const char **reason)
     if (pass(at, ',') && !take_shape(at, field->shape, NPY_MOST_DIMENSIONS, &field->dimensions))
         return false;
     count_numbers(array);
-    return array->numbers <= MOST_BYTES / sizeof(uint32_t) && pass(at, ')');
+    return array->stride <= MOST_BYTES && pass(at, ')');
 }
 
 static bool take_fields(struct npy *array, const char *at, const char **reason)
@@ -115,45 +118,44 @@ static bool take_fields(struct npy *array, const char *at, const char **reason)
 static bool take_array(struct npy *array, const char *descr, const char *shape, const char **reason)
 {
     enum { MOST = NPY_MOST_DIMENSIONS + 1 };
-    uint32_t sizes[MOST], dimensions;
+    uint32_t sizes[MOST] = {0}, dimensions;
     bool structured = *descr == '[';
     if (structured ? !take_fields(array, descr, reason)
                    : !take_type(&array->fields[0], &descr, reason))
         return false;
     *reason = structured ? "its shape is not (n), at most 1 GiB"
-                         : "its shape is not 1 to 4 dimensions of at least 1, at most 1 GiB";
-    if (!take_shape(&shape, sizes, structured ? 1 : MOST, &dimensions) || !dimensions)
+                         : "its shape is not at most 4 dimensions of at least 1, at most 1 GiB";
+    if (!take_shape(&shape, sizes, structured ? 1 : MOST, &dimensions))
         return false;
-    array->count = sizes[0];
+    array->count = dimensions ? sizes[0] : 1;
     if (!structured) {
-        array->fields[0].dimensions = dimensions - 1;
-        memcpy(array->fields[0].shape, sizes + 1, (dimensions - 1) * sizeof *sizes);
+        array->fields[0].dimensions = dimensions ? dimensions - 1 : 0;
+        memcpy(array->fields[0].shape, sizes + 1, array->fields[0].dimensions * sizeof *sizes);
         count_numbers(array);
     }
-    return (uint64_t)array->count * array->numbers <= MOST_BYTES / sizeof(uint32_t);
+    return (uint64_t)array->count * array->stride <= MOST_BYTES;
 }
 
-static bool take_header(FILE *file, struct npy *array, const char **reason)
+/* `size` bytes from the start of a file. */
+static bool take_header(const uint8_t *file, size_t size, struct npy *array, const char **reason)
 {
-    uint8_t start[12];
     char header[MOST_HEADER + 1];
+    *array = (struct npy){0};
     *reason = "it is no .npy file of version 1 to 3";
-    if (fread(start, 1, 10, file) != 10 || memcmp(start, "\x93NUMPY", 6) != 0 || start[6] < 1 ||
-        start[6] > 3)
+    if (size < MOST_START || memcmp(file, "\x93NUMPY", 6) != 0 || file[6] < 1 || file[6] > 3)
         return false;
-    size_t size = start[8] | (size_t)start[9] << 8;
+    size_t length = file[8] | (size_t)file[9] << 8;
     array->offset = 10;
-    if (start[6] > 1) {
-        if (fread(start + 10, 1, 2, file) != 2)
-            return false;
-        size |= (size_t)start[10] << 16 | (size_t)start[11] << 24;
-        array->offset = 12;
+    if (file[6] > 1) {
+        length |= (size_t)file[10] << 16 | (size_t)file[11] << 24;
+        array->offset = MOST_START;
     }
     *reason = "its header is damaged";
-    if (size > MOST_HEADER || fread(header, 1, size, file) != size)
+    if (length > MOST_HEADER || length > size - array->offset)
         return false;
-    header[size] = '\0';
-    array->offset += size;
+    memcpy(header, file + array->offset, length);
+    header[length] = '\0';
+    array->offset += length;
     const char *descr = header_value(header, "'descr'"), *shape = header_value(header, "'shape'"),
                *order = header_value(header, "'fortran_order'");
     if (!descr || !shape || !order)
@@ -165,34 +167,56 @@ static bool take_header(FILE *file, struct npy *array, const char **reason)
     return take_array(array, descr, shape, reason);
 }
 
+/* Whether all numbers have four bytes, as those of buffers. */
+static bool has_words(const struct npy *array, const char **reason)
+{
+    for (uint32_t i = 0; i < array->field_count; i++)
+        if (array->fields[i].bytes != sizeof(uint32_t)) {
+            const struct npy_field *field = &array->fields[i];
+            snprintf(reason_text, MOST_REASON,
+                     "its dtype has '<%c%u'; use float32, int32 and uint32, little-endian",
+                     "fiub"[field->type / 4], field -> bytes);
+            *reason = reason_text;
+            return false;
+        }
+    return true;
+}
+
 bool npy_header(const char *path, struct npy *array, const char **reason)
 {
+    uint8_t start[MOST_START + MOST_HEADER];
     FILE *file = input_open(path, MOST_BYTES, reason);
-    *array = (struct npy){0};
-    bool good = file && take_header(file, array, reason);
+    size_t size = file ? fread(start, 1, sizeof start, file) : 0;
+    bool good = file && take_header(start, size, array, reason) && has_words(array, reason);
     if (file)
         fclose(file);
     return good;
 }
 
-/* ---- Numbers --------------------------------------------------------------------------------- */
+bool npy_parse(const uint8_t *file, size_t size, struct npy *array, const char **reason)
+{
+    if (!take_header(file, size, array, reason))
+        return false;
+    size_t bytes = (size_t)array->count * array->stride;
+    if (size == array->offset + bytes)
+        return true;
+    snprintf(reason_text, MOST_REASON, "it has %zu bytes of numbers; its header says %zu",
+             size - array->offset, bytes);
+    *reason = reason_text;
+    return false;
+}
 
 void *npy_read(const char *path, struct npy *array, const char **reason)
 {
-    size_t length;
-    if (!npy_header(path, array, reason))
+    size_t size;
+    char *text = input_read(path, MOST_BYTES, &size, reason);
+    if (!text)
         return NULL;
-    size_t bytes = (size_t)array->count * array->numbers * sizeof(uint32_t);
-    char *text = input_read(path, MOST_BYTES, &length, reason);
-    if (text && length != array->offset + bytes) {
-        snprintf(reason_text, MOST_REASON, "it has %zu bytes of numbers; its header says %zu",
-                 length < array->offset ? 0 : length - array->offset, bytes);
-        *reason = reason_text;
+    if (!npy_parse((const uint8_t *)text, size, array, reason) || !has_words(array, reason)) {
         free(text);
         return NULL;
     }
-    if (text)
-        memmove(text, text + array->offset, bytes);
+    memmove(text, text + array->offset, size - array->offset);
     return text;
 }
 

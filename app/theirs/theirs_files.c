@@ -6,10 +6,11 @@
 
 #include "console/console.h"
 #include "base/foreign.h"
+#include "base/npy.h"
+#include "base/printable.h"
 #include "scenes/image.h"
 #include "theirs/theirs.h"
 
-enum { MOST_HEADER = 4096, MOST_SHAPE = 4 };
 #define MOST_FILE ((size_t)1 << 30)
 
 void their_store(enum number_kind kind, double value, uint8_t *place)
@@ -31,31 +32,23 @@ void their_store(enum number_kind kind, double value, uint8_t *place)
 
 /* ---- Arrays ------------------------------------------------------------------------------------ */
 
-/* Types of numbers, and the formats of images of 1, 2, and 3 or 4 channels. */
-struct array_type {
-    char name[3]; /* as in the header, behind `<` or `|` */
+/* Formats of images of 1, 2, and 3 or 4 channels, by the numbers of their arrays. */
+static const struct array_type {
+    enum dt_type type;
+    uint32_t bytes;
     enum dt_format formats[3];
-};
-static const struct array_type array_types[] = {
-    {"f2", {DT_FORMAT_R16F, DT_FORMAT_RG16F, DT_FORMAT_RGBA16F}},
-    {"f4", {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
-    {"f8", {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
-    {"u1", {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8}},
-    {"b1", {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8UI}},
-    {"u2", {DT_FORMAT_R16UI, DT_FORMAT_RG16UI, DT_FORMAT_RGBA16UI}},
-    {"u4", {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
-    {"u8", {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
-    {"i1", {DT_FORMAT_R8I, DT_FORMAT_RG8I, DT_FORMAT_RGBA8I}},
-    {"i2", {DT_FORMAT_R16I, DT_FORMAT_RG16I, DT_FORMAT_RGBA16I}},
-    {"i4", {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}},
-    {"i8", {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}}};
-
-struct array {
-    const struct array_type *type;
-    uint32_t shape[MOST_SHAPE], dimensions;
-    const uint8_t *data;
-    uint32_t size; /* bytes of a number */
-};
+} array_types[] = {{DT_TYPE_FLOAT, 2, {DT_FORMAT_R16F, DT_FORMAT_RG16F, DT_FORMAT_RGBA16F}},
+                   {DT_TYPE_FLOAT, 4, {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
+                   {DT_TYPE_FLOAT, 8, {DT_FORMAT_R32F, DT_FORMAT_RG32F, DT_FORMAT_RGBA32F}},
+                   {DT_TYPE_UINT, 1, {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8}},
+                   {DT_TYPE_BOOL, 1, {DT_FORMAT_R8UI, DT_FORMAT_RG8UI, DT_FORMAT_RGBA8UI}},
+                   {DT_TYPE_UINT, 2, {DT_FORMAT_R16UI, DT_FORMAT_RG16UI, DT_FORMAT_RGBA16UI}},
+                   {DT_TYPE_UINT, 4, {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
+                   {DT_TYPE_UINT, 8, {DT_FORMAT_R32UI, DT_FORMAT_RG32UI, DT_FORMAT_RGBA32UI}},
+                   {DT_TYPE_INT, 1, {DT_FORMAT_R8I, DT_FORMAT_RG8I, DT_FORMAT_RGBA8I}},
+                   {DT_TYPE_INT, 2, {DT_FORMAT_R16I, DT_FORMAT_RG16I, DT_FORMAT_RGBA16I}},
+                   {DT_TYPE_INT, 4, {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}},
+                   {DT_TYPE_INT, 8, {DT_FORMAT_R32I, DT_FORMAT_RG32I, DT_FORMAT_RGBA32I}}};
 
 static bool refuse_file(const struct theirs *theirs, const struct their_entry *entry,
                         const char *why)
@@ -63,188 +56,160 @@ static bool refuse_file(const struct theirs *theirs, const struct their_entry *e
     return report_error(theirs->log, "%s/%s: %s", theirs->folder, entry->file, why);
 }
 
-/* The dictionary in the header is Python's: {'descr': '<f4', 'fortran_order': False, 'shape': (2, 3), } */
-static const char *read_header(struct array *array, const char *header)
+static double number_at(const struct npy_field *field, const uint8_t *place)
 {
-    const char *descr = strstr(header, "'descr':"), *order = strstr(header, "'fortran_order':");
-    const char *shape = strstr(header, "'shape':");
-    if (!descr || !order || !shape)
-        return "is no .npy file: its header lacks a key";
-    descr += 8 + strspn(descr + 8, " ");
-    if (descr[0] != '\'' || descr[1] == '>' || !descr[2] || !descr[3] || descr[4] != '\'')
-        return "has a dtype that is not one plain little-endian number";
-    for (size_t i = 0; i < DT_ARRAY_COUNT(array_types); i++)
-        if (!memcmp(descr + 2, array_types[i].name, 2))
-            array->type = &array_types[i];
-    if (!array->type)
-        return "has a dtype that is not float16 to 64, int8 to 64, uint8 to 64 or bool";
-    array->size = (uint32_t)(array->type->name[1] - '0');
-    if (!strncmp(order + 16 + strspn(order + 16, " "), "True", 4))
-        return "is in Fortran's order; save numpy.ascontiguousarray of it";
-    for (shape = strchr(shape, '('); shape && *shape && *shape != ')';) {
-        char *end;
-        shape += 1 + strspn(shape + 1, " ");
-        if (*shape == ')')
-            break;
-        unsigned long long size = strtoull(shape, &end, 10);
-        if (end == shape || size < 1 || size > MOST_FILE || array->dimensions == MOST_SHAPE)
-            return "has no shape of at most 4 dimensions of at least 1";
-        array->shape[array->dimensions++] = (uint32_t)size;
-        shape = end;
-    }
-    return shape ? NULL : "is no .npy file: its header has no shape";
-}
-
-static const char *parse_header(struct array *array, const uint8_t *file, size_t size)
-{
-    char header[MOST_HEADER + 1];
-    if (size < 12 || memcmp(file, "\x93NUMPY", 6) != 0 || file[6] < 1 || file[6] > 3)
-        return "is no .npy file of version 1 to 3";
-    size_t start = file[6] > 1 ? 12 : 10, length = file[8] | (size_t)file[9] << 8;
-    if (file[6] > 1)
-        length |= (size_t)file[10] << 16 | (size_t)file[11] << 24;
-    if (length > MOST_HEADER || start + length > size)
-        return "is no .npy file: its header is too long";
-    memcpy(header, file + start, length);
-    header[length] = 0;
-    const char *reason = read_header(array, header);
-    uint64_t bytes = array->size;
-    for (uint32_t i = 0; i < array->dimensions; i++) {
-        bytes *= array->shape[i];
-        if (bytes > MOST_FILE)
-            return "would have more than 1 GiB";
-    }
-    array->data = file + start + length;
-    return reason                           ? reason
-           : bytes != size - start - length ? "has not the size of its shape"
-                                            : NULL;
-}
-
-static double number_at(const struct array *array, uint64_t index)
-{
-    const uint8_t *place = array->data + index * array->size;
     int64_t whole = 0;
     double number;
-    const char kind = array->type->name[0];
-    if (kind == 'f' && array->size == 8) {
+    if (field->type == DT_TYPE_FLOAT && field->bytes == 8) {
         memcpy(&number, place, sizeof number);
         return number;
     }
-    if (kind == 'f')
-        return number_value(array->size == 2 ? NUMBER_HALF : NUMBER_FLOAT, place);
-    memcpy(&whole, place, array->size);
-    int unused = 64 - 8 * (int)array->size;
-    if (kind == 'i')
+    if (field->type == DT_TYPE_FLOAT)
+        return number_value(field->bytes == 2 ? NUMBER_HALF : NUMBER_FLOAT, place);
+    memcpy(&whole, place, field->bytes);
+    int unused = 64 - 8 * (int)field->bytes;
+    if (field->type == DT_TYPE_INT)
         return (double)((int64_t)((uint64_t)whole << unused) >> unused);
     return (double)(uint64_t)whole;
 }
 
-/* (n), (n, 2 to 4), and (n, 3, 3) or (n, 4, 4), which are matrices, become buffers; (height, width),
- * with up to 4 channels behind and layers in front, images. */
-static bool is_buffer(const struct array *array)
+/* Structs, (n), (n, 2 to 4), and (n, 3, 3) or (n, 4, 4), which are matrices, become buffers; (height,
+ * width), with up to 4 channels behind and layers in front, images. */
+static bool is_buffer(const struct npy *array)
 {
-    const uint32_t *shape = array->shape;
-    return array->dimensions < 2 || (array->dimensions == 2 && shape[1] <= 4) ||
-           (array->dimensions == 3 && shape[1] == shape[2] && (shape[1] == 3 || shape[1] == 4));
+    const struct npy_field *field = &array->fields[0];
+    const uint32_t *shape = field->shape;
+    return field->name[0] || field->dimensions < 1 || (field->dimensions == 1 && shape[0] <= 4) ||
+           (field->dimensions == 2 && shape[0] == shape[1] && (shape[0] == 3 || shape[0] == 4));
 }
 
-static bool shape_buffer(struct their_entry *entry, const struct array *array)
+/* A field of 32-bit numbers, behind those before it. Returns its bytes. */
+static uint32_t shape_field(struct dt_field *field, char name[static NPY_MOST_NAME],
+                            const struct npy_field *from, uint32_t offset)
 {
-    static const enum dt_type vectors[3][4] = {
-        {DT_TYPE_FLOAT, DT_TYPE_VEC2, DT_TYPE_VEC3, DT_TYPE_VEC4},
-        {DT_TYPE_INT, DT_TYPE_IVEC2, DT_TYPE_IVEC3, DT_TYPE_IVEC4},
-        {DT_TYPE_UINT, DT_TYPE_UVEC2, DT_TYPE_UVEC3, DT_TYPE_UVEC4}};
-    const char *name = array->type->name;
-    int kind = *name == 'f' ? 0 : *name == 'i' ? 1 : 2;
-    uint32_t numbers = 1;
-    for (uint32_t i = 1; i < array->dimensions; i++)
-        numbers *= array->shape[i];
-    if (!entry->fields) /* else what was made of an earlier load may point to it */
-        entry->fields = calloc(1, sizeof *entry->fields);
-    struct dt_field *field = entry->fields;
-    if (!field)
-        return false;
-    *field = (struct dt_field){.name = "", .type = vectors[kind][numbers <= 4 ? numbers - 1 : 0]};
-    if (numbers == 16 && !kind)
+    static const enum dt_type vectors[][4] = {
+        [DT_TYPE_FLOAT] = {DT_TYPE_FLOAT, DT_TYPE_VEC2, DT_TYPE_VEC3, DT_TYPE_VEC4},
+        [DT_TYPE_INT] = {DT_TYPE_INT, DT_TYPE_IVEC2, DT_TYPE_IVEC3, DT_TYPE_IVEC4},
+        [DT_TYPE_UINT] = {DT_TYPE_UINT, DT_TYPE_UVEC2, DT_TYPE_UVEC3, DT_TYPE_UVEC4}};
+    enum dt_type scalar = from->type == DT_TYPE_BOOL ? DT_TYPE_UINT : from->type;
+    uint32_t numbers = from->numbers;
+    memcpy(name, from->name, NPY_MOST_NAME);
+    *field = (struct dt_field){
+        .name = name, .offset = offset, .type = vectors[scalar][numbers <= 4 ? numbers - 1 : 0]};
+    if (numbers == 16 && from->type == DT_TYPE_FLOAT) {
         field->type = DT_TYPE_MAT4;
-    else if (numbers > 4) {
+    } else if (numbers > 4) {
         field->array_count = numbers;
         field->array_stride = 4;
     }
+    return 4 * numbers;
+}
+
+static bool shape_buffer(struct their_entry *entry, const struct npy *array)
+{
+    enum { EACH = sizeof(struct dt_field) + NPY_MOST_NAME };
+    if (!entry->fields) /* else what was made of an earlier load may point to it */
+        entry->fields = calloc(NPY_MOST_FIELDS, EACH);
+    if (!entry->fields)
+        return false;
+    char(*names)[NPY_MOST_NAME] = (void *)(entry->fields + NPY_MOST_FIELDS);
+    entry->what.stride = 0;
+    for (uint32_t i = 0; i < array->field_count; i++)
+        entry->what.stride +=
+            shape_field(&entry->fields[i], names[i], &array->fields[i], entry->what.stride);
     entry->what.kind = DT_BUFFER;
-    entry->what.fields = field;
-    entry->what.field_count = 1;
-    entry->what.stride = 4 * numbers;
-    entry->extent[0] = array->dimensions ? array->shape[0] : 1;
+    entry->what.fields = entry->fields;
+    entry->what.field_count = array->field_count;
+    entry->extent[0] = array->count;
     entry->extent[1] = entry->extent[2] = 1;
     return true;
 }
 
-/* Returns the channels in the file. */
-static uint32_t shape_image(struct their_entry *entry, const struct array *array)
+/* Returns the channels in the file; 0: more than 4. */
+static uint32_t shape_image(struct their_entry *entry, const struct npy *array)
 {
-    uint32_t last = array->shape[array->dimensions - 1];
-    bool coloured = array->dimensions == 4 || (array->dimensions == 3 && last <= 4);
-    uint32_t channels = coloured ? last : 1, sizes = array->dimensions - coloured;
+    const struct npy_field *field = &array->fields[0];
+    uint32_t sizes[] = {array->count, field->shape[0], field->shape[1]};
+    uint32_t dimensions = field->dimensions + 1, last = field->shape[field->dimensions - 1];
+    bool coloured = dimensions == 4 || (dimensions == 3 && last <= 4);
+    uint32_t channels = coloured ? last : 1, rows = dimensions - coloured;
+    const struct array_type *type = array_types;
+    while (type->type != field->type || type->bytes != field->bytes)
+        type++;
     if (channels > 4)
         return 0;
     entry->what.kind = DT_IMAGE;
-    entry->what.format = array->type->formats[channels > 2 ? 2 : channels - 1];
+    entry->what.format = type->formats[channels > 2 ? 2 : channels - 1];
     entry->what.mips = 1;
-    entry->extent[0] = array->shape[sizes - 1];
-    entry->extent[1] = array->shape[sizes - 2];
-    entry->extent[2] = sizes > 2 ? array->shape[0] : 1;
+    entry->extent[0] = sizes[rows - 1];
+    entry->extent[1] = sizes[rows - 2];
+    entry->extent[2] = rows > 2 ? sizes[0] : 1;
     entry->what.layered = entry->extent[2] > 1;
     return channels;
 }
 
-/* Numbers of the array, `each` to an element, into the resource's. */
-static bool take_numbers(struct their_entry *entry, const struct array *array, uint32_t each,
-                         struct dt_bytes *bytes)
+/* Numbers of a plain array, `each` to an element, into the resource's. */
+static bool take_numbers(struct their_entry *entry, const struct npy_field *field,
+                         const uint8_t *numbers, uint32_t each, struct dt_bytes *bytes)
 {
     struct component *list = NULL;
     uint32_t count = resource_components(&entry->what, &list);
     uint64_t elements = resource_elements(&entry->what, entry->extent);
     uint32_t stride = resource_stride(&entry->what);
-    memcpy(bytes->extent, entry->extent, sizeof bytes->extent);
     bytes->size = elements * stride;
     bytes->data = count ? calloc(bytes->size, 1) : NULL;
     double scale = count && number_one(list[0].kind) ? number_one(list[0].kind) : 1;
     for (uint64_t i = 0; bytes->data && i < elements; i++)
         for (uint32_t c = 0; c < count; c++) {
-            double value = c < each ? number_at(array, i * each + c) / scale : 1;
+            const uint8_t *place = numbers + (i * each + c) * field->bytes;
+            double value = c < each ? number_at(field, place) / scale : 1;
             their_store(list[c].kind, value, bytes->data + i * stride + list[c].offset);
         }
     free(list);
     return bytes->data;
 }
 
+/* Structs are taken as they are. NULL, or why not. */
+static const char *take_npy(struct their_entry *entry, const struct npy *array,
+                            const uint8_t *numbers, struct dt_bytes *bytes)
+{
+    const struct npy_field *field = &array->fields[0];
+    bool buffer = is_buffer(array), structured = field->name[0];
+    for (uint32_t i = 0; i < array->field_count && structured; i++)
+        if (array->fields[i].bytes != 4 || !text_is_printable(array->fields[i].name))
+            return "its fields are not float32, int32 or uint32, with plain names";
+    if (buffer && !shape_buffer(entry, array))
+        return "needs more memory than there is";
+    uint32_t each = buffer ? field->numbers : shape_image(entry, array);
+    if (!each)
+        return "has no shape (n), (height, width), (height, width, 1 to 4) or with layers in front";
+    if (field->bytes == 8)
+        entry->read_as =
+            field->type == DT_TYPE_FLOAT ? "float64 read as float32" : "64-bit integers read as 32";
+    memcpy(bytes->extent, entry->extent, sizeof bytes->extent);
+    if (structured && (bytes->data = malloc((size_t)array->count * array->stride))) {
+        bytes->size = (size_t)array->count * array->stride;
+        memcpy(bytes->data, numbers, bytes->size);
+    }
+    return (structured ? bytes->data != NULL : take_numbers(entry, field, numbers, each, bytes))
+               ? NULL
+               : "needs more memory than there is";
+}
+
 bool their_npy(const struct theirs *theirs, struct their_entry *entry, struct dt_bytes *bytes)
 {
-    struct array array = {.size = 1};
+    struct npy array;
+    const char *reason;
     size_t size;
     uint8_t *file =
         (uint8_t *)foreign_read(theirs->folder, entry->file, MOST_FILE, &size, theirs->log);
     if (!file)
         return false;
-    const char *reason = parse_header(&array, file, size);
-    uint32_t each = 0;
-    if (!reason && is_buffer(&array))
-        each = shape_buffer(entry, &array) ? entry->what.stride / 4 : 0;
-    else if (!reason)
-        each = shape_image(entry, &array);
-    if (!reason && !each)
-        reason =
-            "has no shape (n), (height, width), (height, width, 1 to 4) or with layers in front";
-    if (array.size == 8)
-        entry->read_as =
-            *array.type->name == 'f' ? "float64 read as float32" : "64-bit integers read as 32";
-    bool good = reason ? refuse_file(theirs, entry, reason)
-                       : take_numbers(entry, &array, each, bytes) ||
-                             refuse_file(theirs, entry, "needs more memory than there is");
+    if (npy_parse(file, size, &array, &reason))
+        reason = take_npy(entry, &array, file + array.offset, bytes);
     free(file);
     entry->described = false;
-    return good;
+    return !reason || refuse_file(theirs, entry, reason);
 }
 
 /* ---- Pictures ---------------------------------------------------------------------------------- */

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# diptych_tap.h in two small engines, and its twin in Python: what they leave is compared. TAP.
+# diptych_tap.h in two small engines, and arrays of NumPy: what they leave is compared. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 cd "$root" || exit 1
 warn=(-Wall -Wextra -Werror -pedantic -Itemplates/c)
@@ -87,11 +87,11 @@ if /usr/bin/python3 -c 'import numpy' 2>"$work/output"; then
     check "the same from Python" /usr/bin/python3 -B tests/hosts/tap.py "$work/gl" "$work/python"
     check "... agrees" says 0 '^all 3 resources that both have agree$' "$work/python" "$work/gl"
 else
-    skip "the tap in Python" "needs python3-numpy"
+    skip "arrays of NumPy" "needs python3-numpy"
 fi
 if /usr/bin/python3 -c 'import jsonschema' 2>"$work/output"; then
-    for dump in gl vk python; do
-        [ ! -e "$work/$dump" ] || check "the manifest of $dump is valid by its schema" /usr/bin/python3 -c '
+    for dump in gl vk; do
+        check "the manifest of $dump is valid by its schema" /usr/bin/python3 -c '
 import json, sys, jsonschema
 jsonschema.validate(json.load(open(sys.argv[2])), json.load(open(sys.argv[1])))' templates/dump.schema.json "$work/$dump/manifest.json"
     done

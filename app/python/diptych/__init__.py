@@ -22,9 +22,9 @@ from typing import TYPE_CHECKING, Any
 from .verbs import run, sweep
 
 if TYPE_CHECKING:
-    from .play import Comparison, Error, Pipeline, Tap, compare, open, tap  # noqa: A004
+    from .play import Comparison, Error, Pipeline, compare, open  # noqa: A004
 
-__all__ = ["Error", "Pipeline", "Comparison", "Tap", "open", "compare", "tap", "run", "sweep"]
+__all__ = ["Error", "Pipeline", "Comparison", "open", "compare", "run", "sweep"]
 
 
 def __getattr__(name: str) -> Any:

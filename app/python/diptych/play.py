@@ -3,17 +3,15 @@ import ctypes
 import json
 import operator
 import os
-import re
 import sysconfig
 import threading
 import warnings
-from builtins import open as _builtin_open
 
 import numpy
 
 from .png import encode_png
 
-__all__ = ["Error", "Pipeline", "Comparison", "Tap", "open", "compare", "tap"]
+__all__ = ["Error", "Pipeline", "Comparison", "open", "compare"]
 
 
 class Error(Exception):
@@ -482,105 +480,3 @@ def compare(a, b):
     finally:
         _free(text)
     return Comparison(result["agree"], result["results"])
-
-
-# ---- A dump of your own renderer -----------------------------------------------------------------
-
-_TAP_SCALARS = {"f4": "float", "i4": "int", "u4": "uint"}
-_TAP_VECTORS = {"f4": "vec", "i4": "ivec", "u4": "uvec"}
-_TAP_FORMATS = {"u1": "{}8", "u2": "{}16", "f2": "{}16f", "f4": "{}32f", "u4": "{}32ui", "i4": "{}32i", "i2": "{}16i", "i1": "{}8i"}
-
-
-def tap(folder, label):
-    """A dump for `diptych compare A B` of what your renderer leaves after each pass:
-
-        with diptych.tap("gl", "opengl") as tap:
-            tap.image("lighting", "radiance", array, origin="bottom")
-
-    The manifest appears at the end, and not at all after an exception."""
-    return Tap(folder, label)
-
-
-class Tap:
-    """See `tap`. `frame` may be set; what follows is of that frame."""
-
-    def __init__(self, folder, label):
-        os.makedirs(folder, exist_ok=True)
-        self.folder, self.frame = folder, 0
-        self._manifest = {"version": 1, "backend": label, "entries": []}
-        self._path = os.path.join(folder, "manifest.json")
-        if os.path.exists(self._path):
-            os.remove(self._path)
-
-    def image(self, pass_, resource, array, format=None, origin=None, mip=0):
-        """An array of (height, width), with layers in front and 1 to 4 channels behind. Of 8-bit and 16-bit unsigned
-        integers codes of unorm, unless `format` says else, as in diptych_tap.h. origin: "top" or "bottom"."""
-        array = numpy.asarray(array)
-        channels = array.shape[-1] if array.ndim == 4 or (array.ndim == 3 and array.shape[-1] <= 4) else 1
-        if channels > 4:
-            raise Error(f"{pass_}, {resource}: {channels} channels")
-        shape = array.shape[:-1] if channels > 1 or array.shape[-1:] == (1,) else array.shape
-        if len(shape) not in (2, 3):
-            raise Error(f"{pass_}, {resource}: the shape {array.shape} is no image's")
-        if channels == 3 and format != "r11g11b10f":
-            one = 1 if array.dtype.kind == "f" else numpy.iinfo(array.dtype).max
-            array = numpy.concatenate([array, numpy.full(array.shape[:-1] + (1,), one, array.dtype)], -1)
-            channels = 4
-        name = _TAP_FORMATS.get(array.dtype.str[1:])
-        if not name and not format:
-            raise Error(f"{pass_}, {resource}: no format for {array.dtype}")
-        entry = {"kind": "image", "format": format or name.format("rgba"[:channels]), "width": shape[-1],
-                 "height": shape[-2], "layers": shape[0] if len(shape) == 3 else 1}
-        if mip:
-            entry["mip"] = mip
-        if origin:
-            entry["origin"] = origin
-        self._add(pass_, resource, array, entry)
-
-    def buffer(self, pass_, resource, array):
-        """An array of (count), (count, 2 to 4) or (count, 4, 4), or of a structured dtype, of 32-bit numbers."""
-        array = numpy.ascontiguousarray(array)
-        if array.dtype.fields:
-            fields = [self._field(name, kind.base, kind.shape, offset)
-                      for name, (kind, offset, *_) in array.dtype.fields.items()]
-            stride = array.dtype.itemsize
-        else:
-            fields = [self._field("", array.dtype, array.shape[1:], 0)]
-            stride = array.itemsize * int(numpy.prod(array.shape[1:], dtype=int))
-        self._add(pass_, resource, array, {"kind": "buffer", "count": len(array), "stride": stride, "fields": fields})
-
-    def close(self):
-        with _builtin_open(self._path + ".part", "w") as file:
-            json.dump(self._manifest, file, indent=1)
-        os.replace(self._path + ".part", self._path)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, *_):
-        if kind is None:
-            self.close()
-
-    @staticmethod
-    def _field(name, dtype, shape, offset):
-        word = dtype.str[1:]
-        if word not in _TAP_SCALARS or dtype.str[0] == ">":
-            raise Error(f"field {name!r}: {dtype} is not float32, int32 or uint32")
-        field = {"name": name, "type": _TAP_SCALARS[word], "offset": int(offset)}
-        if shape[-2:] == (4, 4) and word == "f4":
-            field["type"], size, shape = "mat4", 64, shape[:-2]
-        elif shape and 2 <= shape[-1] <= 4:
-            field["type"], size, shape = f"{_TAP_VECTORS[word]}{shape[-1]}", 4 * shape[-1], shape[:-1]
-        else:
-            size = 4
-        if shape:
-            field["array_count"], field["array_stride"] = int(numpy.prod(shape)), size
-        return field
-
-    def _add(self, pass_, resource, array, entry):
-        entries = self._manifest["entries"]
-        name = re.sub(r"[^\w.-]", "_", f"{len(entries):04}.{pass_[:80]}.{resource[:80]}.raw", flags=re.ASCII)
-        numpy.ascontiguousarray(array).tofile(os.path.join(self.folder, name))
-        if self.frame:
-            entry["frame"] = self.frame
-        entries.append({"pass": pass_, "resource": resource, "file": name, **entry})
