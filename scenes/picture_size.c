@@ -110,41 +110,13 @@ static bool jpeg(FILE *file, uint32_t size[2])
     return true;
 }
 
-/* Goes behind coded data, to the next marker that is no restart. */
-static bool skip_data(FILE *file)
-{
-    for (int byte = getc(file), next; byte != EOF; byte = next) {
-        next = getc(file);
-        if (byte == 0xff && next > 0 && next != 0xff && (next < 0xd0 || next > 0xd7))
-            return fseek(file, -2, SEEK_CUR) == 0;
-    }
-    return false;
-}
-
-/* Whether the marker of the end comes; libraries fill up what is missing. */
-static bool jpeg_ends(FILE *file)
-{
-    uint8_t marker, head[2];
-    uint32_t length;
-    if (!skip(file, 2))
-        return false;
-    while (read_bytes(file, head, 2) && fseek(file, -2, SEEK_CUR) == 0) {
-        if (head[0] == 0xff && head[1] == 0xd9)
-            return true;
-        if (!next_segment(file, &marker, &length) || !skip(file, length) ||
-            (marker == 0xda && !skip_data(file)))
-            return false;
-    }
-    return false;
-}
-
+/* Libraries warn of an early end, which the reader of pixels takes for an error. */
 static const char *jpeg_trouble(FILE *file)
 {
     uint8_t frame[6];
-    if (jpeg_frame(file, frame) && frame[5] == 4)
-        return "its colours are CMYK; grey and RGB are supported";
-    rewind(file);
-    return jpeg_ends(file) ? NULL : "it ends in the middle, or is damaged";
+    return jpeg_frame(file, frame) && frame[5] == 4
+               ? "its colours are CMYK; grey and RGB are supported"
+               : NULL;
 }
 
 /* Reads the first segment of a kind whose content begins with these `head` bytes, and returns how many

@@ -13,8 +13,7 @@ enum { PICTURE_SPACE = 128 };
 bool picture_size(const char *path, uint32_t *width, uint32_t *height, const char **reason);
 
 /* Whether the image libraries read the file as one picture of pixels: a Radiance HDR with rows from the
- * top, RGB, no run lengths of the first version; a JPEG with its end, and no inks; an OpenEXR of one
- * part, not deep. True for all other files. False: *reason, as above. */
+ * top, RGB, no run lengths of the first version; a JPEG without inks; an OpenEXR of one part, not deep. True for all other files. False: *reason, as above. */
 bool picture_check(const char *path, const char **reason);
 
 /* Writes the colour space that a JPEG, OpenEXR or Radiance HDR file declares, or the chunk cICP of a
