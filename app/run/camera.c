@@ -73,97 +73,78 @@ void camera_orbit(struct scene_camera *camera, float right, float up)
 
 /* ---- Saving ---------------------------------------------------------------------------------- */
 
-/* State while reading the YAML events of a scene file. */
-struct camera_place {
-    int depth;       /* open mappings and sequences */
-    bool is_key;     /* depth 1: the next scalar is a key */
-    bool is_camera;  /* the last key was camera */
-    bool inside;     /* inside the camera's mapping */
-    size_t last;     /* end of the last event that is not blank or a comment */
-    size_t from, to; /* the camera's bytes; to == 0: not found */
-};
-
-static void widen(struct camera_place *place, struct fy_token *token)
-{
-    const struct fy_mark *start = token ? fy_token_start_mark(token) : NULL;
-    const struct fy_mark *end = token ? fy_token_end_mark(token) : NULL;
-    if (start && end && end->input_pos > start->input_pos)
-        place->last = end->input_pos;
-}
-
-static void begin_node(struct camera_place *place, struct fy_token *token)
-{
-    if (place->depth == 1 && place->is_camera && token) {
-        place->inside = true;
-        place->from = fy_token_start_mark(token)->input_pos;
-    }
-    place->depth++;
-}
-
-/* A block mapping has no end mark: it ends with its last value. */
-static void end_node(struct camera_place *place, struct fy_token *token)
-{
-    widen(place, token);
-    place->depth--;
-    if (place->depth != 1)
-        return;
-    if (place->inside)
-        place->to = place->last;
-    place->inside = place->is_camera = false;
-    place->is_key = true;
-}
-
-static void take_scalar(struct camera_place *place, struct fy_token *token)
-{
-    size_t length = 0;
-    const char *text = token ? fy_token_get_text(token, &length) : NULL;
-    widen(place, token);
-    if (place->depth != 1)
-        return;
-    place->is_camera =
-        place->is_key && text && length == strlen("camera") && memcmp(text, "camera", length) == 0;
-    place->is_key = !place->is_key;
-}
-
-static void take_event(struct camera_place *place, const struct fy_event *event)
+/* Adds to the depth what the event opens or closes; returns its token, or NULL. */
+static struct fy_token *take_event(const struct fy_event *event, int *depth)
 {
     switch (event->type) {
     case FYET_MAPPING_START:
-        begin_node(place, event->mapping_start.mapping_start);
-        place->is_key = place->is_key || place->depth == 1;
-        break;
+        ++*depth;
+        return event->mapping_start.mapping_start;
     case FYET_SEQUENCE_START:
-        begin_node(place, event->sequence_start.sequence_start);
-        break;
+        ++*depth;
+        return event->sequence_start.sequence_start;
     case FYET_MAPPING_END:
-        end_node(place, event->mapping_end.mapping_end);
-        break;
+        --*depth;
+        return event->mapping_end.mapping_end;
     case FYET_SEQUENCE_END:
-        end_node(place, event->sequence_end.sequence_end);
-        break;
+        --*depth;
+        return event->sequence_end.sequence_end;
     case FYET_SCALAR:
-        take_scalar(place, event->scalar.value);
-        break;
+        return event->scalar.value;
     default:
-        break;
+        return NULL;
     }
 }
 
-/* Finds the bytes of the camera's mapping in the text. */
+static bool is_camera(struct fy_token *token)
+{
+    size_t length = 0;
+    const char *text = token ? fy_token_get_text(token, &length) : NULL;
+    return text && length == strlen("camera") && memcmp(text, "camera", length) == 0;
+}
+
+/* Bytes of the camera's mapping in the text; to == 0: there is none. */
+struct camera_place {
+    size_t from, to;
+};
+
+/* Keys and values of the root begin at depth 1, in turn. A block mapping has no end mark: it ends with its
+ * last value, before blanks and comments. */
+static struct camera_place find_in_events(struct fy_parser *parser)
+{
+    struct camera_place place = {0};
+    bool is_key = true, is_named = false, is_inside = false;
+    size_t last = 0;
+    int depth = 0;
+    for (struct fy_event *event; !place.to && (event = fy_parser_parse(parser));) {
+        int before = depth;
+        struct fy_token *token = take_event(event, &depth);
+        const struct fy_mark *start = token ? fy_token_start_mark(token) : NULL;
+        const struct fy_mark *end = token ? fy_token_end_mark(token) : NULL;
+        bool opens = depth > before, closes = depth < before;
+        if (!opens && start && end && end->input_pos > start->input_pos)
+            last = end->input_pos;
+        if (before == 1 && opens && is_named && start) {
+            is_inside = true;
+            place.from = start->input_pos;
+        }
+        if (before == 1 && (opens || event->type == FYET_SCALAR)) {
+            is_named = is_key && !opens && is_camera(token);
+            is_key = !is_key;
+        }
+        if (closes && depth == 1 && is_inside)
+            place.to = last;
+        fy_parser_event_free(parser, event);
+    }
+    return place;
+}
+
 static bool find_camera(const char *text, size_t size, struct camera_place *place)
 {
     const struct fy_parse_cfg config = {.flags = FYPCF_QUIET};
     struct fy_parser *parser = fy_parser_create(&config);
-    struct fy_event *event;
-    *place = (struct camera_place){0};
-    if (!parser || fy_parser_set_string(parser, text, size) != 0) {
-        fy_parser_destroy(parser);
-        return false;
-    }
-    while (!place->to && (event = fy_parser_parse(parser))) {
-        take_event(place, event);
-        fy_parser_event_free(parser, event);
-    }
+    bool good = parser && fy_parser_set_string(parser, text, size) == 0;
+    *place = good ? find_in_events(parser) : (struct camera_place){0};
     fy_parser_destroy(parser);
     return place->from < place->to && place->to <= size;
 }
