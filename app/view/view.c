@@ -173,7 +173,7 @@ static bool view_after_pass(void *user, uint32_t pass)
     const struct watch *watch = user;
     struct view *view = watch->view;
     uint32_t index = (uint32_t)(watch->side - view->side);
-    return view_take(view, watch->side, pass) &&
+    return (pass != view->shown.pass || view_read(view, watch->side)) &&
            (!view->verdict.checking || view_verdict_take(view, index, pass));
 }
 

@@ -218,8 +218,6 @@ void view_show(struct view *view, uint32_t resource);
 uint32_t view_mips(const struct view *view);
 uint32_t view_layers(const struct view *view);
 
-/* Call after that pass: reads what is shown after it. */
-bool view_take(const struct view *view, struct view_side *side, uint32_t pass);
 void view_forget(struct view_side *side); /* what was read, and its picture */
 /* Reads what is shown now, if the frame did not. */
 bool view_read(const struct view *view, struct view_side *side);

@@ -101,11 +101,6 @@ void view_forget(struct view_side *side)
     picture_free(&side->picture);
 }
 
-bool view_take(const struct view *view, struct view_side *side, uint32_t pass)
-{
-    return pass != view->shown.pass || view_read(view, side);
-}
-
 struct dt_bytes view_layer(const struct view *view, const struct view_side *side)
 {
     struct dt_bytes part = side->shown;

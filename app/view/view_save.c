@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "base/files.h"
-#include "compare/apart.h"
+#include "console/tool.h"
 #include "picture/hdr.h"
 #include "picture/array.h"
 #include "run/camera.h"
@@ -138,8 +138,8 @@ bool view_photograph(struct view *view, const char *path)
 struct bisection {
     struct console *console;
     atomic_bool *running;
-    struct compare_apart apart;
-    char *edits, *folder, *motion; /* motion: a file to remove; NULL: none */
+    struct words words;
+    char *folder, *motion; /* motion: a file to remove; NULL: none */
 };
 
 static void free_bisection(struct bisection *work)
@@ -149,7 +149,7 @@ static void free_bisection(struct bisection *work)
     if (work) {
         free(work->motion);
         free(work->folder);
-        free(work->edits);
+        words_free(&work->words);
     }
     free(work);
 }
@@ -157,7 +157,7 @@ static void free_bisection(struct bisection *work)
 static void *run_bisection(void *user)
 {
     struct bisection *work = user;
-    int status = compare_apart(work->console, &work->apart);
+    int status = tool_status(work->words.list, work->console);
     if (file_exists(work->folder))
         report_message(&work->console->log, DT_INFO, "wrote %s: diptych replay %s --backend NAME",
                        work->folder, work->folder);
@@ -185,6 +185,44 @@ static char *write_camera(const struct view *view)
     return NULL;
 }
 
+/* What the user has changed, --set of each line. */
+static void add_edits(const struct view *view, struct words *words)
+{
+    char *edits = view_params_text(view, "", "\n", true, true), *rest = NULL;
+    words->failed |= !edits;
+    for (char *edit = edits ? strtok_r(edits, "\n", &rest) : NULL; edit;
+         edit = strtok_r(NULL, "\n", &rest))
+        words_pair(words, "--set", edit);
+    free(edits);
+}
+
+/* `compare --bisect` of what the window shows. */
+static void add_comparison(const struct view *view, const char *motion, const char *folder,
+                           struct words *words)
+{
+    const struct setup *setup = &view->options->setup;
+    char size[32], frames[16];
+    snprintf(size, sizeof size, "%ux%u", view->size[0], view->size[1]);
+    snprintf(frames, sizeof frames, "%u", view->moving ? view->present_moment + 1 : 1);
+    words_pair(words, "/proc/self/exe", "compare");
+    words_pair(words, "--backend", setup->backend);
+    words_pair(words, "--spec", setup->spec);
+    for (uint32_t i = 0; i < setup->set_count; i++)
+        words_pair(words, "--set", setup->sets[i]);
+    add_edits(view, words);
+    words_pair(words, "--scene", setup->scene);
+    words_pair(words, "--scenes", setup->scenes);
+    words_pair(words, "--device", setup->device);
+    if (setup->glsl)
+        words_add(words, "--glsl");
+    for (uint32_t i = 0; i < setup->inputs.count; i++)
+        words_pair(words, "--input", setup->inputs.items[i]);
+    words_pair(words, "--size", size);
+    words_pair(words, "--frames", frames);
+    words_pair(words, "--motion", view->moving ? setup->motion : motion);
+    words_pair(words, "--bisect", folder);
+}
+
 static struct bisection *plan_bisection(struct view *view)
 {
     struct bisection *work = calloc(1, sizeof *work);
@@ -193,19 +231,11 @@ static struct bisection *plan_bisection(struct view *view)
     work->console = view->console;
     work->running = &view->bisecting;
     work->folder = free_name("-case", &view->console->log);
-    work->edits = view_params_text(view, "", "\n", true, true);
     bool own = !view->moving && view->scene.path;
     if (own)
         work->motion = write_camera(view);
-    work->apart = (struct compare_apart){.setup = &view->options->setup,
-                                         .edits = work->edits,
-                                         .size = {view->size[0], view->size[1]},
-                                         .frames = view->moving ? view->present_moment + 1 : 1,
-                                         .motion = own            ? work->motion
-                                                   : view->moving ? view->options->setup.motion
-                                                                  : NULL,
-                                         .folder = work->folder};
-    if (work->folder && work->edits && (!own || work->motion))
+    add_comparison(view, work->motion, work->folder, &work->words);
+    if (work->folder && !work->words.failed && (!own || work->motion))
         return work;
     free_bisection(work);
     return NULL;
