@@ -67,8 +67,9 @@ static double drawn_pixels(const struct costing *costing, uint32_t pass,
 }
 
 /* How much each pass runs in one frame, as the plan says. */
-static void add_invocations(const struct costing *costing, cJSON *list)
+static bool add_invocations(const struct costing *costing)
 {
+    const cJSON *list = cJSON_GetObjectItem(costing->request, "list");
     const struct setup *setup = &costing->setup;
     const struct work_frame frame = {.pipeline = costing->pipeline.info,
                                      .size = {setup->size[0], setup->size[1]},
@@ -76,7 +77,7 @@ static void add_invocations(const struct costing *costing, cJSON *list)
                                      .index_count = costing->scene.data.index_count};
     uint32_t pass = 0;
     cJSON *item;
-    cJSON_ArrayForEach(item, list)
+    cJSON_ArrayForEach(item, cJSON_GetObjectItem(list, "passes"))
     {
         const struct plan *plan = costing->pipeline.plan;
         struct plan_work does = plan_work(plan, pass, setup->size, costing->pipeline.live);
@@ -88,6 +89,7 @@ static void add_invocations(const struct costing *costing, cJSON *list)
         cJSON_AddNumberToObject(work, "bytes", bytes.read + bytes.written);
         pass++;
     }
+    return true;
 }
 
 static bool take_pipeline(struct costing *costing)
@@ -104,7 +106,6 @@ static bool take_pipeline(struct costing *costing)
     cJSON *list = list_json(&costing->pipeline, setup->size);
     cJSON_AddStringToObject(list, "spec", costing->pipeline.spec);
     cJSON_AddItemToObject(list, "files", cJSON_CreateStringArray(files, (int)count));
-    add_invocations(costing, cJSON_GetObjectItem(list, "passes"));
     cJSON_AddItemToObject(costing->request, "list", list);
     if (setup->scene)
         cJSON_AddNumberToObject(costing->request, "indices", costing->scene.data.index_count);
@@ -173,7 +174,7 @@ int verb_cost(struct console *console, const struct options *options)
         good = report_error(&console->log,
                             "--gpu and --device: name a chip, or a device that is there");
     good = good && check_gpus(names, &console->log) && (device || cost_has_radv(&console->log)) &&
-           take_pipeline(&costing) &&
+           take_pipeline(&costing) && add_invocations(&costing) &&
            ask(&costing, device,
                device  ? ""
                : names ? names

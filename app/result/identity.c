@@ -377,47 +377,43 @@ static char *differing_list(const cJSON *there, const cJSON *here)
     return NULL;
 }
 
-/* The first parameter that differs, or NULL; free(). */
-static char *differing_param(const cJSON *there, const cJSON *here)
+/* "WHAT is 1 there, 2 here"; free(). */
+static char *there_here(const char *what, const cJSON *there, const cJSON *here)
 {
-    const cJSON *own;
-    cJSON_ArrayForEach(own, here)
-    {
-        const cJSON *wanted = cJSON_GetObjectItem(there, own->string);
-        if (cJSON_Compare(own, wanted, true))
-            continue;
-        char *theirs = wanted ? cJSON_PrintUnformatted(wanted) : NULL,
-             *ours = cJSON_PrintUnformatted(own);
-        char *text = format_string("%s is %s there, %s here", own->string,
-                                   theirs ? theirs : "missing", ours ? ours : "?");
-        cJSON_free(theirs);
-        cJSON_free(ours);
-        return text;
-    }
-    return NULL;
-}
-
-/* Says how the --set of values that are not parameters differ, or NULL; free(). */
-static char *differing_sets(const cJSON *there, const cJSON *here)
-{
-    if (cJSON_Compare(there, here, true))
-        return NULL;
-    char *theirs = cJSON_PrintUnformatted(there), *ours = cJSON_PrintUnformatted(here);
-    char *text = format_string("--set %s there, %s here", theirs ? theirs : "?", ours ? ours : "?");
+    char *theirs = there ? cJSON_PrintUnformatted(there) : NULL,
+         *ours = cJSON_PrintUnformatted(here);
+    char *text =
+        format_string("%s%s there, %s here", what, theirs ? theirs : "missing", ours ? ours : "?");
     cJSON_free(theirs);
     cJSON_free(ours);
     return text;
 }
 
+/* The first parameter that differs, or NULL; free(). */
+static char *differing_param(const cJSON *there, const cJSON *here)
+{
+    const cJSON *own = here->child;
+    while (own && cJSON_Compare(own, cJSON_GetObjectItem(there, own->string), true))
+        own = own->next;
+    char *what = own ? format_string("%s is ", own->string) : NULL;
+    char *text = what ? there_here(what, cJSON_GetObjectItem(there, own->string), own) : NULL;
+    free(what);
+    return text;
+}
+
+/* Says how the --set of values that are not parameters differ, or NULL; free(). */
+static char *differing_sets(const cJSON *there, const cJSON *here)
+{
+    return cJSON_Compare(there, here, true) ? NULL : there_here("--set ", there, here);
+}
+
 /* The first input of another content, or NULL; free(). */
 static char *differing_input(const cJSON *there, const cJSON *here)
 {
-    const cJSON *own;
-    cJSON_ArrayForEach(
-        own, here) if (!cJSON_Compare(own, cJSON_GetObjectItem(there, own->string),
-                                      true)) return format_string("--input %s has other content",
-                                                                  own->string);
-    return NULL;
+    const cJSON *own = here->child;
+    while (own && cJSON_Compare(own, cJSON_GetObjectItem(there, own->string), true))
+        own = own->next;
+    return own ? format_string("--input %s has other content", own->string) : NULL;
 }
 
 static char *differing_version(const cJSON *there, const cJSON *here)

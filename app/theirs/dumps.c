@@ -16,8 +16,9 @@ static bool same_place(const struct their_entry *a, const struct their_entry *b)
     return !strcmp(a->pass, b->pass) && !strcmp(a->resource, b->resource) && a->mip == b->mip;
 }
 
-struct their_entry *dumps_partner(const struct theirs *theirs, const struct their_entry *entry,
-                                  int frame_step)
+/* The entry of a dump with that pass, resource, mip and place among its likes, in a frame that many later; NULL: none. */
+static struct their_entry *partner_of(const struct theirs *theirs, const struct their_entry *entry,
+                                      int frame_step)
 {
     for (uint32_t i = 0; i < theirs->count; i++) {
         struct their_entry *other = &theirs->entries[i];
@@ -64,7 +65,7 @@ static bool make_match(struct dumps *dumps, struct their_entry *entry)
 {
     struct match *match = &dumps->matches[dumps->count++];
     match->sides[0] = entry;
-    match->sides[1] = dumps_partner(dumps->sides[1], entry, 0);
+    match->sides[1] = partner_of(dumps->sides[1], entry, 0);
     match->place = format_string("%s.%s", entry->pass, entry->resource);
     match->name = name_of(entry);
     match->row = &dumps->sheet.rows[dumps->sheet.count++];
@@ -325,10 +326,10 @@ static bool load_relative(void *user, enum why_relative relative, int side, stru
             return false;
         wanted.mip += relative == WHY_MIP_FINER ? UINT32_MAX : 1;
     }
-    found = dumps_partner(asked->sides[side], &wanted, step);
+    found = partner_of(asked->sides[side], &wanted, step);
     if (!found && step) { /* frames without numbers: the same pass again */
         wanted.again += (uint32_t)step;
-        found = dumps_partner(asked->sides[side], &wanted, 0);
+        found = partner_of(asked->sides[side], &wanted, 0);
     }
     if (!found || !theirs_load(asked->sides[side], found, bytes))
         return false;
@@ -424,7 +425,7 @@ static bool add_runs(void *user, struct errors *errors, const int sides[2], cons
     struct theirs *const dumps[2] = {&all->dumps->sides[sides[0]][runs[0]],
                                      &all->dumps->sides[sides[1]][runs[1]]};
     struct match match = {
-        .sides = {dumps_partner(dumps[0], all->entry, 0), dumps_partner(dumps[1], all->entry, 0)}};
+        .sides = {partner_of(dumps[0], all->entry, 0), partner_of(dumps[1], all->entry, 0)}};
     struct dt_bytes copies[2] = {0};
     bool same = false;
     bool good = !match.sides[0] || !match.sides[1] || load_copies(dumps, &match, copies, &same);
@@ -439,7 +440,7 @@ static bool add_runs(void *user, struct errors *errors, const int sides[2], cons
     return good;
 }
 
-bool dumps_measure(struct dumps *dumps)
+static bool measure_matches(struct dumps *dumps)
 {
     bool good = true;
     for (uint32_t i = 0; i < dumps->count && good; i++) {
@@ -458,7 +459,7 @@ bool dumps_compare(struct dumps *dumps)
     for (uint32_t i = 0; i < dumps->count; i++)
         if (dumps->matches[i].sides[1] && !compare_match(dumps, &dumps->matches[i]))
             return false;
-    return explain(dumps) && (!dumps->options->repeats || dumps_measure(dumps));
+    return explain(dumps) && (!dumps->options->repeats || measure_matches(dumps));
 }
 
 void dumps_free(struct dumps *dumps)

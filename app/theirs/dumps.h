@@ -39,10 +39,6 @@ struct dumps {
  * and match->note. False: they cannot be compared, and match->note says why. */
 bool dumps_convert(struct match *match, struct dt_bytes copies[2]);
 
-/* The entry of a dump with that pass, resource, mip and place among its likes, in a frame that many later; NULL: none. */
-struct their_entry *dumps_partner(const struct theirs *theirs, const struct their_entry *entry,
-                                  int frame_step);
-
 /* All below log their errors. */
 
 /* Matches the entries of both sides; `sides` are open. dumps_free either way. */
@@ -50,9 +46,6 @@ bool dumps_match(struct dumps *dumps);
 /* Judges all matches, and does what --measure asks for. */
 bool dumps_compare(struct dumps *dumps);
 void dumps_free(struct dumps *dumps); /* takes a zeroed one */
-
-/* --measure: fills the errors of rows. */
-bool dumps_measure(struct dumps *dumps);
 
 /* Fills what the sheet tells when all is known. */
 void dumps_conclude(struct dumps *dumps);

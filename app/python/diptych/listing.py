@@ -61,6 +61,4 @@ def main(_console: Console, request: Json) -> tuple[int, Json]:
              f"{len(listed['resources'])} resources, at {listed['width']}x{listed['height']}", *resources(listed, width), "",
              f"{len(listed['passes'])} passes, in order of execution", *passes(listed, width)]
     print("\n".join(line.rstrip(" ") for line in lines))
-    for entry in listed["passes"]:
-        del entry["work"]
     return 0, listed
