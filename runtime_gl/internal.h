@@ -16,12 +16,10 @@ struct gl_context_kind;
 struct gl_context {
     const struct gl_context_kind *kind; /* NULL: not created */
     void *display;                      /* EGLDisplay */
-    void *context;                      /* EGLContext or OSMesaContext */
-    void *library;                      /* libOSMesa */
+    void *context;                      /* EGLContext */
     void *window;                       /* GLFWwindow */
     bool owns_glfw;
-    const char *missing;         /* the first function that the driver did not give */
-    uint8_t pixels[16 * 16 * 4]; /* default framebuffer, which OSMesa needs; unused */
+    const char *missing; /* the first function that the driver did not give */
 };
 
 struct gl_buffer {
