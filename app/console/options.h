@@ -35,8 +35,8 @@ struct options {
     struct text_list dumps; /* compare: folders of dumps, or captures; capture: a command line */
     const char *contracts;
     const char *write_contracts;
-    uint32_t repeats;       /* compare: runs of each side; 0: not measured */
-    const char *files[3];   /* import: one or two, then NULL */
+    uint32_t repeats;     /* compare: runs of each side; 0: not measured */
+    const char *files[3]; /* import: one or two, then NULL */
     const char *picture;
     const char *dump;
     const char *timings;

@@ -27,9 +27,8 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
             return true;
         }
     }
-    return report_error(
-        log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
-        name_hint('"', name, names, DRIVERS, "; there are gl, vk and zink").text);
+    return report_error(log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
+                        name_hint('"', name, names, DRIVERS, "; there are gl, vk and zink").text);
 }
 
 /* The text behind the driver's name; NULL: none. */
