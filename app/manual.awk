@@ -82,7 +82,7 @@ function man(    i, verb) {
 # What completes an argument, by its name: alternatives, files, folders; or nothing.
 function completes(option, what) {
     if (option == "--backend" && what ~ /^(NAME|LIST)$/)
-        return "words gl vk zink gl+glsl"
+        return "words gl vk osmesa zink gl+glsl"
     if (what == "NAME|both")
         return "words gl vk both"
     if (what ~ /^[a-z0-9|]+$/) {

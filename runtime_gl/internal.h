@@ -16,10 +16,12 @@ struct gl_context_kind;
 struct gl_context {
     const struct gl_context_kind *kind; /* NULL: not created */
     void *display;                      /* EGLDisplay */
-    void *context;                      /* EGLContext */
+    void *context;                      /* EGLContext or OSMesaContext */
+    void *library;                      /* libOSMesa */
     void *window;                       /* GLFWwindow */
     bool owns_glfw;
-    const char *missing; /* the first function that the driver did not give */
+    const char *missing;         /* the first function that the driver did not give */
+    uint8_t pixels[16 * 16 * 4]; /* default framebuffer, which OSMesa needs; unused */
 };
 
 struct gl_buffer {

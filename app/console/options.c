@@ -71,7 +71,7 @@ static const struct option_row rows[] = {
      "keyframes (YAML) that move camera and light from frame to frame"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_RENDER | VERB_REPLAY | VERB_TUNE,
      VERB_RENDER | VERB_REPLAY, "NAME",
-     "gl (OpenGL 4.6), vk (Vulkan 1.3) or zink; gl+glsl: from GLSL text; vk@DEVICE"},
+     "gl (OpenGL 4.6), vk (Vulkan 1.3), osmesa or zink; gl+glsl: from GLSL text; vk@DEVICE"},
     {"--backend", OPTION_STRING, AT(setup.backend), COMPARING, 0, "LIST",
      "backends; the first is compared with each of the others, like gl,vk,zink (default: gl,vk)"},
     {"--backend", OPTION_STRING, AT(setup.backend), VERB_BENCH | VERB_REPORT, 0, "LIST",
@@ -178,7 +178,7 @@ static const struct option_row rows[] = {
      "--against: growth of cycles and spills, or loss of waves, that ends with status 1 (default: "
      "5%)"},
     {"--context", OPTION_CHOICE, AT(setup.context), (SPEC & ~VERB_VIEW) | VERB_REPLAY, 0,
-     "egl|zink|window", "OpenGL context (default: egl)"},
+     "egl|zink|osmesa|window", "OpenGL context (default: egl)"},
     {"--glsl", OPTION_FLAG, AT(setup.glsl), SPEC | VERB_REPLAY, 0, NULL,
      "give OpenGL the GLSL text instead of SPIR-V"},
     {"--trust", OPTION_FLAG, AT(trust), VERB_REPLAY, 0, NULL,

@@ -12,6 +12,7 @@ static const struct {
 } drivers[] = {
     {"gl", "gl", NULL},
     {"vk", "vk", NULL},
+    {"osmesa", "gl", "osmesa"},
     {"zink", "gl", "zink"},
 };
 enum { DRIVERS = DT_ARRAY_COUNT(drivers) };
@@ -27,8 +28,9 @@ static bool find_driver(struct side *side, const char *name, const struct dt_log
             return true;
         }
     }
-    return report_error(log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
-                        name_hint('"', name, names, DRIVERS, "; there are gl, vk and zink").text);
+    return report_error(
+        log, "--backend %s: unknown backend \"%s\"%s", side->label, name,
+        name_hint('"', name, names, DRIVERS, "; there are gl, vk, osmesa and zink").text);
 }
 
 /* The text behind the driver's name; NULL: none. */

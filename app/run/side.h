@@ -9,13 +9,13 @@ struct side {
     char *label;         /* as typed; used in messages, tables and JSON */
     char *text;          /* owns the strings below that are not literals */
     const char *backend; /* "gl" or "vk"; NULL: a dump */
-    const char *context; /* gl: "egl" (NULL), "zink" or "window" */
+    const char *context; /* gl: "egl" (NULL), "osmesa", "zink" or "window" */
     const char *device;  /* vk: part of a name, or index; NULL: the first */
     bool glsl;           /* gl: programs from GLSL text instead of SPIR-V */
     const char *folder;  /* folder of a dump; NULL: a live backend */
 };
 
-/* Reads one entry: `gl`, `vk` or `zink`, with `+glsl` or `@DEVICE` where they apply.
+/* Reads one entry: `gl`, `vk`, `osmesa` or `zink`, with `+glsl` or `@DEVICE` where they apply.
  * --context, --glsl and --device set what the entry leaves open. On false the error is logged;
  * side_free either way. */
 bool side_read(struct side *side, const char *entry, const struct setup *setup,

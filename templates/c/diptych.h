@@ -336,7 +336,7 @@ struct dt_runtime_options {
     /* vk: of the first pipeline; the device must have the features that its passes need. NULL: those
      * that every pipeline needs */
     const struct dt_panel *panel;
-    /* gl: "egl" (NULL), "zink" (with GALLIUM_DRIVER=zink set) or "window", a hidden one */
+    /* gl: "egl" (NULL), "osmesa", "zink" (with GALLIUM_DRIVER=zink set) or "window", a hidden one */
     const char *context;
     bool debug;  /* validation with synchronization checking; KHR_debug */
     bool labels; /* vk: names for debuggers, as `debug` gives; gl has them always */

@@ -55,20 +55,20 @@ check "... nor was Vulkan started again" runs_vulkan 1
 diptych=$planted check "which it is where they differ" runs_vulkan 2 --fault vk:compose:bit
 check "a backend agrees with itself" ends 0 "$agreement" "${features[@]}" --backend vk,vk --json "$work/it.json"
 check "... under two names" holds "it['sides'] == ['vk', 'vk#2'] and len(it['devices']) == 2"
-check "four sides agree" ends 0 "$agreement" "${features[@]}" --backend gl,vk@0,vk,gl+glsl --json "$work/it.json"
-check "... in three pairs" holds "[p['sides'] for p in it['pairs']] == [['gl', s] for s in ('vk@0', 'vk', 'gl+glsl')] \
+check "four sides agree" ends 0 "$agreement" "${features[@]}" --backend gl,vk@0,osmesa,gl+glsl --json "$work/it.json"
+check "... in three pairs" holds "[p['sides'] for p in it['pairs']] == [['gl', s] for s in ('vk@0', 'osmesa', 'gl+glsl')] \
     and all(p['agree'] and len(p['results']) == 20 for p in it['pairs']) and it['agree'] and 'results' not in it"
 
-pairs=3 zink=,zink
+pairs=4 zink=,zink
 if ! compgen -G '/usr/lib/*/dri/zink_dri.so' >/dev/null; then
-    pairs=2 zink=
+    pairs=3 zink=
     skip "the shipped pipelines agree with OpenGL over Vulkan" "no /usr/lib/*/dri/zink_dri.so: install libgl1-mesa-dri"
 fi
 for pipeline in ssvp ${DIPTYCH_LONG:+rsm}; do
     # shellcheck disable=SC2016
-    check "$pipeline agrees in four ways: two forms of OpenGL, OpenGL over Vulkan, Vulkan" bash -c '"${@:2}" | grep -Fx "$1 pairs agree"' - $pairs \
+    check "$pipeline agrees in five ways: two forms of OpenGL, OSMesa, OpenGL over Vulkan, Vulkan" bash -c '"${@:2}" | grep -Fx "$1 pairs agree"' - $pairs \
         "$diptych" compare --scene $scene --spec "templates/$pipeline.yaml" --size 37x23 --set rsm_size=128 --set first_vpls=64 \
-        --backend gl,gl+glsl$zink,vk
+        --backend gl,gl+glsl,osmesa$zink,vk
 done
 
 # ---- Blame -------------------------------------------------------------------------------------------------------------
@@ -95,7 +95,7 @@ check "a fault that nobody reads is found" \
     ends 1 "guilty: pass show (shader features_show.glsl): resource shown, in frame 0" "$planted" "${features[@]:1}" --fault vk:show:sign
 check "of three sides, the pair that differs is told" \
     ends 1 "guilty: pass lacing (shader features_lace.glsl): resource laced, in frame 0" \
-    "$planted" "${features[@]:1}" --backend gl,vk,gl+glsl --fault gl+glsl:lacing:sign --json "$work/it.json"
+    "$planted" "${features[@]:1}" --backend gl,vk,osmesa --fault osmesa:lacing:sign --json "$work/it.json"
 check "... and the other agrees" holds "[p['agree'] for p in it['pairs']] == [True, False] and it['agree'] is False \
     and it['pairs'][0]['guilty'] is None and it['pairs'][1]['guilty'] == it['guilty'] and it['guilty']['pass'] == 'lacing'"
 
@@ -202,7 +202,7 @@ check "an empty entry" refuses "must be names with one comma between" "${feature
 check "Vulkan takes no GLSL" refuses "only OpenGL takes GLSL text" "${features[@]}" --backend gl,vk+glsl
 check "OpenGL takes no device" refuses "only vk takes a device" "${features[@]}" --backend gl@0,vk
 check "a device for nobody" refuses "--device 0: --backend names no side that takes a device" \
-    "${features[@]}" --backend gl,gl+glsl --device 0
+    "${features[@]}" --backend gl,osmesa --device 0
 check "a device that is not there" refuses "vk@none: no Vulkan device is called \`none\`" "${features[@]}" --backend gl,vk@none
 printf 'pipeline: nothing\npasses:\n  - {name: idle, dispatch: [1, 1, 1], shader: idle.glsl}\n' >"$work/nothing.yaml"
 echo 'void main() {}' >"$work/idle.glsl"
@@ -243,7 +243,7 @@ check "... keeps the pictures" "$diptych" render --scene "$scene" --spec "$work/
     --size 15x9 --frames 2 --backend vk --show indirect -o "$work/indirect.png"
 check "... that render shows" cmp "$work/indirect.png" "$work"/golden/*.denoise_columns.indirect.png
 check "... agrees, in its size and frames" ends 0 "$kept" "${mine[@]}" --golden "$work/golden"
-check "... with other drivers" ends 0 "$kept" "${mine[@]}" --golden "$work/golden" --backend gl+glsl,vk --json "$work/it.json"
+check "... with other drivers" ends 0 "$kept" "${mine[@]}" --golden "$work/golden" --backend osmesa,vk --json "$work/it.json"
 check "... which is in the JSON" holds "it['golden'] == [] and it['width'] == 15 and it['frames'] == 2"
 check "... refuses another size" refuses "holds a frame of 15x9" "${mine[@]}" --golden "$work/golden" --size 15x10
 check "... and other values" refuses "was made with --set" "${mine[@]}" --golden "$work/golden" --set samples=5

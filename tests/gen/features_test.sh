@@ -11,8 +11,8 @@ for size in 40x24 17x9 1x1; do
 done
 check "features agree with the conditional pass skipped" \
     "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --set blur=false --debug
-check "features agree with OpenGL fed GLSL text" \
-    "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --glsl
+check "features agree with OpenGL fed GLSL text, from OSMesa" \
+    "$diptych" compare --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --glsl --context osmesa
 
 laced() { # backend: places of pixels in classes and in split order are what the reference says
     "$diptych" render --scene "$scene" --spec "$specs/features.yaml" --size 17x9 --backend "$1" --dump "$work/lace_$1" &&

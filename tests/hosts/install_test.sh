@@ -144,7 +144,7 @@ completes_all() { # every verb and every option that --help lists, and no other
     diff <(options_in_help "$installed/bin/diptych-gen") <(completed diptych-gen -)
 }
 completes_arguments() {
-    [ "$(completed diptych render --context w)" = window ] &&
+    [ "$(completed diptych render --context o)" = osmesa ] &&
         [ "$(completed diptych view --backend bo)" = both ] &&
         [ "$(cd "$installed" && completed diptych render --scene sha)" = share ] &&
         [ "$(cd "$installed" && completed diptych-gen --templates inc)" = include ]

@@ -460,7 +460,7 @@ def test_readme_example(monkeypatch, capsys):
 
 
 def test_several_at_once_keep_apart(negative):
-    opened = [open_negative(negative, backend) for backend in ("gl", "vk", "gl", "gl+glsl")]
+    opened = [open_negative(negative, backend) for backend in ("gl", "vk", "gl", "osmesa")]
     for number, pipeline in enumerate(opened):
         pipeline.set(white=number % 2)
     pictures = [pipeline.render("picture")["picture"] for pipeline in opened]

@@ -2,14 +2,14 @@
 # The same bits on every run, for every number of driver threads and any old content of memory. Many runs of three frames,
 # with history, give one hash per resource and backend, and all backends give the same hash. Two controls must be noticed: a
 # pipeline that races, and a pipeline that leaves memory unwritten. One run for each number of threads on two backends, of ssvp with
-# one poison; with DIPTYCH_LONG, twenty runs on four backends.
+# one poison; with DIPTYCH_LONG, twenty runs on five backends.
 . "$(dirname "$0")/../lib/tap.sh"
 scene=$root/scenes/cornell.yaml
 [ -n "${DIPTYCH_LONG:-}" ] || export GALLIVM_PERF=nopt # Mesa compiles in two thirds of the time
 runs=${DIPTYCH_LONG:+20}
 runs=${runs:-1}
 backends=(gl vk)
-[ -z "${DIPTYCH_LONG:-}" ] || backends+=(gl+glsl zink)
+[ -z "${DIPTYCH_LONG:-}" ] || backends+=(gl+glsl osmesa zink)
 
 # One run; appends "RESOURCE HASH", a line per resource and mip after every pass, to hashes_PIPELINE_BACKEND.
 render() { # pipeline backend environment options...

@@ -68,6 +68,16 @@ static void frames_from_glsl_text(void **state)
     run_all("egl", true);
 }
 
+static void frames_of_osmesa(void **state)
+{
+    (void)state;
+    const struct dt_runtime_options wanted = options("osmesa", true);
+    run_all("osmesa", false);
+    run_all("osmesa", true);
+    formats_prepare();
+    formats_run(&runtime_gl, &wanted, &formats_gl, &probe_heard.errors);
+}
+
 static void frames_of_a_window(void **state)
 {
     (void)state;
@@ -88,7 +98,8 @@ static void contexts_live_side_by_side(void **state)
 {
     (void)state;
     const struct dt_frame frame = probe_frame(0);
-    void *all[] = {open_context("egl", true), open_context("egl", true), open_context("egl", true)};
+    void *all[] = {open_context("egl", true), open_context("osmesa", true),
+                   open_context("egl", true)};
     const struct dt_observer observer = {.after_pass = render_other, .user = all[1]};
     for (size_t i = 0; i < DT_ARRAY_COUNT(all); i++)
         assert_true(runtime_gl.set_scene(all[i], &probe_scene) &&
@@ -110,7 +121,7 @@ static void unknown_contexts_are_named(void **state)
     (void)state;
     struct dt_runtime_options wanted = options("telepathy", false);
     assert_null(runtime_gl.open(&wanted));
-    expect_error("there is no OpenGL context 'telepathy': choose egl, zink or window");
+    expect_error("there is no OpenGL context 'telepathy': choose egl, zink, osmesa or window");
     /* With MESA_NO_ERROR, Mesa reports no errors, so a run would prove nothing. */
     wanted = options(NULL, false);
     setenv("MESA_NO_ERROR", "1", 1);
@@ -409,6 +420,7 @@ int main(int count, char **arguments)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(frames_of_zink),
         cmocka_unit_test(frames_from_glsl_text),
+        cmocka_unit_test(frames_of_osmesa),
         cmocka_unit_test(frames_of_a_window),
         cmocka_unit_test(contexts_live_side_by_side),
         cmocka_unit_test(unknown_contexts_are_named),

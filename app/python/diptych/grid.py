@@ -224,7 +224,7 @@ def check(request: dict[str, Any], measures: list[str], console: Console) -> Non
         (not set(measures) <= set(MEASURES), f"--measure {request.get('measure')}: must be some of {','.join(MEASURES)}"),
         (alone and not request.get("grid"), "give --grid PATH=V1,V2,..."),
         (not alone and any(request.get(name) for name in ("device", "context", "glsl", "debug")),
-         "--device, --context, --glsl and --debug go with --measure agree alone; --backend takes gl+glsl, zink and vk@DEVICE"),
+         "--device, --context, --glsl and --debug go with --measure agree alone; --backend takes gl+glsl, osmesa, zink and vk@DEVICE"),
         (not request.get("scene") and "error" in measures, "--measure error needs at least one --scene FILE"),
         (request.get("show") and not errors, "--show goes with --measure error or own"),
         (request.get("every_frame") and ("error" not in measures or "own" in measures or request.get("frames", 1) < 2),

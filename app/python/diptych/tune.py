@@ -94,8 +94,8 @@ def backend_of(request: dict[str, Any]) -> str:
     name = request.get("backend", "vk")
     if name == "vk" and "device" in request:
         name += "@" + request["device"]
-    if name == "gl" and request.get("context") == "zink":
-        name = "zink"
+    if name == "gl" and request.get("context") in ("zink", "osmesa"):
+        name = request["context"]
     return name + ("+glsl" if request.get("glsl") and not name.startswith("vk") and "+" not in name else "")
 
 
