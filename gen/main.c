@@ -30,7 +30,7 @@ struct options {
         *sanitize;
     struct text_list sets;
     char *with_text;
-    bool check, prove, names, glsl, codes, schema, reference, help, version;
+    bool check, prove, needs, names, glsl, codes, schema, reference, help, version;
 };
 
 #define ROW(name, kind, field, argument, help)                                                     \
@@ -69,6 +69,9 @@ static const struct option_row option_rows[] = {
         "resource whose contract is exact; prints what the proof assumes; a warning for each value "
         "of the rasterizer in draws of the scene that leave only numbers and depth, where it "
         "decides edges"),
+    ROW("--needs", OPTION_FLAG, needs, NULL,
+        "check only, and print what the passes need of a Vulkan device, against the profiles "
+        "Roadmap 2022, Android baseline 2022 and what MoltenVK has"),
     ROW("--graph", OPTION_STRING, graph, "FILE.dot",
         "draw passes, what they read and write and wait for, for Graphviz: dot -Tsvg"),
     ROW("--lifetimes", OPTION_STRING, lifetimes, "FILE.dot",
@@ -95,7 +98,7 @@ static const struct command_line command = {
     .program = "diptych-gen",
     .bit = 1,
     .summary = "generate GLSL, SPIR-V and C for OpenGL and Vulkan from a pipeline spec",
-    .details = "-o, --check, --prove, --graph or --lifetimes says what to make.\n"
+    .details = "-o, --check, --prove, --needs, --graph or --lifetimes says what to make.\n"
                "Exit status: 0 done, 1 the spec is wrong, 2 it could not be tried.",
     .rows = option_rows,
     .row_count = DT_ARRAY_COUNT(option_rows),
@@ -126,7 +129,7 @@ static bool parse_options(int count, char **words, struct options *options)
         return true;
     if (!command_is_complete(&command, options, &log))
         return false;
-    if (!options->out && !options->check && !options->prove && !options->graph &&
+    if (!options->out && !options->check && !options->prove && !options->needs && !options->graph &&
         !options->lifetimes)
         return usage_error("-o DIR is missing for %s", options->spec);
     if (options->depfile && !options->out)
@@ -363,10 +366,15 @@ static enum status generate(struct generation *g)
         fprintf(stderr, "diptych-gen: error: no limits: %s\n", strerror(errno));
         return STATUS_FAILED;
     }
-    bool good = load(g, &request, options->out);
+    bool good = load(g, &request, options->out || options->needs);
     watchdog_stop();
     if (!good)
         return STATUS_WRONG_SPEC;
+    if (options->needs) {
+        struct text text = {0};
+        emit_device_needs(g->spec.tables->gpu ? g->spec.tables->gpu : g->spec.tables, &text);
+        return print_text(&text);
+    }
     enum status status = options->check || options->prove ? STATUS_DONE : write_files(g);
     if (status == STATUS_DONE)
         print_summary(&g->spec.model.pipeline, g->gpu_bytes);

@@ -7,7 +7,7 @@
 /* What promises of Vulkan 1.3 and OpenGL 4.6 cover needs no check. */
 static const uint64_t promised[DT_LIMITS] = {
 #define LEAST(a, b) ((a) < (b) ? (a) : (b))
-#define ROW(name, words, vk, gl, gl_draw, index, roadmap, vulkan, opengl)                          \
+#define ROW(name, words, vk, gl, gl_draw, index, roadmap, vulkan, moltenvk, opengl)                \
     [DT_LIMIT_##name] = LEAST(vulkan, opengl),
     DT_DEVICE_LIMITS(ROW)
 #undef ROW

@@ -1,7 +1,7 @@
 /* What a pass does, as steps: the calls of verbs and their arguments. See lower.h.
  *
  * The list of a pass is the whole truth about its recording: NAME.c is printed from it, play.c
- * calls it; the graph and `diptych list` read it. What is not a step happens in no
+ * calls it; the graph, --needs and `diptych list` read it. What is not a step happens in no
  * backend.
  *
  * Its shape: `begin` with whether the pass runs, `barriers`, what it does if it runs, what it does

@@ -13,6 +13,8 @@ size_t emit_c_shaders(const struct lowered *tables, enum backend backend, bool n
 bool emit_is_same(const struct lowered *tables, const struct lowered *gpu);
 /* emit_plan.c: a drawing for Graphviz, `graph` or `lifetimes`. False: reported. */
 bool emit_drawing(const struct model *model, const char *drawing, struct text *out);
+/* needs.c: --needs, Markdown. */
+void emit_device_needs(const struct lowered *tables, struct text *out);
 void emit_schema(struct text *out); /* schema.c */
 /* reference.c: Markdown, in language.md of the templates. False: logged. */
 bool emit_reference(const char *templates, struct text *out, const struct dt_log *log);

@@ -1,5 +1,5 @@
 /* What one pass needs of a device, as its panel says. Included by front.c, which checks it, and by
- * app/compare/elsewhere.c, which tells what many devices lack. */
+ * gen/print/needs.c, which prints it. */
 #ifndef DIPTYCH_DEVICE_NEEDS_H
 #define DIPTYCH_DEVICE_NEEDS_H
 

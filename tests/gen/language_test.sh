@@ -120,4 +120,6 @@ reads_updated() {
     done
 }
 check "a texel of an image with a sampled and an updated mip is the updated one's" reads_updated
+check "templates/README.md has what --needs prints of the shipped specs" \
+    /usr/bin/python3 tests/gen/needs.py "$gen" templates/README.md templates/*.yaml
 finish

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# What passes need of a device's limits: the tables list it, and each runtime names the pass and both numbers, in the same words,
+# What passes need of a device's limits: --needs lists it, and each runtime names the pass and both numbers, in the same words,
 # before it creates anything. tests/specs/limits.yaml; runtime_test.c has the limits that depend on the size of the frame. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 gen=$build/diptych-gen
@@ -35,20 +35,22 @@ else
 fi
 check_status 2 "compare does not run, either" "$diptych" compare --spec "$spec" --size 8x8 --set words=20000
 
-lists() { # limit amount pass option...
-    local row="{.pass = $3, .limit = DT_LIMIT_$1, .amount = $2},"
-    rm -rf "$work/tables"
-    "$gen" "$spec" -o "$work/tables" "${@:4}" >"$work/said" || return
-    grep -F "$row" "$work"/tables/*.c || { grep -F '.limit =' "$work"/tables/*.c && return 1; }
+lists() { # need passes option...
+    local need=$1 passes=$2
+    shift 2
+    "$gen" "$spec" --needs "$@" >"$work/table" || return
+    grep -F "| $need | $passes |" "$work/table" || { cat "$work/table" && return 1; }
 }
-check "tables list shared memory" lists SHARED_BYTES 80000 LIMITS_PASS_SHARE --set words=20000
-check "... also what many devices have" lists SHARED_BYTES 20000 LIMITS_PASS_SHARE --set words=5000
-check "... invocations" lists INVOCATIONS 1024 LIMITS_PASS_GATHER --set across=64 --set high=16
-check "... invocations along an axis" lists LOCAL_Y 256 LIMITS_PASS_GATHER --set across=1 --set high=256
-check "... components" lists VERTEX_OUTPUTS 256 LIMITS_PASS_VARY --set varyings=64
-check "... and those that fragments read" lists FRAGMENT_INPUTS 256 LIMITS_PASS_VARY --set varyings=64
+check "--needs lists shared memory" lists "maxComputeSharedMemorySize: 80000" share --set words=20000
+check "... also what many devices have" lists "maxComputeSharedMemorySize: 20000" "share" --set words=5000
+check "... invocations" lists "maxComputeWorkGroupInvocations: 1024" gather --set across=64 --set high=16
+check "... invocations along an axis" lists "maxComputeWorkGroupSize[1]: 256" gather --set across=1 --set high=256
+check "... components" lists "maxVertexOutputComponents: 256" vary --set varyings=64
+check "... and those that fragments read" lists "maxFragmentInputComponents: 256" vary --set varyings=64
+check "... sides of images" lists "maxImageDimension2D: 8192" pile --set side=8192
+check "... layers" lists "maxImageArrayLayers: 1024" pile --set layers=1024
 no_limit() { # of what every Vulkan 1.3 has
-    "$gen" "$spec" -o "$work/none" && ! grep 'DT_LIMIT_' "$work/none/limits.c"
+    "$gen" "$spec" --needs >"$work/table" && cat "$work/table" && ! grep 'max' "$work/table"
 }
 check "... and nothing that every device has" no_limit
 # Three, one, twelve and seven components of four bytes.
@@ -77,5 +79,5 @@ void main()
 EOF
 spec=$work/shared.yaml
 check "arrays, structs and matrices are counted without padding" \
-    lists SHARED_BYTES $((12 * 4096 + 4 * 3 + 12 * 4 + 2 * 5 * (16 + 12))) SHARED_BYTES_PASS_SUM
+    lists "maxComputeSharedMemorySize: $((12 * 4096 + 4 * 3 + 12 * 4 + 2 * 5 * (16 + 12)))" sum
 finish
