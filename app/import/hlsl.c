@@ -9,19 +9,20 @@
 #include <string.h>
 
 #include "import/reflect.h"
+#include "base/text.h"
 #include "gen/glsl/glslang.h"
 #include "gen/model/module.h"
 #include "gen/model/spirv_check.h"
 #include "gen/read/body_files.h"
 #include "gen/spirv/compile.h"
 
-enum { ENTRY_SIZE = 128 };
+enum { ENTRY_SIZE = 128, MOST_COLUMNS = 4 };
 
-/* Entry points as people name them, by stage; main() has the stage that the file's name says. */
+/* Entry points as people name them, by stage, in any case and with or without _; main() has the stage that the file's name says. */
 static const char *const entries[][6] = {
-    [REFLECT_COMPUTE] = {"CSMain", "csMain", "cs_main", "mainCS", "MainCS", "CS"},
-    [REFLECT_VERTEX] = {"VSMain", "vsMain", "vs_main", "mainVS", "MainVS", "VS"},
-    [REFLECT_FRAGMENT] = {"PSMain", "psMain", "ps_main", "mainPS", "MainPS", "PS"}};
+    [REFLECT_COMPUTE] = {"csmain", "maincs", "cs", "computemain"},
+    [REFLECT_VERTEX] = {"vsmain", "mainvs", "vs", "vertexmain", "vertmain"},
+    [REFLECT_FRAGMENT] = {"psmain", "mainps", "ps", "pixelmain", "fragmain", "fragmentmain"}};
 
 bool hlsl_is(const char *path, const char *text)
 {
@@ -49,16 +50,35 @@ static bool find_behind(const char *text, const char *attribute, char entry[ENTR
     return length && length < ENTRY_SIZE;
 }
 
+static bool is_entry(const char *word, size_t length, int stage)
+{
+    char plain[ENTRY_SIZE];
+    size_t count = 0;
+    for (size_t i = 0; i < length && count + 1 < sizeof plain; i++)
+        if (word[i] != '_')
+            plain[count++] = (char)tolower((unsigned char)word[i]);
+    plain[count] = '\0';
+    for (size_t i = 0; i < DT_ARRAY_COUNT(entries[stage]); i++)
+        if (entries[stage][i] && !strcmp(plain, entries[stage][i]))
+            return true;
+    return false;
+}
+
+/* The first word with a parenthesis behind it that is such a name. */
 static bool find_entry(const char *text, int stage, char entry[ENTRY_SIZE])
 {
-    for (size_t i = 0; i < DT_ARRAY_COUNT(entries[stage]); i++) {
-        const char *at = find_word(text, entries[stage][i]);
-        const char *behind = at ? at + strlen(entries[stage][i]) : "";
-        snprintf(entry, ENTRY_SIZE, "%s", entries[stage][i]);
-        if (behind[strspn(behind, " \t\r\n")] == '(')
+    const char *all = text;
+    for (size_t length; *text; text += length ? length : 1) {
+        for (length = 0; isalnum((unsigned char)text[length]) || text[length] == '_';)
+            length++;
+        const char *behind = text + length;
+        if (length && length < ENTRY_SIZE && behind[strspn(behind, " \t\r\n")] == '(' &&
+            is_entry(text, length, stage)) {
+            snprintf(entry, ENTRY_SIZE, "%.*s", (int)length, text);
             return true;
+        }
     }
-    return stage == REFLECT_COMPUTE && find_behind(text, "numthreads", entry);
+    return stage == REFLECT_COMPUTE && find_behind(all, "numthreads", entry);
 }
 
 unsigned hlsl_stages(const char *text)
@@ -93,12 +113,91 @@ static void put_meant(struct spirv_edit *edit, const uint32_t *i)
     }
 }
 
-static uint32_t *put_all_meant(const uint32_t *words, size_t *count)
+/* ---- Semantics ------------------------------------------------------------------------------- */
+
+/* What a variable between two stages is called, with its index, which elements of arrays count on: TEXCOORD1. */
+static void name_link(const struct spirv *m, uint32_t variable, const char *semantic,
+                      struct hlsl_link *out)
+{
+    const char *name = spirv_name(m, variable), *element = name ? strrchr(name, '[') : NULL;
+    size_t length = strlen(semantic);
+    while (length && isdigit((unsigned char)semantic[length - 1]))
+        length--;
+    unsigned long index = strtoul(semantic + length, NULL, 10);
+    index += element ? strtoul(element + 1, NULL, 10) : 0;
+    snprintf(out->semantic, sizeof out->semantic, "%.*s%lu", (int)length, semantic, index);
+}
+
+static uint32_t *find_location(struct spirv *m, uint32_t variable)
+{
+    SPIRV_EACH(m, at, m->annotations, m->declarations)
+    {
+        uint32_t *i = m->words + at;
+        if (spirv_is(i, SpvOpDecorate) && i[1] == variable && i[2] == SpvDecorationLocation)
+            return i + 3;
+    }
+    return NULL;
+}
+
+/* Puts one variable where the other stage has it, or keeps for that where it is. The other stage may lack an output: it has a
+ * location of its own then, behind all others. */
+static bool link_variable(struct spirv *m, int stage, struct hlsl_links *links, uint32_t variable,
+                          const char *semantic, char **why)
+{
+    struct hlsl_link own;
+    uint32_t *location = find_location(m, variable), place = 0;
+    if (!location)
+        return true;
+    name_link(m, variable, semantic, &own);
+    while (place < links->count && strcmp(links->list[place].semantic, own.semantic))
+        place++;
+    if (links->stage != stage && place < links->count)
+        return *location = links->list[place].location, true;
+    if (links->stage != stage && stage == REFLECT_FRAGMENT)
+        return *why = format_string(
+                   "the pixel shader reads %s, which the vertex shader does not write",
+                   own.semantic),
+               false;
+    if (links->stage != stage)
+        *location += links->end;
+    else if (links->count == HLSL_LINKS)
+        return *why = format_string("more than %d values go from stage to stage", HLSL_LINKS),
+               false;
+    else
+        links->list[links->count++] = (own.location = *location, own);
+    if (links->end < *location + MOST_COLUMNS)
+        links->end = *location + MOST_COLUMNS;
+    return true;
+}
+
+/* Locations of a draw's values between its stages: glslang gives them in the order of declarations, HLSL means semantics. */
+static bool link_stage(struct spirv *m, int stage, struct hlsl_links *links, char **why)
+{
+    uint32_t class = stage == REFLECT_VERTEX ? SpvStorageClassOutput : SpvStorageClassInput;
+    bool good = true;
+    links->stage = links->count ? links->stage : stage;
+    SPIRV_EACH(m, at, m->annotations, good && stage != REFLECT_COMPUTE ? m->declarations : 0)
+    {
+        const uint32_t *i = m->words + at;
+        if (!good || !spirv_is(i, SpvOpDecorateString) || i[2] != SpvDecorationUserSemantic ||
+            spirv_definition(m, i[1])[3] != class)
+            continue;
+        good = link_variable(m, stage, links, i[1], (const char *)(i + 3), why);
+    }
+    return good;
+}
+
+static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
+                               struct hlsl_links *links, char **why)
 {
     struct spirv module;
     struct spirv_edit edit;
     if (!words || !spirv_open(&module, words, *count))
         return NULL;
+    if (!link_stage(&module, stage, links, why)) {
+        spirv_free(&module);
+        return NULL;
+    }
     spirv_edit_begin(&edit, &module);
     spirv_edit_annotations(&edit);
     SPIRV_EACH(&module, at, module.code, edit.failed ? 0 : module.count)
@@ -109,8 +208,8 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count)
     return NULL;
 }
 
-uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage, size_t *count,
-                       char **why)
+uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage,
+                       struct hlsl_links *links, size_t *count, char **why)
 {
     char entry[ENTRY_SIZE];
     bool named = find_entry(texts->list[0].text, stage, entry);
@@ -123,9 +222,9 @@ uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int s
                                     .include = texts_include,
                                     .user = texts};
     uint32_t *words = spirv_init() ? glslang_compile(&job, count, why) : NULL;
-    uint32_t *meant = put_all_meant(words, count);
-    uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_LEGALIZE) : NULL;
-    if (words && !legal)
+    uint32_t *meant = put_all_meant(words, count, stage, links, why);
+    uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
+    if (words && !legal && !*why)
         spirv_check(words, *count, why);
     free(words);
     free(meant);

@@ -7,6 +7,18 @@
 bool hlsl_is(const char *path, const char *text);
 /* The stages that the text has an entry point for, bits 1 << REFLECT_.... That of main() is told by its attributes and semantics. */
 unsigned hlsl_stages(const char *text);
+enum { HLSL_LINKS = 64 };
+
+/* Where the values between the stages of a draw are, by the stage that was compiled first; zeros: none was. */
+struct hlsl_links {
+    struct hlsl_link {
+        char semantic[64]; /* with its index: TEXCOORD0 */
+        uint32_t location;
+    } list[HLSL_LINKS];
+    uint32_t count, end; /* end: behind the last location */
+    int stage;
+};
+
 /* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */
-uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage, size_t *count,
-                       char **why);
+uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage,
+                       struct hlsl_links *links, size_t *count, char **why);

@@ -32,6 +32,7 @@ struct making {
     struct import *import;
     struct shader_file files[2]; /* compute, fragment, or vertex and fragment */
     int count;
+    struct hlsl_links links;
     const struct shader_file *now; /* whose declarations are written */
     struct text params, values, images, buffers, samplers, reads, writes, updates, all;
     const char *output; /* the first image that is written */
@@ -139,7 +140,8 @@ static bool read_shader(struct making *making, const char *path, int stage)
                   "a shader begins with #version: write `#version 460` before all else");
         return false;
     }
-    uint32_t *made = hlsl ? hlsl_compile(&file->texts, path, file->stage, &count, &why) : NULL;
+    uint32_t *made =
+        hlsl ? hlsl_compile(&file->texts, path, file->stage, &making->links, &count, &why) : NULL;
     if (hlsl)
         good = made && reflect_module(made, count, file->stage, &file->reflection, &why);
     else if (module)

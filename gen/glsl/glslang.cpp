@@ -9,6 +9,7 @@ extern "C" {
 #include <string>
 #include <vector>
 
+#define ENABLE_HLSL // as the library was built
 #include <glslang/SPIRV/GlslangToSpv.h>
 #include <glslang/Public/ResourceLimits.h>
 #include <glslang/Public/ShaderLang.h>
@@ -104,6 +105,7 @@ void set_hlsl(glslang::TShader &shader, const glslang_job &job)
     shader.setAutoMapBindings(true);
     shader.setAutoMapLocations(true);
     set_targets(shader, stages[job.stage], job);
+    shader.setEnvTargetHlslFunctionality1(); // names of semantics
 }
 
 void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)

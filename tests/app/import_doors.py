@@ -157,6 +157,8 @@ for entry in ("fill", "main"):
          "local: [4, 1, 1]")
 case("... that its semantics tell, in two files", {"a.hlsl": "float4 main(uint i : SV_VertexID) : SV_Position { return i; }\n", "b.hlsl": "float4 main() : SV_Target { return 1; }\n"}, 0,
      'shader: ["a.hlsl.vert.spv", "b.hlsl.frag.spv"]')
+case("... but not what links them", {"a.hlsl": "float4 VS(uint i : SV_VertexID, out float x : WIDTH) : SV_Position { return x = i; }\n"
+     "float4 PS(float y : TEXCOORD1) : SV_Target { return y; }\n"}, 1, "the pixel shader reads TEXCOORD1, which the vertex shader does not write")
 case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
 case("a module that glslang makes wrong", {"a.hlsl": "RWStructuredBuffer<float2> a;\n[numthreads(1, 1, 1)]\nvoid main() { float2x2 m = 1; a[0] = m._m00_m11; }\n"}, 1,
      "a.hlsl:1:1: error: spirv-val says: ")

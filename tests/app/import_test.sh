@@ -54,6 +54,7 @@ sets=()
 
 check "HLSL with an entry point for each stage becomes a spec" "$diptych" import in/both.hlsl -o both
 check "it runs at once" runs both/both.yaml 8x6 1
+check "semantics, not their order, link its stages" "$diptych" compare --spec both/both.yaml --size 8x6 --sanitize
 sed 's/+ 1/+ 9/' in/both.hlsl >both.hlsl
 check "lines of HLSL" bash -c '"$0" import both.hlsl -o nine && ! "$0" compare --spec nine/both.yaml --size 8x6 --sanitize >told 2>&1 &&
     grep -q "both.hlsl:12:.*index 9 of an array of 4 elements" told' "$diptych"
