@@ -104,6 +104,7 @@ enum { MOST_LOOPS = 64 }; /* of a stage */
 
 struct child {
     const struct pipeline *pipeline;
+    const struct dt_log *log;
     struct vk_asking *asking;
 };
 
@@ -191,6 +192,9 @@ static bool add_loops(const struct child *child, cJSON *item, const struct vk_ex
     struct spirv_loop loops[MOST_LOOPS];
     struct spirv module = {0};
     bool good = take_stage(child, plain, &module);
+    if (!good)
+        report_error(child->log, "pass %s: not enough memory to read its loops",
+                     child->pipeline->info->passes[plain->pass].name);
     uint32_t count = good ? spirv_find_loops(&module, &block, loops, MOST_LOOPS) : 0, known = 0;
     for (uint32_t i = 0; i < count; i++)
         known += loops[i].turns > 0;
@@ -248,7 +252,7 @@ static _Noreturn void answer(FILE *out, const struct pipeline *pipeline, const c
         .log = {keep_error, root}, .device = device, .panel = pipeline->vk->panel};
     if (family && !freopen("/dev/null", "w", stderr)) /* of an unknown family */
         _exit(EXIT_FAILED);
-    struct child child = {.pipeline = pipeline};
+    struct child child = {.pipeline = pipeline, .log = &options.log};
     if (!family || choose_radv(family, length))
         child.asking = vk_statistics_open(&options, pipeline->vk);
     if (child.asking && add_stages(&child, stages)) {

@@ -6,7 +6,7 @@
 #include <spirv/unified1/spirv.h>
 #include <string.h>
 
-enum { MOST_TURNS = 1 << 20, MOST_DEPTH = 32 };
+enum { MOST_TURNS = 1 << 20, MOST_DEPTH = 8 };
 
 struct teller {
     const struct spirv *from;
@@ -62,8 +62,8 @@ static bool read_parameter(const struct teller *teller, const uint32_t *chain, u
 {
     const struct spirv *m = teller->from;
     const struct spirv_block *block = teller->block;
-    const uint32_t *index = spirv_definition(m, chain[4]);
-    if (spirv_length(chain) != 5 || !spirv_is(index, SpvOpConstant) ||
+    const uint32_t *index = spirv_length(chain) == 5 ? spirv_definition(m, chain[4]) : chain;
+    if (!spirv_is(index, SpvOpConstant) ||
         spirv_decoration(m, chain[3], SpvDecorationBinding) != block->binding)
         return false;
     uint32_t type = spirv_pointee(m, spirv_definition(m, chain[3]));
@@ -115,12 +115,12 @@ static uint32_t find_test(const struct spirv *m, size_t merge)
 }
 
 /* The values that are stored to the variable in front of the loop, the last one, and where it goes on. */
-static bool find_stores(const struct spirv *m, const struct spirv_function *function, size_t merge,
-                        uint32_t variable, uint32_t *before, uint32_t *again)
+static bool find_stores(const struct spirv *m, size_t merge, uint32_t variable, uint32_t *before,
+                        uint32_t *again)
 {
     size_t next = m->definitions[m->words[merge + 2]], behind = m->definitions[m->words[merge + 1]];
     *before = *again = 0;
-    SPIRV_EACH(m, at, function->begin, function->end)
+    SPIRV_EACH(m, at, m->code, m->count)
     {
         const uint32_t *i = m->words + at;
         bool uses = false;
@@ -135,13 +135,12 @@ static bool find_stores(const struct spirv *m, const struct spirv_function *func
     return *before && *again;
 }
 
-static uint32_t turns_of(const struct spirv *m, const struct spirv_block *block,
-                         const struct spirv_function *function, size_t merge)
+static uint32_t turns_of(const struct spirv *m, const struct spirv_block *block, size_t merge)
 {
     struct teller teller = {.from = m, .block = block};
     uint32_t test = find_test(m, merge), before, again, goes_on, turns = 0;
     uint32_t counter = test ? compared(m, test) : 0;
-    if (!counter || !find_stores(m, function, merge, counter, &before, &again))
+    if (!counter || !find_stores(m, merge, counter, &before, &again))
         return 0;
     number_of_id(&teller, before, 0, &teller.value);
     for (teller.counter = counter; turns <= MOST_TURNS; turns++) {
@@ -155,37 +154,13 @@ static uint32_t turns_of(const struct spirv *m, const struct spirv_block *block,
     return 0;
 }
 
-/* The innermost of these loops around an offset; `count`: none. */
-static uint32_t find_around(const struct spirv *m, const struct spirv_loop *list, uint32_t count,
-                            size_t at)
+/* The innermost of the first `count` loops around the next one; that itself: none. */
+static uint32_t find_around(const struct spirv *m, const struct spirv_loop *list, uint32_t count)
 {
-    while (count-- > 0)
-        if (list[count].merge < at && at < m->definitions[m->words[list[count].merge + 1]])
-            return count;
-    return UINT32_MAX;
-}
-
-/* The only call of a function; 0: none, or several. */
-static size_t only_call(const struct spirv *m, uint32_t function)
-{
-    size_t call = 0;
-    SPIRV_EACH(m, at, m->code, m->count)
-    {
-        if (!spirv_is(m->words + at, SpvOpFunctionCall) || m->words[at + 3] != function)
-            continue;
-        if (call)
-            return 0;
-        call = at;
-    }
-    return call;
-}
-
-static const struct spirv_function *function_at(const struct spirv *m, size_t at)
-{
-    const struct spirv_function *function = m->functions;
-    while (function->end <= at)
-        function++;
-    return function;
+    for (uint32_t i = count; i-- > 0;)
+        if (list[count].merge < m->definitions[m->words[list[i].merge + 1]])
+            return i;
+    return count;
 }
 
 uint32_t spirv_find_loops(const struct spirv *m, const struct spirv_block *block,
@@ -194,16 +169,11 @@ uint32_t spirv_find_loops(const struct spirv *m, const struct spirv_block *block
     uint32_t count = 0;
     SPIRV_EACH(m, at, m->code, m->count)
     {
-        if (spirv_is(m->words + at, SpvOpLoopMerge) && count < most)
-            list[count++] = (struct spirv_loop){at, turns_of(m, block, function_at(m, at), at), 0};
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        uint32_t around = find_around(m, list, i, list[i].merge);
-        for (size_t at = list[i].merge; around == UINT32_MAX && at;) {
-            at = only_call(m, function_at(m, at)->id);
-            around = at ? find_around(m, list, count, at) : UINT32_MAX;
-        }
-        list[i].around = around == UINT32_MAX ? i : around;
+        if (!spirv_is(m->words + at, SpvOpLoopMerge) || count == most)
+            continue;
+        list[count] = (struct spirv_loop){.merge = at, .turns = turns_of(m, block, at)};
+        list[count].around = find_around(m, list, count);
+        count++;
     }
     return count;
 }

@@ -4,10 +4,9 @@
 #include "model/module.h"
 
 struct spirv_loop {
-    size_t merge;   /* offset of its OpLoopMerge */
-    uint32_t turns; /* at most; 0: not known */
-    uint32_t
-        around; /* number of the loop around it, also by the only call of its function; its own: none */
+    size_t merge;    /* offset of its OpLoopMerge */
+    uint32_t turns;  /* at most; 0: not known */
+    uint32_t around; /* number of the loop around it; its own: none */
 };
 
 /* The uniform block of parameters. */
@@ -17,7 +16,7 @@ struct spirv_block {
     uint32_t size;
 };
 
-/* The number of loops, at most `most`. A loop whose counter begins at an unknown number counts as from 0. */
+/* The number of loops of a module of one function, at most `most`, the outer ones first. A loop whose counter begins at an unknown number counts as from 0. */
 uint32_t spirv_find_loops(const struct spirv *module, const struct spirv_block *block,
                           struct spirv_loop *list, uint32_t most);
 /* loops.c: the loop is not unrolled; wrapped: it stands in another of one turn, whose end no compiler can know. False: out
