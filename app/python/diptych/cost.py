@@ -10,7 +10,8 @@ from .console import Console
 
 Json = dict[str, Any]
 UNKNOWN = """\
-Bounds by arithmetic. Not known: rasterization, caches, hidden latency, how passes overlap; turns of loops that neither constants nor parameters tell.
+Bounds by arithmetic. Not known: rasterization, caches, hidden latency, how passes overlap; turns of loops that neither
+constants nor parameters tell.
 waves: most on a SIMD, and what keeps them from being more. started: waves of a frame. ms: they keep all SIMDs busy;
 wave ms: one of each stage; bytes ms: all that is read and written, once, at the memory's rate. !: more than the instruction cache."""
 
