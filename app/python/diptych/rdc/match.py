@@ -213,8 +213,9 @@ class Matcher:
 
     # ---- Rows and inputs -------------------------------------------------------------------------
 
-    def majority(self, pairs: list[Pair]) -> dict[str, bool]:
-        """Of each kind of pass, whether the targets that are no window's have opposite rows: one that is alone stays a fault."""
+    def majority(self, pairs: list[Pair], across: bool) -> dict[str, bool]:
+        """Of each kind of pass, whether the targets that are no window's have opposite rows: one that is alone stays a fault. So does
+        the only one of its kind, but across APIs."""
         votes: dict[str, int] = {}
         for pair in pairs:
             kind = self.passes[0][pair.first]["kind"]
@@ -222,15 +223,15 @@ class Matcher:
                 same, turned = self.distances(entry, other)
                 if entry["kind"] == "image" and not entry["screen"] and not other["screen"] and abs(same - turned) > TURNED:
                     votes[kind] = votes.get(kind, 0) + (1 if turned < same else -1)
-        return {kind: count > 0 for kind, count in votes.items()}
+        return {kind: count > (0 if across else 1) for kind, count in votes.items()}
 
     def fill(self, pairs: list[Pair]) -> list[Pair]:
         both = [pair for pair in pairs if pair.both]
         for pair in both:
             first, second = self.passes[0][pair.first], self.passes[1][pair.second]
             pair.contents = pair_up(first["entries"], second["entries"])
-        turned = self.majority(both)
         across = self.sides[0].frame["api"] != self.sides[1].frame["api"]
+        turned = self.majority(both, across)
         for pair in both:
             screen = any(entry["screen"] for contents in pair.contents for entry in contents)
             pair.turned = across if screen else turned.get(self.passes[0][pair.first]["kind"], False)
