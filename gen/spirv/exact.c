@@ -10,6 +10,7 @@
  * component. Double precision is left alone: prove.c names it. */
 #include "exact.h"
 
+#include <float.h>
 #include <math.h>
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
@@ -149,12 +150,103 @@ static uint32_t declare_constant(struct exact *exact, uint32_t type, uint32_t bi
                          (uint32_t[]){part, part, part, part}, declared[3]);
 }
 
+/* ---- Zeros that a shader writes -------------------------------------------------------------- */
+
+/* The id of a component of a constant vector, or of a constant number itself. 0: it is none. */
+static uint32_t component_of(struct exact *exact, uint32_t id, uint32_t component)
+{
+    const uint32_t *constant = spirv_definition(exact->from, id);
+    if (spirv_letter(number_type(exact, constant[1])) != 'f')
+        return 0;
+    if (spirv_is(constant, SpvOpConstantNull))
+        return declare_constant(exact, number_type(exact, constant[1])[1], 0);
+    return spirv_is(constant, SpvOpConstantComposite) ? constant[3 + component]
+           : spirv_is(constant, SpvOpConstant)        ? id
+                                                      : 0;
+}
+
+static bool is_zero_constant(const struct exact *exact, uint32_t id)
+{
+    uint32_t bits = 1;
+    return spirv_is(spirv_definition(exact->from, id), SpvOpConstantNull) ||
+           (constant_bits(exact, id, &bits) && !(bits << 1));
+}
+
+/* Whether a driver that takes x for x + 0, -x for 0 - x and 0 for x * 0 is wrong. */
+static bool is_folded_wrong(struct exact *exact, const uint32_t *i, uint32_t word)
+{
+    bool sum = spirv_is(i, SpvOpFAdd), difference = spirv_is(i, SpvOpFSub) && word == 3;
+    if (!sum && !difference && !spirv_is(i, SpvOpFMul) && !spirv_is(i, SpvOpVectorTimesScalar) &&
+        !spirv_is(i, SpvOpDot))
+        return false;
+    struct bounds x = range_of(&exact->ranges, i[word == 3 ? 4 : 3]);
+    return sum          ? x.minus
+           : difference ? x.nan || (x.low <= 0 && x.high >= 0)
+                        : x.nan || x.minus || x.low < 0 || !(x.high <= FLT_MAX);
+}
+
+/* The operand, with zeros that no driver knows. */
+static uint32_t hide_zeros(struct exact *exact, uint32_t operand)
+{
+    struct spirv_edit *edit = &exact->edit;
+    uint32_t type = spirv_definition(exact->from, operand)[1], parts[6] = {type};
+    const uint32_t *declared = spirv_definition(exact->from, type);
+    uint32_t count = spirv_is(declared, SpvOpTypeVector) ? declared[3] : 1;
+    uint32_t unknown = spirv_link_function(&exact->link, "unknown(f1;");
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t part = component_of(exact, operand, i);
+        parts[2 + i] = is_zero_constant(exact, part)
+                           ? SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall,
+                                         count > 1 ? declared[2] : type, unknown, part)
+                           : part;
+    }
+    if (count == 1)
+        return parts[2];
+    parts[1] = edit->bound++;
+    spirv_put(edit, &edit->code, SpvOpCompositeConstruct, parts, 2 + count);
+    return parts[1];
+}
+
+static bool has_zeros(struct exact *exact, uint32_t operand)
+{
+    const uint32_t *type = spirv_type(exact->from, operand);
+    uint32_t count = spirv_is(type, SpvOpTypeVector) ? type[3] : 1;
+    bool found = false;
+    for (uint32_t i = 0; i < count && component_of(exact, operand, i); i++)
+        found |= is_zero_constant(exact, component_of(exact, operand, i));
+    return found;
+}
+
+/* The instruction with such zeros in `own`; as it is, if none is written, or none is folded wrong. */
+static const uint32_t *without_zeros(struct exact *exact, const uint32_t *i, uint32_t own[5])
+{
+    bool changed = false;
+    for (uint32_t word = 3; spirv_length(i) == 5 && word < 5; word++) {
+        if (!is_folded_wrong(exact, i, word) || !has_zeros(exact, i[word]))
+            continue;
+        if (!changed)
+            memcpy(own, i, 5 * sizeof *own);
+        own[word] = hide_zeros(exact, i[word]);
+        changed = true;
+    }
+    return changed ? own : i;
+}
+
 /* ---- Instructions ---------------------------------------------------------------------------- */
 
 static void mark(struct exact *exact, uint32_t id)
 {
     SPIRV_PUT(&exact->edit, &exact->edit.annotations, SpvOpDecorate, id,
               SpvDecorationNoContraction);
+}
+
+/* Whether it is the share of mix(), written as 0 or 1: one of the two products is of a zero then. */
+static bool is_end_of_mix(const struct exact *exact, const uint32_t *i, uint32_t word)
+{
+    uint32_t bits;
+    return spirv_is(i, SpvOpExtInst) && i[3] == exact->glsl && i[4] == GLSLstd450FMix &&
+           word == 7 && constant_bits(exact, i[word], &bits) &&
+           (!(bits << 1) || bits == 0x3f800000u);
 }
 
 /* Calls `function` with the operands from the word `first`, or with their components `component`. */
@@ -170,6 +262,13 @@ static uint32_t put_call(struct exact *exact, const uint32_t *instruction, uint3
             operand = SPIRV_VALUE(edit, &edit->code, SpvOpCompositeExtract, declared[2],
                                   instruction[word], (uint32_t)component);
         }
+        if (spirv_is(instruction, SpvOpDot) && is_folded_wrong(exact, instruction, word) &&
+            has_zeros(exact, operand))
+            operand = hide_zeros(exact, operand);
+        else if (is_end_of_mix(exact, instruction, word))
+            operand = SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall,
+                                  number_type(exact, instruction[1])[1],
+                                  spirv_link_function(&exact->link, "unknown(f1;"), operand);
         operands[count++] = operand;
     }
     spirv_put(edit, &edit->code, SpvOpFunctionCall, operands, count);
@@ -476,7 +575,8 @@ bool spirv_exact(struct spirv *module, tell_form_fn *tell, void *user)
         }
         if (replace(&exact, instruction) || put_end(&exact, instruction))
             continue;
-        spirv_copy(edit, &edit->code, instruction);
+        uint32_t own[5];
+        spirv_copy(edit, &edit->code, without_zeros(&exact, instruction, own));
         if (spirv_is_arithmetic(instruction))
             mark(&exact, instruction[2]);
     }

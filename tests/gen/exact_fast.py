@@ -207,6 +207,8 @@ def chosen(x, y):
             "proven": np.stack([most(np.abs(x), away), least(np.abs(x), away), most(x * x, away),
                                 least(most(one * np.float32(0.5), x), one * 2)], 1),
             "whole": np.stack([far.astype(np.int32), np.where(x < y, 1, 2147483647).astype(np.int32)], 1),
+            "written": np.stack([x * zero, x + zero, zero - x, x * zero + y * one], 1),
+            "scaled": np.stack([x * -zero, y * 2, x * zero], 1), "shares": np.stack([x * one + y * zero, x * zero + y * one], 1),
             "compared": sum(test.astype(np.uint32) << k for k, test in enumerate(tests))}  # fmt: skip
 
 
@@ -226,6 +228,8 @@ def choices(build, backend, exactness):
     with np.errstate(invalid="ignore"):
         wanted = chosen(*(fields[name][:, 0] for name in "xy"))
     fast = exactness == "fast"
+    for name in ("written", "scaled", "shares") if fast else ():
+        wanted[name] = fields[name]
     wanted["whole"] = np.where([True, not fast], wanted["whole"], fields["whole"])  # fast mode leaves what is out of range to the driver
     return [name for name, array in wanted.items() if (bits_of(fields[name] + fast * 0) != bits_of(array + fast * 0)).any()]
 

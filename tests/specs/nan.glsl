@@ -26,6 +26,9 @@ void main()
     c.between = clamp(x, -1.0, 0.5);
     c.proven = vec4(max(abs(x), abs(y)), min(abs(x), abs(y)), max(x * x, abs(y)), clamp(0.5, x, 2.0)); /* short: ranges.c */
     c.whole = ivec2(int(floor(clamp(x * 1.5e9, -2147483648.0, 2147483520.0))), int(float(2u - (x < y ? 1u : 5u)))); /* wraps */
+    c.written = vec4(x * 0.0, 0.0 + x, 0.0 - x, dot(vec2(x, y), vec2(0.0, 1.0))); /* which Mesa's drivers fold */
+    c.scaled = vec3(x, y, x) * vec3(-0.0, 2.0, 0.0);
+    c.shares = vec2(mix(x, y, 0.0), mix(x, y, 1.0));
     c.same_least = same_min(x, y);
     c.same_most = same_max(-1.0, x);
     c.same_inside = same_clamp(x, 0.0, 1.0);
