@@ -16,7 +16,7 @@
 #include "gen/read/body_files.h"
 #include "gen/spirv/compile.h"
 
-enum { ENTRY_SIZE = 128, MOST_COLUMNS = 4 };
+enum { ENTRY_SIZE = 128 };
 
 /* Entry points as people name them, by stage, in any case and with or without _; main() has the stage that the file's name says. */
 static const char *const entries[][6] = {
@@ -67,18 +67,18 @@ static bool is_entry(const char *word, size_t length, int stage)
 /* The first word with a parenthesis behind it that is such a name. */
 static bool find_entry(const char *text, int stage, char entry[ENTRY_SIZE])
 {
-    const char *all = text;
-    for (size_t length; *text; text += length ? length : 1) {
-        for (length = 0; isalnum((unsigned char)text[length]) || text[length] == '_';)
+    size_t length;
+    for (const char *word = text; *word; word += length ? length : 1) {
+        for (length = 0; isalnum((unsigned char)word[length]) || word[length] == '_';)
             length++;
-        const char *behind = text + length;
+        const char *behind = word + length;
         if (length && length < ENTRY_SIZE && behind[strspn(behind, " \t\r\n")] == '(' &&
-            is_entry(text, length, stage)) {
-            snprintf(entry, ENTRY_SIZE, "%.*s", (int)length, text);
+            is_entry(word, length, stage)) {
+            snprintf(entry, ENTRY_SIZE, "%.*s", (int)length, word);
             return true;
         }
     }
-    return stage == REFLECT_COMPUTE && find_behind(all, "numthreads", entry);
+    return stage == REFLECT_COMPUTE && find_behind(text, "numthreads", entry);
 }
 
 unsigned hlsl_stages(const char *text)
@@ -139,35 +139,30 @@ static uint32_t *find_location(struct spirv *m, uint32_t variable)
     return NULL;
 }
 
-/* Puts one variable where the other stage has it, or keeps for that where it is. The other stage may lack an output: it has a
- * location of its own then, behind all others. */
-static bool link_variable(struct spirv *m, int stage, struct hlsl_links *links, uint32_t variable,
-                          const char *semantic, char **why)
+/* Keeps where the vertex shader has an output. */
+static bool keep_link(struct hlsl_links *links, const struct hlsl_link *own, char **why)
 {
-    struct hlsl_link own;
-    uint32_t *location = find_location(m, variable), place = 0;
-    if (!location)
-        return true;
-    name_link(m, variable, semantic, &own);
-    while (place < links->count && strcmp(links->list[place].semantic, own.semantic))
-        place++;
-    if (links->stage != stage && place < links->count)
-        return *location = links->list[place].location, true;
-    if (links->stage != stage && stage == REFLECT_FRAGMENT)
-        return *why = format_string(
-                   "the pixel shader reads %s, which the vertex shader does not write",
-                   own.semantic),
-               false;
-    if (links->stage != stage)
-        *location += links->end;
-    else if (links->count == HLSL_LINKS)
-        return *why = format_string("more than %d values go from stage to stage", HLSL_LINKS),
-               false;
-    else
-        links->list[links->count++] = (own.location = *location, own);
-    if (links->end < *location + MOST_COLUMNS)
-        links->end = *location + MOST_COLUMNS;
+    if (links->count == HLSL_LINKS) {
+        *why = format_string("more than %d values go from stage to stage", HLSL_LINKS);
+        return false;
+    }
+    links->list[links->count++] = *own;
     return true;
+}
+
+/* Puts an input of the pixel shader where the vertex shader has it, if there is one. */
+static bool follow_link(const struct hlsl_links *links, const struct hlsl_link *own,
+                        uint32_t *location, char **why)
+{
+    for (uint32_t i = 0; i < links->count; i++)
+        if (!strcmp(links->list[i].semantic, own->semantic)) {
+            *location = links->list[i].location;
+            return true;
+        }
+    if (links->count)
+        *why = format_string("the pixel shader reads %s, which the vertex shader does not write",
+                             own->semantic);
+    return !links->count;
 }
 
 /* Locations of a draw's values between its stages: glslang gives them in the order of declarations, HLSL means semantics. */
@@ -175,14 +170,19 @@ static bool link_stage(struct spirv *m, int stage, struct hlsl_links *links, cha
 {
     uint32_t class = stage == REFLECT_VERTEX ? SpvStorageClassOutput : SpvStorageClassInput;
     bool good = true;
-    links->stage = links->count ? links->stage : stage;
-    SPIRV_EACH(m, at, m->annotations, good && stage != REFLECT_COMPUTE ? m->declarations : 0)
+    SPIRV_EACH(m, at, m->annotations, m->declarations)
     {
         const uint32_t *i = m->words + at;
-        if (!good || !spirv_is(i, SpvOpDecorateString) || i[2] != SpvDecorationUserSemantic ||
-            spirv_definition(m, i[1])[3] != class)
+        bool named = spirv_is(i, SpvOpDecorateString) && i[2] == SpvDecorationUserSemantic &&
+                     spirv_definition(m, i[1])[3] == class;
+        uint32_t *location = named && good ? find_location(m, i[1]) : NULL;
+        struct hlsl_link own;
+        if (!location)
             continue;
-        good = link_variable(m, stage, links, i[1], (const char *)(i + 3), why);
+        name_link(m, i[1], (const char *)(i + 3), &own);
+        own.location = *location;
+        good = stage == REFLECT_VERTEX ? keep_link(links, &own, why)
+                                       : follow_link(links, &own, location, why);
     }
     return good;
 }
@@ -224,8 +224,8 @@ uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int s
     uint32_t *words = spirv_init() ? glslang_compile(&job, count, why) : NULL;
     uint32_t *meant = put_all_meant(words, count, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
-    if (words && !legal && !*why)
-        spirv_check(words, *count, why);
+    if (meant && !legal && !*why)
+        spirv_check(meant, *count, why);
     free(words);
     free(meant);
     if (!legal || spirv_check(legal, *count, why))

@@ -5,18 +5,18 @@
 
 /* By the file's ending, or by words that GLSL has not; text: NULL before it is read. */
 bool hlsl_is(const char *path, const char *text);
-/* The stages that the text has an entry point for, bits 1 << REFLECT_.... That of main() is told by its attributes and semantics. */
+/* The stages that the text has entry points for: a set of bits, 1 << REFLECT_COMPUTE and so on. Attributes and semantics tell the stage
+ * of main(). */
 unsigned hlsl_stages(const char *text);
 enum { HLSL_LINKS = 64 };
 
-/* Where the values between the stages of a draw are, by the stage that was compiled first; zeros: none was. */
+/* Where the values between the stages of a draw are, by its vertex shader, which is compiled first; zeros: there is none yet. */
 struct hlsl_links {
     struct hlsl_link {
         char semantic[64]; /* with its index: TEXCOORD0 */
         uint32_t location;
     } list[HLSL_LINKS];
-    uint32_t count, end; /* end: behind the last location */
-    int stage;
+    uint32_t count;
 };
 
 /* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */
