@@ -37,7 +37,9 @@ const struct cost_chip *cost_chip(const char *name, size_t length, const struct 
 
 /* Compiles the pipeline in a child process: for a chip on RADV's null hardware; without one, for the
  * Vulkan device of that name, or the first. {"chip": its name, or null, "device", "driver", "stages": [{"pass", "stage", "subgroup",
- * "figures": {name that the driver gives: number}}]}. NULL: logged. */
+ * "figures": {name that the driver gives: number}, "loops"}]}. A loop: {"turns": number, 0: not known, "around": number of the loop around
+ * it, or its own}; if it counts, figures of a stage in which it is "kept", and "wrapped"; they compare with "inlined" of the stage. NULL:
+ * logged. */
 cJSON *cost_ask(const struct cost_chip *chip, const char *device, const struct pipeline *pipeline,
                 struct console *console);
 /* Whether RADV is installed; if not, logs it. */

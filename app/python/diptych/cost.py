@@ -83,7 +83,7 @@ def sum_known(values: list[float | None]) -> float | None:
 def turned(told: Json, name: str) -> float:
     """A figure with loops that turn as often as constants and parameters tell. RADV's compiler takes 8 turns for a loop, 4 for one in
     another, 2 for each further in. What a loop of one turn around it adds tells its share; of that, a loop in it adds its own."""
-    total, inlined, loops = told["figures"][name], told.get("inlined", {}), told["loops"]
+    total, inlined, loops = told["figures"][name], told.get("inlined", {}), told.get("loops", ())
     kept = [number for number, loop in enumerate(loops) if name in loop.get("wrapped", ())]
     chains: dict[int, list[int]] = {}  # of loops that the compiler keeps: the loop and those around it, the outermost first
     for number in kept:
