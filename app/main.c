@@ -224,15 +224,16 @@ static int run_and_tell(struct console *console, const struct verb *verb,
 {
     if (options->json && !file_can_write(options->json, &console->log))
         return verb->failed;
+    const char *folders[] = {options->html, options->pictures};
+    bool given[] = {!options->html || access(options->html, F_OK) == 0,
+                    !options->pictures || access(options->pictures, F_OK) == 0};
     int status;
     if (verb->id == VERB_REPLAY && confine_replay(console, options, &status))
         return status;
     status = verb->run(console, options);
-    for (size_t i = 0; i < 2 && status == EXIT_USAGE; i++) { /* an empty folder tells nothing */
-        const char *made = i ? options->pictures : options->html;
-        if (made)
-            (void)rmdir(made);
-    }
+    for (size_t i = 0; i < 2 && status == EXIT_USAGE; i++)
+        if (!given[i]) /* made by the run: if it is empty, for nothing */
+            (void)rmdir(folders[i]);
     if (options->json && !outcome_write(console, verb->name, options->json, status))
         status = verb->failed;
     return status;

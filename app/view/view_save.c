@@ -196,7 +196,7 @@ static void add_edits(const struct view *view, struct words *words)
     free(edits);
 }
 
-/* `compare --bisect` of what the window shows. */
+/* Starts `compare --bisect` with the settings of the window. */
 static void add_comparison(const struct view *view, const char *motion, const char *folder,
                            struct words *words)
 {

@@ -58,6 +58,14 @@ check "flips are listed with their margins" says 0 'flip at \[1\].*margin flags 
 check "... and use half of the bound" grep -Eq '^cull +visible .* within +50 %' said
 check "outliers are a share" says 0 'within +100 %' plain speck --contracts image.yaml
 
+mkdir kept
+fails() { # folder for the page
+    ! "$diptych" compare plain absent --html "$1"
+}
+check "a comparison that fails keeps the folder that was there" fails kept
+check "... which is there" [ -d kept ]
+check "and removes one that it made" fails made
+check "... which is gone" [ ! -e made ]
 check "three dumps: the first against each" says 1 '^late against plain$' plain ulp late --html page --pictures strips --junit xml --json json
 check "... names both pairs in JSON" /usr/bin/python3 -c '
 import json
