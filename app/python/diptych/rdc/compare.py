@@ -378,7 +378,6 @@ class Comparison:
 
 def main(console: Console, request: Json) -> tuple[int, Json]:
     renderdoc(console)
-    made = [request[key] for key in ("html", "pictures") if key in request and not os.path.exists(request[key])]
     status = 2
     try:
         with tempfile.TemporaryDirectory(prefix="diptych-") as folder:
@@ -390,8 +389,8 @@ def main(console: Console, request: Json) -> tuple[int, Json]:
             if status < 2:
                 comparison.conclude()
     finally:
-        for folder in made if status > 1 else ():
-            with suppress(OSError):  # made for nothing, if it is empty
-                os.rmdir(folder)
+        for key in ("html", "pictures") if status > 1 else ():
+            with suppress(OSError):  # what was made for nothing
+                os.rmdir(request[key] if key in request else "")
     sys.stdout.flush()
     return status, {}
