@@ -64,7 +64,7 @@ if ! compgen -G '/usr/lib/*/dri/zink_dri.so' >/dev/null; then
     pairs=3 zink=
     skip "the shipped pipelines agree with OpenGL over Vulkan" "no /usr/lib/*/dri/zink_dri.so: install libgl1-mesa-dri"
 fi
-for pipeline in ssvp ${DIPTYCH_LONG:+rsm}; do
+for pipeline in rsm ${DIPTYCH_LONG:+ssvp}; do
     # shellcheck disable=SC2016
     check "$pipeline agrees in five ways: two forms of OpenGL, OSMesa, OpenGL over Vulkan, Vulkan" bash -c '"${@:2}" | grep -Fx "$1 pairs agree"' - $pairs \
         "$diptych" compare --scene $scene --spec "templates/$pipeline.yaml" --size 37x23 --set rsm_size=128 --set first_vpls=64 \

@@ -10,6 +10,5 @@ if ! /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
     exit
 fi
 [ ${#strangers[@]} -gt 0 ] || echo "# $no_strangers"
-[ "$DIPTYCH_LONG" ] || export GALLIVM_PERF=nopt # Mesa compiles in half of the time
 exec /usr/bin/python3 "$root/tests/gen/random_pipelines.py" --seed "${SEED:-1}" --pipelines $((DIPTYCH_LONG ? 1000 : 80)) \
     ${DIPTYCH_LONG:+--all-sides} "${DIPTYCH_BUILD:-$root/build}" gl gl+glsl "vk${strangers:+@llvmpipe}" "${strangers[@]}"

@@ -4,7 +4,6 @@
 # the checks. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 . "$root/tests/lib/drivers.sh"
-[ -n "${DIPTYCH_LONG:-}" ] || export GALLIVM_PERF=nopt # Mesa compiles in two thirds of the time
 seed=${SEED:-$RANDOM}
 tool() { /usr/bin/python3 -B "$root/tests/gen/sanitize.py" "$@"; }
 tool make "$work" "$seed" || exit 1

@@ -9,8 +9,6 @@ if [ -n "${DIPTYCH_LONG:-}" ]; then
         "--scene $root/scenes/white_box.yaml")
     mapfile -t specs < <(grep -L '^inputs:\|input: true' "$root"/tests/specs/*.yaml)
     specs+=("$root"/templates/*.yaml)
-else
-    export GALLIVM_PERF=nopt # Mesa compiles in two thirds of the time
 fi
 is_silent() { # spec scene
     local options

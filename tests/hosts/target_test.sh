@@ -4,7 +4,6 @@
 . "$(dirname "$0")/../lib/tap.sh"
 . "$(dirname "$0")/../lib/drivers.sh"
 cd "$root" || exit
-export GALLIVM_PERF=nopt # Mesa compiles in two thirds of the time
 generate() { # small pipelines: what is compiled and drawn does not matter here
     "$build/diptych-gen" templates/rsm.yaml -o "$work" --set rsm_size=64 --set samples=4 &&
         "$build/diptych-gen" templates/ssvp.yaml -o "$work" --set rsm_size=64 --set map_size=32 --set first_vpls=16 --set second_vpls=16 \

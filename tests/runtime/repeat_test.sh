@@ -5,7 +5,6 @@
 # one poison; with DIPTYCH_LONG, twenty runs on five backends.
 . "$(dirname "$0")/../lib/tap.sh"
 scene=$root/scenes/cornell.yaml
-[ -n "${DIPTYCH_LONG:-}" ] || export GALLIVM_PERF=nopt # Mesa compiles in two thirds of the time
 runs=${DIPTYCH_LONG:+20}
 runs=${runs:-1}
 backends=(gl vk)
