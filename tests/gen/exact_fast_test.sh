@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Exact passes leave what fast passes leave from the same inputs, but for rounding; tests/gen/exact_fast.py prints the TAP. With
-# DIPTYCH_LONG on both scenes and both backends.
+# Exact passes leave what fast passes leave from the same inputs, but for rounding; tests/gen/exact_fast.py prints the TAP. SEED
+# draws the pipelines; with DIPTYCH_LONG all, on both scenes and both backends.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 python=/usr/bin/python3
 if ! $python -c 'import numpy' 2>/dev/null; then

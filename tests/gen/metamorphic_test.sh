@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Rewrites of a spec and its bodies that must not change a bit of the results; tests/gen/metamorphic.py prints the TAP. Applies each
-# kind of rewrite to one pipeline on one backend, which SEED draws; with DIPTYCH_LONG, to every pipeline that it fits, on both.
+# Rewrites of a spec and its bodies that must not change a bit of the results; tests/gen/metamorphic.py prints the TAP. Applies
+# rewrites, of some kinds half, to one pipeline on one backend, which SEED draws; with DIPTYCH_LONG, to every pipeline that it fits, on both.
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 python=/usr/bin/python3
 export PYTHONDONTWRITEBYTECODE=1

@@ -5,5 +5,5 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 . "$root/tests/lib/drivers.sh"
 export PYTHONDONTWRITEBYTECODE=1
 [ ${#strangers[@]} -gt 0 ] || echo "# $no_strangers"
-exec /usr/bin/python3 "$root/tests/gen/random_glsl.py" --seed "${SEED:-1}" --programs $((DIPTYCH_LONG ? 2000 : 150)) \
+exec /usr/bin/python3 "$root/tests/gen/random_glsl.py" --seed "${SEED:-1}" --programs $((DIPTYCH_LONG ? 2000 : 100)) \
     "${DIPTYCH_BUILD:-$root/build}" gl gl+glsl "vk${strangers:+@llvmpipe}" "${strangers[@]}"

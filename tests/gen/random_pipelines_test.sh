@@ -10,5 +10,5 @@ if ! /usr/bin/python3 -c 'import numpy' 2>/dev/null; then
     exit
 fi
 [ ${#strangers[@]} -gt 0 ] || echo "# $no_strangers"
-exec /usr/bin/python3 "$root/tests/gen/random_pipelines.py" --seed "${SEED:-1}" --pipelines $((DIPTYCH_LONG ? 1000 : 80)) \
+exec /usr/bin/python3 "$root/tests/gen/random_pipelines.py" --seed "${SEED:-1}" --pipelines $((DIPTYCH_LONG ? 1000 : 50)) \
     ${DIPTYCH_LONG:+--all-sides} "${DIPTYCH_BUILD:-$root/build}" gl gl+glsl "vk${strangers:+@llvmpipe}" "${strangers[@]}"
