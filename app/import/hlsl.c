@@ -19,18 +19,34 @@
 enum { ENTRY_SIZE = 128 };
 
 /* Entry points as people name them, by stage, in any case and with or without _; main() has the stage that the file's name says. */
-static const char *const entries[][6] = {
-    [REFLECT_COMPUTE] = {"csmain", "maincs", "cs", "computemain"},
-    [REFLECT_VERTEX] = {"vsmain", "mainvs", "vs", "vertexmain", "vertmain"},
-    [REFLECT_FRAGMENT] = {"psmain", "mainps", "ps", "pixelmain", "fragmain", "fragmentmain"}};
+static const char *const entries[][7] = {
+    [REFLECT_COMPUTE] = {"csmain", "maincs", "cs", "computemain", "computeshaderfunction"},
+    [REFLECT_VERTEX] = {"vsmain", "mainvs", "vs", "vertexmain", "vertmain", "vertexshaderfunction"},
+    [REFLECT_FRAGMENT] = {"psmain", "mainps", "ps", "pixelmain", "fragmain", "fragmentmain",
+                          "pixelshaderfunction"}};
 
 bool hlsl_is(const char *path, const char *text)
 {
-    static const char *const words[] = {"float4", "cbuffer", "SamplerState", "numthreads",
-                                        "RWTexture2D"};
+    static const char *const words[] = {"float2",
+                                        "float3",
+                                        "float4",
+                                        "int4x4",
+                                        "double2",
+                                        "cbuffer",
+                                        "SamplerState",
+                                        "StructuredBuffer",
+                                        "RWStructuredBuffer",
+                                        "RWTexture2D",
+                                        "numthreads",
+                                        "register",
+                                        "RWByteAddressBuffer"};
     const char *ending = strrchr(path, '.');
     bool found = ending && !strcmp(ending, ".hlsl");
-    for (size_t i = 0; text && !strstr(text, "#version") && i < DT_ARRAY_COUNT(words); i++)
+    if (!text || strstr(text, "#version"))
+        return found;
+    for (const char *at = text; (at = strcasestr(at, "SV_")); at++)
+        found |= at > text && (at[-1] == ' ' || at[-1] == ':');
+    for (size_t i = 0; i < DT_ARRAY_COUNT(words); i++)
         found |= find_word(text, words[i]) != NULL;
     return found;
 }
@@ -81,6 +97,33 @@ static bool find_entry(const char *text, int stage, char entry[ENTRY_SIZE])
     return stage == REFLECT_COMPUTE && find_behind(text, "numthreads", entry);
 }
 
+/* The last function of the file, which the others stand before. */
+static bool find_last(const char *text, char entry[ENTRY_SIZE])
+{
+    char *code = strdup(text), *at = code;
+    int depth = 0;
+    *entry = 0;
+    if (code)
+        blank_comments(code);
+    for (; at && *at; at++) {
+        depth += *at == '{' ? 1 : *at == '}' ? -1 : 0;
+        if (*at != '(' || depth)
+            continue;
+        const char *name = at, *end;
+        while (name > code && (isalnum((unsigned char)name[-1]) || name[-1] == '_'))
+            name--;
+        size_t length = (size_t)(at - name);
+        while (*at && *at != ')')
+            at++;
+        end = at + strcspn(at, "{;(");
+        if (*end == '{' && length && length < ENTRY_SIZE && strncmp(name, "register", length) != 0)
+            snprintf(entry, ENTRY_SIZE, "%.*s", (int)length, name);
+        at -= !*at;
+    }
+    free(code);
+    return *entry;
+}
+
 unsigned hlsl_stages(const char *text)
 {
     unsigned stages = 0;
@@ -97,12 +140,8 @@ static void put_meant(struct spirv_edit *edit, const uint32_t *i)
 {
     uint32_t glsl = spirv_glsl(edit->from);
     struct spirv_words *code = &edit->code;
-    if (spirv_is(i, SpvOpFMod) || spirv_is(i, SpvOpFRem)) {
-        uint32_t quotient = SPIRV_VALUE(edit, code, SpvOpFDiv, i[1], i[3], i[4]);
-        uint32_t whole =
-            SPIRV_VALUE(edit, code, SpvOpExtInst, i[1], glsl, GLSLstd450Trunc, quotient);
-        uint32_t product = SPIRV_VALUE(edit, code, SpvOpFMul, i[1], i[4], whole);
-        SPIRV_PUT(edit, code, SpvOpFSub, i[1], i[2], i[3], product);
+    if (spirv_is(i, SpvOpFMod)) {
+        SPIRV_PUT(edit, code, SpvOpFRem, i[1], i[2], i[3], i[4]);
     } else if (spirv_is(i, SpvOpSMod)) {
         SPIRV_PUT(edit, code, SpvOpSRem, i[1], i[2], i[3], i[4]);
     } else if (spirv_is(i, SpvOpExtInst) && i[3] == glsl && i[4] == GLSLstd450Ldexp) {
@@ -187,6 +226,21 @@ static bool link_stage(struct spirv *m, int stage, struct hlsl_links *links, cha
     return good;
 }
 
+/* The counter of a buffer, whose place glslang leaves out where a function takes the buffer. */
+static void put_offsets(struct spirv_edit *edit)
+{
+    const struct spirv *m = edit->from;
+    SPIRV_EACH(m, at, m->annotations, edit->failed ? 0 : m->declarations)
+    {
+        const uint32_t *i = m->words + at;
+        bool block = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBufferBlock;
+        if (block && spirv_length(spirv_definition(m, i[1])) == 3 &&
+            spirv_member_decoration(m, i[1], 0, SpvDecorationOffset) == UINT32_MAX)
+            SPIRV_PUT(edit, &edit->annotations, SpvOpMemberDecorate, i[1], 0, SpvDecorationOffset,
+                      0);
+    }
+}
+
 static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
                                struct hlsl_links *links, char **why)
 {
@@ -200,6 +254,7 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
     }
     spirv_edit_begin(&edit, &module);
     spirv_edit_annotations(&edit);
+    put_offsets(&edit);
     SPIRV_EACH(&module, at, module.code, edit.failed ? 0 : module.count)
     put_meant(&edit, module.words + at);
     if (spirv_edit_end(&edit, &module))
@@ -212,7 +267,8 @@ uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int s
                        struct hlsl_links *links, size_t *count, char **why)
 {
     char entry[ENTRY_SIZE];
-    bool named = find_entry(texts->list[0].text, stage, entry);
+    const char *text = texts->list[0].text, *own = find_word(text, "main");
+    bool named = find_entry(text, stage, entry) || (!own && find_last(text, entry));
     const struct glslang_job job = {.code = texts->list[0].text,
                                     .stage = stage,
                                     .minor = 3,
@@ -224,8 +280,10 @@ uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int s
     uint32_t *words = spirv_init() ? glslang_compile(&job, count, why) : NULL;
     uint32_t *meant = put_all_meant(words, count, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
-    if (meant && !legal && !*why)
-        spirv_check(meant, *count, why);
+    char *said = NULL;
+    if (meant && !legal && !*why && !spirv_check(meant, *count, &said))
+        *why = format_string("glslang makes no valid module of this HLSL: %s", said ? said : "");
+    free(said);
     free(words);
     free(meant);
     if (!legal || spirv_check(legal, *count, why))

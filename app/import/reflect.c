@@ -274,10 +274,18 @@ static bool add_variables(struct reflecting *reader)
                 spirv_mentions(module, reader->live, i[2]))
                 add_variable(reader, i, (enum rank)rank);
         }
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpExecutionMode) &&
-        module->words[at + 2] == SpvExecutionModeLocalSize)
-        memcpy(reader->out->local, module->words + at + 3, sizeof reader->out->local);
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->declarations)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize)
+            memcpy(reader->out->local, i + 3, sizeof reader->out->local);
+        if (spirv_is(i, SpvOpCapability))
+            reader->out->subgroups |=
+                i[1] >= SpvCapabilityGroupNonUniform && i[1] <= SpvCapabilityGroupNonUniformQuad;
+        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn && reader->live &&
+            (i[3] == SpvBuiltInGlobalInvocationId || i[3] == SpvBuiltInWorkgroupId))
+            reader->out->spread |= spirv_mentions(module, reader->live, i[1]);
+    }
     bool good = reader->live && !reader->failed;
     free(reader->live);
     return good;
@@ -300,10 +308,23 @@ static char *prepare(const char *text, int stage)
     return all;
 }
 
+/* Gives constants of specialization the values that the spec will have: two of them may have one number. */
+static bool specialize(const struct reflection *reflection, struct spirv *module)
+{
+    struct pipeline pipeline = {.params = calloc(reflection->count + 1, sizeof *pipeline.params)};
+    for (uint32_t i = 0; pipeline.params && i < reflection->count; i++)
+        pipeline.params[pipeline.param_count++] =
+            (struct param){.name = reflection->list[i].name,
+                           .components = 1,
+                           .value = {reflection->list[i].number}};
+    bool good = pipeline.params && whole_specialize(&pipeline, module);
+    free(pipeline.params);
+    return good;
+}
+
 /* Takes over the words. */
 static bool reflect_words(uint32_t *words, size_t count, struct reflection *reflection)
 {
-    static const struct pipeline defaults;
     struct spirv module;
     struct reflecting reader = {.module = &module, .out = reflection};
     bool good = spirv_read(&module, words, count) && spirv_combine(&module) &&
@@ -311,7 +332,7 @@ static bool reflect_words(uint32_t *words, size_t count, struct reflection *refl
                 spirv_locate(&module, SpvStorageClassOutput);
     if (good)
         add_constants(&reader);
-    good = good && whole_specialize(&defaults, &module) && add_variables(&reader);
+    good = good && specialize(reflection, &module) && add_variables(&reader);
     spirv_free(&module);
     return good;
 }
@@ -348,7 +369,7 @@ bool reflect(const char *text, int stage,
 {
     char *code = prepare(text, stage);
     const struct glslang_job job = {
-        .code = code, .stage = stage, .whole = true, .include = include, .user = user};
+        .code = code, .stage = stage, .minor = 5, .whole = true, .include = include, .user = user};
     size_t count = 0;
     *why = NULL;
     *reflection = (struct reflection){0};

@@ -20,6 +20,7 @@ enum { MOST_TARGETS = 8 };
 struct reflected {
     enum reflected_kind kind;
     char name[256]; /* what gen calls it: see gen/spirv/bind.h */
+    char as[256];   /* the same, where import gives a resource another name; "": it has its own */
     char type
         [64]; /* GLSL: "vec4", "float[3]", "sampler2D"; of a buffer's elements; "": another, such as a struct */
     const char *format; /* image: a word of formats.def; NULL: none given */
@@ -38,6 +39,8 @@ struct reflection {
     struct reflected *list;
     uint32_t count;
     uint32_t local[3]; /* of a compute shader */
+    bool spread;       /* its invocations know their workgroup */
+    bool subgroups;    /* it has operations of subgroups */
 };
 
 enum { REFLECT_COMPUTE, REFLECT_VERTEX, REFLECT_FRAGMENT }; /* as enum stage of gen/stages.h */

@@ -37,6 +37,7 @@ struct making {
     struct text params, values, images, buffers, samplers, reads, writes, updates, all;
     const char *output; /* the first image that is written */
     bool codes;         /* it has 8 bits */
+    bool guesses;       /* contents are */
     uint32_t targets;   /* behind the last location of an output */
     const char **names;
     uint32_t name_count;
@@ -52,7 +53,7 @@ static const struct dt_log *making_log(const struct making *making)
 /* Returns false. */
 #define REFUSE(making, item, ...)                                                                  \
     import_refuse((making)->import, (making)->now->path, (making)->now->texts.list[0].text,        \
-                  (item)->name, __VA_ARGS__)
+                  *(item)->as ? (item)->as : (item)->name, __VA_ARGS__)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
@@ -137,7 +138,8 @@ static bool read_shader(struct making *making, const char *path, int stage)
     const struct source source = {.path = path, .text = own->text, .length = own->size};
     if (!module && !hlsl && !source_is_whole(&source)) {
         report_at(making_log(making), (struct loc){&source, 1, 1, 1},
-                  "a shader begins with #version: write `#version 460` before all else");
+                  "a shader begins with #version: write `#version 460` before all else; name HLSL "
+                  ".hlsl");
         return false;
     }
     uint32_t *made =
@@ -320,13 +322,12 @@ static bool write_input(struct making *making, const struct reflected *item, int
 static bool write_constant(struct making *making, const struct reflected *item)
 {
     bool real = !strcmp(item->type, "float"), truth = !strcmp(item->type, "bool");
-    if (!real && !truth && strcmp(item->type, "int") != 0 && strcmp(item->type, "uint") != 0)
+    bool whole = !strcmp(item->type, "int") || !strcmp(item->type, "uint");
+    if ((!real && !truth && !whole) || !name_is_free(item->name))
         return true; /* it keeps its value */
     if (!isfinite(item->number))
         return REFUSE(making, item, "the constant `%s` is not finite, which a spec cannot say",
                       item->name);
-    if (!name_is_free(item->name))
-        return REFUSE(making, item, "`%s` cannot be the name of a parameter", item->name);
     text_add(&making->params, "  %s: {value: ", item->name);
     if (truth)
         text_add(&making->params, item->number != 0 ? "true" : "false");
@@ -340,24 +341,24 @@ static bool write_constant(struct making *making, const struct reflected *item)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
-static void list(struct text *out, const char *name, const char *sampler)
+static void list(struct text *out, const struct reflected *item, const char *sampler)
 {
-    text_add(out, "%s", out->length ? ", " : "");
+    bool plain = !sampler && !*item->as;
+    text_add(out, "%s%s%s", out->length ? ", " : "", plain ? "" : "{name: ", item->name);
     if (sampler)
-        text_add(out, "{name: %s, sampler: %s}", name, sampler);
-    else
-        text_add(out, "%s", name);
+        text_add(out, ", sampler: %s", sampler);
+    if (*item->as)
+        text_add(out, ", as: %s", item->as);
+    text_add(out, plain ? "" : "}");
 }
 
 static bool shape_fits(struct making *making, const struct reflected *item)
 {
-    if (!item->shape)
-        return REFUSE(making, item, "`%s` is %s, which specs do not have", item->name,
-                      *item->type
-                          ? item->type
-                          : "an array of more than 16, or by an index that is not constant");
-    return name_is_free(item->name) ||
-           REFUSE(making, item, "`%s` cannot be the name of an image", item->name);
+    return item->shape ||
+           REFUSE(making, item, "`%s` is %s, which specs do not have",
+                  *item->as ? item->as : item->name,
+                  *item->type ? item->type
+                              : "an array of more than 16, or by an index that is not constant");
 }
 
 /* Plain textures hold the picture, others zeros. */
@@ -370,6 +371,7 @@ static bool write_texture(struct making *making, const struct reflected *item)
     if (filled && !making->picture && !(making->picture = import_picture(making->import)))
         return false;
     text_add(&making->images, "  %s: ", item->name);
+    making->guesses |= !filled;
     if (filled)
         text_add(&making->images, "{file: %s, format: rgba8}  # any picture\n", making->picture);
     else
@@ -384,7 +386,7 @@ static bool write_texture(struct making *making, const struct reflected *item)
                  !strstr(item->shape, "array") ? ""
                  : *item->shape == 'c'         ? ", layers: 6"
                                                : ", layers: 1");
-    list(&making->reads, item->name, sampler_of(making, item));
+    list(&making->reads, item, sampler_of(making, item));
     return true;
 }
 
@@ -414,7 +416,7 @@ static bool write_image(struct making *making, const struct reflected *item)
              : *item->shape == 'c'         ? ", layers: 6"
                                            : ", layers: 1",
              item->format ? " is" : " and the format are");
-    list(item->writes ? &making->updates : &making->reads, item->name, NULL);
+    list(item->writes ? &making->updates : &making->reads, item, NULL);
     if (item->writes && flat && !making->output) {
         making->output = item->name;
         making->codes = !strcmp(format, "rgba8");
@@ -426,24 +428,25 @@ static bool write_buffer(struct making *making, const struct reflected *item)
 {
     int components = components_of(item->type);
     uint64_t count = item->bytes / 4 / (uint64_t)(components == 3 ? 4 : components);
-    if (!name_is_free(item->name))
-        return REFUSE(making, item, "`%s` cannot be the name of a buffer", item->name);
     if (item->bytes > MOST_BUFFER)
         return REFUSE(making, item, "the buffer `%s` has more than 1 GiB", item->name);
     text_add(&making->buffers,
              "  %s: {of: %s, count: %u, history: true}  # the count is a guess%s\n", item->name,
              *item->type ? item->type : "uint", (unsigned)(count > 65536 ? count : 65536),
              *item->type ? "" : "; the shader's struct, in words");
-    list(item->writes ? &making->updates : &making->reads, item->name, NULL);
+    list(item->writes ? &making->updates : &making->reads, item, NULL);
+    making->guesses = true;
     return true;
 }
 
 /* What a draw without colours leaves. */
 static void write_depth(struct making *making)
 {
-    const char *name = is_new(making, "depth") ? "depth" : "depth_";
-    text_add(&making->images, "  %s: {format: d32f, size: frame}\n", name);
-    list(&making->writes, name, NULL);
+    struct reflected depth = {.name = "depth"};
+    if (!is_new(making, "depth"))
+        strcpy(depth.name, "depth_");
+    text_add(&making->images, "  %s: {format: d32f, size: frame}\n", depth.name);
+    list(&making->writes, &depth, NULL);
 }
 
 /* A target. Those of a draw are in the order of their locations. */
@@ -457,17 +460,43 @@ static bool write_output(struct making *making, const struct reflected *item)
         return REFUSE(making, item,
                       "the output `%s` is an array or no vector; targets have a name each",
                       item->name);
-    if (!name_is_free(item->name))
-        return REFUSE(making, item, "`%s` cannot be the name of an image", item->name);
     const char *format = formats[kind][components_of(item->type) - 1];
     text_add(&making->images, "  %s: {format: %s, size: frame}  # format and size are guesses\n",
              item->name, format);
-    list(&making->writes, item->name, NULL);
+    list(&making->writes, item, NULL);
     if (!making->output) {
         making->output = item->name;
         making->codes = !strcmp(format, "rgba8");
     }
     return true;
+}
+
+static bool has_resource(const struct making *making, const char *name, const char *as)
+{
+    for (int f = 0; f < making->count; f++)
+        for (uint32_t i = 0; i < making->files[f].reflection.count; i++) {
+            const struct reflected *item = &making->files[f].reflection.list[i];
+            if (!strcmp(item->name, name) && strcmp(item->as, as) != 0)
+                return true;
+        }
+    return false;
+}
+
+/* Resources get names that a spec can say. */
+static void rename_resources(struct making *making, struct reflection *reflection)
+{
+    for (uint32_t i = 0; i < reflection->count; i++) {
+        struct reflected *item = &reflection->list[i];
+        bool resource = item->kind != REFLECTED_VALUE && item->kind != REFLECTED_INPUT &&
+                        item->kind != REFLECTED_CONSTANT;
+        if (!resource || name_is_free(item->name))
+            continue;
+        memcpy(item->as, item->name, sizeof item->as);
+        import_identifier(item->as, item->name, 64);
+        for (size_t length = strlen(item->name);
+             length < 200 && has_resource(making, item->name, item->as);)
+            strcpy(item->name + length++, "p");
+    }
 }
 
 static bool write_item(struct making *making, const struct reflected *item, int stage)
@@ -526,6 +555,8 @@ static bool write_items(struct making *making)
     size_t count = making->files[0].reflection.count + making->files[1].reflection.count;
     bool good = (making->names =
                      calloc(count + DT_ARRAY_COUNT(making->sampler_names), sizeof *making->names));
+    for (int f = 0; f < making->count; f++)
+        rename_resources(making, &making->files[f].reflection);
     for (int f = 0; good && f < making->count; f++) {
         const struct reflection *reflection = &making->files[f].reflection;
         making->now = &making->files[f];
@@ -563,6 +594,9 @@ static void write_pass(struct making *making)
     if (file->stage != REFLECT_COMPUTE)
         text_add(out, making->count > 1 ? "    draw: {vertices: 3}  # a guess\n"
                                         : "    draw: fullscreen\n");
+    else if (!file->reflection.spread)
+        text_add(out, "    dispatch: [%u, %u, %u]  # one workgroup: none knows which it is\n",
+                 local[0], local[1], local[2]);
     else if (making->output)
         text_add(out, "    dispatch: %s  # an invocation for each texel; a guess\n",
                  making->output);
@@ -573,6 +607,11 @@ static void write_pass(struct making *making)
     add_spec_list(making, "reads", &making->reads);
     add_spec_list(making, "writes", &making->writes);
     add_spec_list(making, "updates", &making->updates);
+    if (file->reflection.subgroups)
+        text_add(out, "    exactness: fast  # subgroups differ from device to device\n");
+    if (making->guesses)
+        text_add(out, "    allow: {content: \"what the host keeps in a buffer or an image is a "
+                      "guess\"}\n");
     if (making->count > 1)
         text_add(out, "    shader: [\"%s\", \"%s\"]\n", file->name, making->files[1].name);
     else

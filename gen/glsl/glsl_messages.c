@@ -541,6 +541,10 @@ static bool report_author(struct model *model, const struct pass *pass,
     if (report_subgroups(pass, message, diag) || report_redefinition(model, pass, message, diag) ||
         report_macro(&model->pipeline, pass, message, diag) || report_include(model, message, diag))
         return true;
+    if (says(message, "SPIR-V 1.") || says(message, "targeted SPIR-V")) {
+        diag_error(diag, message->loc, "`%s` needs a later SPIR-V than OpenGL takes", name);
+        return true;
+    }
     const char *tool = is_unknown(message) ? tool_of(&model->pipeline, name) : NULL;
     struct loc loc = message->loc;
     if (is_unknown(message) && !strncmp(name, "body_", 5) &&

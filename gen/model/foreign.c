@@ -2,6 +2,7 @@
 #include "foreign.h"
 
 #include <ctype.h>
+#include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -80,18 +81,20 @@ static void put_clean(struct spirv_edit *edit, const uint32_t *i)
     uint32_t first = spirv_is(i, SpvOpName) ? 2 : 3, length = spirv_length(i);
     char clean[1024] = "";
     size_t count = 0;
-    for (const char *at = (const char *)(i + first); *at && count + 1 < sizeof clean; at++) {
+    const char *own = (const char *)(i + first);
+    for (const char *at = own; *at && count + 1 < sizeof clean; at++) {
         bool letter = isalnum((unsigned char)*at);
         if (*at == '@' && count && count + 4 < sizeof clean)
             count += (size_t)sprintf(clean + count, "_at");
+        if (!count && isdigit((unsigned char)*at))
+            clean[count++] = '_';
         if (letter ||
             (count ? clean[count - 1] != '_' : *at == '_' && isalpha((unsigned char)at[1])))
             clean[count++] = letter ? *at : '_';
     }
     uint32_t words[2 + sizeof clean / 4] = {i[1], i[2]};
     clean[count] = 0;
-    bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) ||
-                !strcmp((const char *)(i + first), clean);
+    bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) || !strcmp(own, clean);
     memcpy(words + first - 1, clean, count + 1);
     if (kept && count)
         spirv_append(edit, &edit->front, i, length);
@@ -256,6 +259,127 @@ bool spirv_reread(struct spirv *module, unsigned passes)
     return spirv_read(module, words, count);
 }
 
+/* Components of a coordinate of texels. */
+static uint32_t place_width(const uint32_t *image)
+{
+    uint32_t plain = image[3] == SpvDim1D || image[3] == SpvDimBuffer ? 1
+                     : image[3] == SpvDim3D || image[3] == SpvDimCube ? 3
+                                                                      : 2;
+    return plain + (image[5] && image[3] != SpvDimCube);
+}
+
+/* A whole number, or a vector of them, as ints, the first `width` of them. */
+static uint32_t put_place(struct spirv_edit *edit, uint32_t id, uint32_t width)
+{
+    const uint32_t *type = spirv_type(edit->from, id), *part = spirv_scalar(edit->from, type);
+    uint32_t own = spirv_is(type, SpvOpTypeVector) ? type[3] : 1;
+    if (!spirv_is(part, SpvOpTypeInt) || part[2] != 32 || own < width || (own == width && part[3]))
+        return id;
+    uint32_t whole = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
+    uint32_t cut = part[1];
+    if (width > 1) {
+        whole = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){whole, width}, 2);
+        cut = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){cut, width}, 2);
+    }
+    if (own > width) {
+        uint32_t words[] = {cut, edit->bound++, id, width > 1 ? id : 0, 0, 1, 2};
+        spirv_put(edit, &edit->code, width > 1 ? SpvOpVectorShuffle : SpvOpCompositeExtract, words,
+                  4 + (width > 1 ? width : 0));
+        id = words[1];
+    }
+    return part[3] ? id : SPIRV_VALUE(edit, &edit->code, SpvOpBitcast, whole, id);
+}
+
+/* x - y * trunc(x / y), with the sign of x. */
+static void put_remainder(struct spirv_edit *edit, const uint32_t *i)
+{
+    uint32_t glsl = spirv_glsl(edit->from);
+    struct spirv_words *code = &edit->code;
+    uint32_t quotient = SPIRV_VALUE(edit, code, SpvOpFDiv, i[1], i[3], i[4]);
+    uint32_t whole = SPIRV_VALUE(edit, code, SpvOpExtInst, i[1], glsl, GLSLstd450Trunc, quotient);
+    uint32_t product = SPIRV_VALUE(edit, code, SpvOpFMul, i[1], i[4], whole);
+    SPIRV_PUT(edit, code, SpvOpFSub, i[1], i[2], i[3], product);
+}
+
+/* The id `result` of type `to`: b where `when` is false, else a, of type `from`; when: 0: a alone. Part by part. */
+static void put_parts(struct spirv_edit *edit, uint32_t result, uint32_t to, uint32_t from,
+                      const uint32_t values[2], uint32_t when)
+{
+    const uint32_t *type = spirv_definition(edit->from, to),
+                   *own = spirv_definition(edit->from, from);
+    enum { MOST_PARTS = 4096, MOST_IDS = 1 << 22 };
+    uint32_t count = spirv_parts(edit->from, type), *words = calloc(count + 2, sizeof *words);
+    edit->failed |= !words || count > MOST_PARTS || edit->bound > MOST_IDS;
+    for (uint32_t k = 0; !edit->failed && k < count; k++) {
+        uint32_t part = spirv_part(own, k), taken[2];
+        for (int v = 0; v < (when ? 2 : 1); v++)
+            taken[v] = SPIRV_VALUE(edit, &edit->code, SpvOpCompositeExtract, part, values[v], k);
+        bool deeper = when || spirv_part(type, k) != part;
+        words[2 + k] = deeper ? edit->bound++ : taken[0];
+        if (deeper)
+            put_parts(edit, words[2 + k], spirv_part(type, k), part, taken, when);
+    }
+    if (count && !edit->failed) {
+        words[0] = to;
+        words[1] = result;
+        spirv_put(edit, &edit->code, SpvOpCompositeConstruct, words, count + 2);
+    } else if (when) {
+        SPIRV_PUT(edit, &edit->code, SpvOpSelect, to, result, when, values[0], values[1]);
+    } else {
+        SPIRV_PUT(edit, &edit->code, SpvOpCopyObject, to, result, values[0]);
+    }
+    free(words);
+}
+
+/* Copies between types of one shape, and choices between composites, which SPIR-V has from 1.4 on. */
+static bool put_later(struct spirv_edit *edit, const uint32_t *i)
+{
+    const struct spirv *from = edit->from;
+    bool select = spirv_is(i, SpvOpSelect), copy = spirv_is(i, SpvOpCopyLogical);
+    bool whole = select && spirv_is(spirv_type(from, i[3]), SpvOpTypeBool) &&
+                 spirv_parts(from, spirv_definition(from, i[1]));
+    if (!whole && !copy)
+        return false;
+    put_parts(edit, i[2], i[1], spirv_type(from, i[whole ? 4 : 3])[1], i + (whole ? 4 : 3),
+              whole ? i[3] : 0);
+    return true;
+}
+
+/* What no GLSL becomes. Texels of images have the coordinates and levels that GLSL gives them: ints, no more of them than the
+ * image has dimensions. */
+static bool lower_operations(struct spirv *module)
+{
+    enum { MOST_WORDS = 32 };
+    struct spirv_edit edit;
+    spirv_edit_begin(&edit, module);
+    spirv_edit_annotations(&edit);
+    SPIRV_EACH(module, at, module->code, edit.failed ? 0 : module->count)
+    {
+        const uint32_t *i = module->words + at;
+        uint32_t words[MOST_WORDS], length = spirv_length(i);
+        bool writes = spirv_is(i, SpvOpImageWrite), texel = spirv_is(i, SpvOpImageTexelPointer);
+        bool reads = spirv_is(i, SpvOpImageFetch) || spirv_is(i, SpvOpImageRead);
+        if (spirv_is(i, SpvOpFRem))
+            put_remainder(&edit, i);
+        else if (put_later(&edit, i))
+            continue;
+        else if (length > MOST_WORDS || !(writes || texel || reads))
+            spirv_copy(&edit, &edit.code, i);
+        if (length > MOST_WORDS || !(writes || texel || reads))
+            continue;
+        memcpy(words, i, length * sizeof *words);
+        const uint32_t *image = spirv_type(module, i[writes ? 1 : 3]);
+        if (texel)
+            image = spirv_definition(module, image[3]);
+        uint32_t *place = words + (writes ? 2 : 4);
+        *place = put_place(&edit, *place, place_width(image));
+        if (spirv_is(i, SpvOpImageFetch) && length > 6 && i[5] & SpvImageOperandsLodMask)
+            words[6] = put_place(&edit, i[6], 1);
+        spirv_copy(&edit, &edit.code, words);
+    }
+    return spirv_edit_end(&edit, module);
+}
+
 /* ---- Lines ----------------------------------------------------------------------------------- */
 
 static bool has_lines(const struct spirv *module)
@@ -380,8 +504,8 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
         good = spirv_reread(&module, SPIRV_INLINE);
     if (good)
         set_undefined(&module);
-    good = good && clean_front(&module) && name_all(&module) && spirv_combine(&module) &&
-           lower_version(&module);
+    good = good && clean_front(&module) && lower_operations(&module) && name_all(&module) &&
+           spirv_combine(&module) && lower_version(&module);
     if (good)
         return spirv_take(&module, count);
     spirv_free(&module);

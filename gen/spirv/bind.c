@@ -423,6 +423,11 @@ static bool check_capabilities(struct binder *binder)
             if (spirv_is(i, SpvOpCapability) && i[1] == missing[k].capability)
                 return refuse(binder, "the shader uses %s, which %s not have", missing[k].what,
                               missing[k].who);
+        if (binder->request->exact && spirv_is(i, SpvOpCapability) &&
+            i[1] >= SpvCapabilityGroupNonUniform && i[1] <= SpvCapabilityGroupNonUniformQuad)
+            return refuse(binder, "subgroup operations need `exactness: fast`: the size of "
+                                  "subgroups, and the order in which they reduce, differ from "
+                                  "device to device");
         if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModePixelCenterInteger)
             return refuse(binder,
                           "the shader uses pixel_center_integer, which Vulkan does not have");

@@ -18,6 +18,7 @@ struct bind_request {
     uint32_t slot_count;
     char targets[8];       /* of a draw: f, i or u, the numbers of each target; 0: no target */
     bool inputs;           /* the stage's inputs get values, too */
+    bool exact;            /* the pass is not fast */
     uint32_t first;        /* of the generator's ids: see passes.h */
     const uint32_t *local; /* size of a workgroup; NULL: no compute stage */
 };

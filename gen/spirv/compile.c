@@ -149,6 +149,16 @@ static void add_lines(const char *code, struct text *out)
     }
 }
 
+/* Whether instructions stand in it that mean nothing to a result, such as debugPrintfEXT(). */
+static bool has_notes(const struct spirv *module)
+{
+    bool found = false;
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    found |= spirv_is(module->words + at, SpvOpExtInstImport) &&
+             !strncmp((const char *)(module->words + at + 2), "NonSemantic.", 12);
+    return found;
+}
+
 /* Text to a module. lines: with OpLine, which makes no valid module of all that follows. */
 bool spirv_read_text(const struct pass *pass, const struct shader *shader, const struct text *text,
                      bool lines, uint32_t least, struct spirv *module, char **log)
@@ -168,7 +178,9 @@ bool spirv_read_text(const struct pass *pass, const struct shader *shader, const
     uint32_t *words = lined.failed || !job.code ? NULL : glslang_compile(&job, &count, log);
     text_free(&lined);
     *module = (struct spirv){0};
-    return words && spirv_read(module, words, count) && spirv_lower_memory(module);
+    return words && spirv_read(module, words, count) &&
+           (!has_notes(module) || spirv_reread(module, SPIRV_FLATTEN)) &&
+           spirv_lower_memory(module);
 }
 
 /* The author's module; of a whole shader it is joined by the generator's and bound. proving: with lines. */

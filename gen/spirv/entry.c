@@ -21,6 +21,40 @@ static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
     }
 }
 
+static const uint32_t *find_sample_mask(const struct spirv *module)
+{
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput &&
+            spirv_decoration(module, i[2], SpvDecorationBuiltIn) == SpvBuiltInSampleMask)
+            return i;
+    }
+    return NULL;
+}
+
+/* Targets have one sample, of which OpenGL takes no mask: without it, the fragment is discarded, as by Vulkan. */
+static void put_sample_mask(struct spirv_edit *edit, const uint32_t *mask)
+{
+    struct spirv_words *code = &edit->code;
+    uint32_t type = spirv_definition(edit->from, spirv_pointee(edit->from, mask))[2];
+    uint32_t zero = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
+    uint32_t one = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
+    uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
+    uint32_t pointer =
+        spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassOutput, type}, 2);
+    uint32_t first = SPIRV_VALUE(edit, code, SpvOpAccessChain, pointer, mask[2], zero);
+    uint32_t bits = SPIRV_VALUE(edit, code, SpvOpLoad, type, first);
+    uint32_t bit = SPIRV_VALUE(edit, code, SpvOpBitwiseAnd, type, bits, one);
+    uint32_t none = SPIRV_VALUE(edit, code, SpvOpIEqual, truth, bit, zero);
+    uint32_t kill = edit->bound++, behind = edit->bound++;
+    SPIRV_PUT(edit, code, SpvOpSelectionMerge, behind, SpvSelectionControlMaskNone);
+    SPIRV_PUT(edit, code, SpvOpBranchConditional, none, kill, behind);
+    SPIRV_PUT(edit, code, SpvOpLabel, kill);
+    spirv_put(edit, code, SpvOpKill, NULL, 0);
+    SPIRV_PUT(edit, code, SpvOpLabel, behind);
+}
+
 bool spirv_end_entry(struct spirv *module)
 {
     enum { BODY = 2, CALLS = 6 };
@@ -33,7 +67,8 @@ bool spirv_end_entry(struct spirv *module)
         calls[i] = function ? function->id : 0;
         others += function != NULL;
     }
-    if (!others)
+    const uint32_t *mask = find_sample_mask(module);
+    if (!others && !mask)
         return true;
     calls[BODY] = body;
     struct spirv_edit edit;
@@ -52,6 +87,8 @@ bool spirv_end_entry(struct spirv *module)
         if (calls[i])
             SPIRV_PUT(&edit, &edit.code, SpvOpFunctionCall, void_type, result, calls[i]);
     }
+    if (mask)
+        put_sample_mask(&edit, mask);
     spirv_put(&edit, &edit.code, SpvOpReturn, NULL, 0);
     spirv_put(&edit, &edit.code, SpvOpFunctionEnd, NULL, 0);
     return spirv_edit_end(&edit, module);

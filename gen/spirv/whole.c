@@ -204,6 +204,7 @@ bool whole_bind(const struct pass *pass, const struct shader *shader, const stru
     struct bind_request request = {.slots = slots,
                                    .inputs =
                                        shader->stage == STAGE_IS_VERTEX || !pass->own_vertices,
+                                   .exact = !pass->fast,
                                    .first = module->words[3],
                                    .local = shader->stage == STAGE_IS_COMPUTE ? pass->local : NULL};
     for (uint32_t i = 0; slots && i < pass->access_count; i++) {

@@ -159,9 +159,24 @@ case("... that its semantics tell, in two files", {"a.hlsl": "float4 main(uint i
      'shader: ["a.hlsl.vert.spv", "b.hlsl.frag.spv"]')
 case("... but not what links them", {"a.hlsl": "float4 VS(uint i : SV_VertexID, out float x : WIDTH) : SV_Position { return x = i; }\n"
      "float4 PS(float y : TEXCOORD1) : SV_Target { return y; }\n"}, 1, "the pixel shader reads TEXCOORD1, which the vertex shader does not write")
+case("a name that C reserves, beside the name that it becomes", {"a.frag": fragment("uniform sampler2D _TEX, TEX;\nlayout(constant_id = 1) const float SIZE_MAX = 0.5;",
+     "texture(_TEX, vec2(SIZE_MAX)) + texture(TEX, vec2(0.5))", "layout(location = 0) out vec4 _GLF_color;")}, 0,
+     "reads: [{name: TEXp, sampler: soft, as: _TEX}, {name: TEX, sampler: soft}]\n    writes: [{name: GLF_color, as: _GLF_color}]")
+case("operations of subgroups", {"a.comp": "#version 450\n#extension GL_KHR_shader_subgroup_vote : require\nlayout(local_size_x = 4) in;\nlayout(binding = 0) buffer B { uint w[]; };\n"
+     "void main() { w[gl_LocalInvocationIndex] = uint(subgroupAny(w[0] == 0)); }\n"}, 0, "dispatch: [4, 1, 1]  # one workgroup: none knows which it is\n    local: [4, 1, 1]\n    updates: [B]\n    exactness: fast")
+case("a workgroup by the number of another constant", {"a.comp": "#version 450\nlayout(local_size_x_id = 0) in;\nlayout(constant_id = 0) const uint N = 3;\nlayout(binding = 0) buffer B { uint w[]; };\n"
+     "void main() { w[gl_GlobalInvocationID.x] = N; }\n"}, 0, "local: [3, 1, 1]")
+case("what OpenGL's SPIR-V has not", {"a.comp": "#version 450\n#extension GL_EXT_shared_memory_block : require\nlayout(local_size_x = 4) in;\nlayout(binding = 0) buffer B { uint w[]; };\n"
+     "shared S { uint s[]; } s;\nvoid main() { s.s[0] = 1; w[0] = s.s[0]; }\n".replace("s[];", "s[4];")}, 1, "a.comp:5: `shared block` needs a later SPIR-V than OpenGL takes")
 case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
 case("a module that glslang makes wrong", {"a.hlsl": "RWStructuredBuffer<float2> a;\n[numthreads(1, 1, 1)]\nvoid main() { float2x2 m = 1; a[0] = m._m00_m11; }\n"}, 1,
-     "a.hlsl:1:1: error: spirv-val says: ")
+     "a.hlsl:1:1: error: glslang makes no valid module of this HLSL: spirv-val says: ")
+for what, shader, words in (("... by the last function", "struct S { float2 a; };\nfloat half_of(float x) { return x / 2; }\nfloat4 Shade(S s : PLACE) : COLOR0\n{ return half_of(s.a.x); }\n", "shader: "),
+                            ("... of names of numbers alone", "int4 main() : SV_TARGET { return 1; }\n", "format: rgba32i"),
+                            ("a structure between layouts, a buffer as an argument", "struct S { float3 a; float b; };\nStructuredBuffer<S> s;\nRWStructuredBuffer<uint4> w;\n"
+                             "float of(StructuredBuffer<S> t, RWStructuredBuffer<uint4> u, int i) { u[i] = i; return t[i].b; }\n"
+                             "float4 main() : SV_Target { S own = s[1]; return of(s, w, 2) + own.b; }\n", "reads: [s]")):
+    case(f"HLSL {what}", {"a.frag": shader}, 0, words)
 
 case("initializers of uniforms, beside what Vulkan alone has", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);\n"
      "layout(push_constant, std430) uniform P { vec4 d; };\nlayout(set = 1, binding = 2) uniform Q { vec4 e; };", "vec4(a * b, c.x + c.y) + d + e")}, 0, """  a: {value: 0.5, type: float, live: true}

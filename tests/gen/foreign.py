@@ -102,6 +102,10 @@ def stages(tap):
     draw(near, "#extension GL_EXT_terminate_invocation : require\nin vec2 near; out vec4 color;\n"
          "void main() { color = near.xyxy; if (gl_FragCoord.x < 1) terminateInvocation; }\n")
     tap.result("a terminated invocation stores nothing", agrees([0, 0, 0, 0]))
+    draw(near, "#extension GL_EXT_debug_printf : require\nin vec2 near; out vec4 color;\n"
+         "void main() { color = near.xyxy; gl_SampleMask[0] = int(gl_FragCoord.x) * 2 + 4; debugPrintfEXT(\"%d\", 1); }\n")
+    tap.result("nor one without a sample", agrees([0, 0, 0, 0]))
+    tap.result("... sanitized", [] if diptych("compare", "--spec", "a.yaml", "--sanitize").returncode == 0 else ["findings"])
     put("a.frag", "#version 450\nout vec4 color; uniform float width; uniform vec2 size;\n"
         "void main() { color.rg = size; if (gl_FragCoord.x < 4) color.b = width; else color = vec4(9); }\n")
     with open("a.yaml", "a", encoding="utf-8") as spec:
@@ -154,6 +158,44 @@ def modules(tap):
     with open("named.txt", encoding="utf-8") as file:
         places = [f"named.spv:{number}:" for number, line in enumerate(file, 1) if "OpAccessChain %_ptr_Uniform_float" in line]
     tap.result("a finding has the line of spirv-dis", told(f"{places[0]}", "--sanitize"))
+
+
+LATER = """layout(local_size_x = 1) in;
+struct Pair { vec2 a[2]; float b; };
+layout(std140, binding = 2) buffer From { Pair from[2]; };
+layout(std430, binding = 3) buffer To { Pair to[2]; };
+layout(std430, binding = 1) buffer Sums { float sums[]; };
+void main()
+{
+    Pair own = from[1];
+    own.a[1] = vec2(-7.5, 7.5) + own.b;
+    to[0] = own;
+    vec2 rest = mod(to[0].a[1], vec2(2.0));
+    for (int k = 0; k < 4; k++)
+        sums[k] = float[](rest.x, rest.y, to[0].b, own.a[1].x)[k];
+}
+"""
+TEXELS = """RWTexture2D<float4> color;
+[numthreads(1, 1, 1)] void main(uint3 at : SV_DispatchThreadID) { color[at.xy] = color[at.xy + 1] + fmod(-7.5, float(2 + at.z)); }
+"""
+
+
+def later(tap):
+    """What no GLSL becomes: copies between layouts (SPIR-V 1.4), a remainder with the sign of the first, coordinates that are uints."""
+    compute(LATER, "1", kind="float")
+    bodies.run("glslangValidator", "-V", "--target-env", "vulkan1.2", "a.comp", "-o", "a.spv")
+    bodies.run("spirv-dis", "a.spv", "-o", "a.txt")
+    with open("a.txt", encoding="utf-8") as file:
+        text = file.read()
+    put("a.txt", text.replace("OpFMod", "OpFRem"))
+    bodies.run("spirv-as", "--target-env", "spv1.5", "a.txt", "-o", "a.spv")
+    put("a.yaml", COMPUTE.format(local=1, head="", kind="float", file="a.spv").replace("count: 8}", "count: 4}, From: {of: float, count: 24, history: true}, To: {of: float, count: 10, history: true}")
+        .replace("dispatch: 8", "dispatch: 1").replace("writes: [Sums]", "writes: [To, Sums], reads: [From]"))
+    tap.result(f"{text.count('OpCopyLogical')} copies between layouts, a remainder", agrees([-1.5, 1.5, 0, -7.5]) + [] if "OpCopyLogical" in text else ["no copy"])
+    put("a.hlsl", TEXELS)
+    bodies.run("glslangValidator", "-D", "-V", "-e", "main", "-S", "comp", "a.hlsl", "-o", "a.spv")
+    put("a.yaml", DRAW.replace("frame}", "frame, history: true}").format(files="a.spv").replace("draw: fullscreen", "dispatch: color, local: 1").replace("writes", "updates"))
+    tap.result("texels by uints, sanitized", told("texel (8, 1) of `color`, which has 8 x 8 texels", "--sanitize=index"))
 
 
 WIDTHS = """#extension GL_EXT_shader_explicit_arithmetic_types : require
@@ -421,6 +463,7 @@ def main():
             forms(tap)
             hlsl(tap)
             modules(tap)
+            later(tap)
             members(tap)
             shapes(tap)
         else:
