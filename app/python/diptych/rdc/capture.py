@@ -12,7 +12,7 @@ from typing import Any
 from ..console import Console
 
 Json = dict[str, Any]
-CONNECTING, WAITING, ENDING = 10.0, 120.0, 3.0  # seconds
+CONNECTING, WAITING, GRACE, ENDING = 10.0, 120.0, 5.0, 3.0  # seconds
 INSTALL = "needs RenderDoc; install the packages renderdoc and python3-renderdoc, or put upstream's renderdoc.so on PYTHONPATH"
 
 
@@ -60,22 +60,33 @@ class Run:
 
     def wait(self, frame: int, after: float) -> str:
         """The path of the capture."""
-        kinds, start, apis = self.rd.TargetControlMessageType, time.monotonic(), set()
+        kinds, start = self.rd.TargetControlMessageType, time.monotonic()
+        apis: dict[str, bool] = {}    # and whether a window shows its pictures
+        refused: dict[str, str] = {}  # by API, why RenderDoc cannot capture a window that shows its pictures
         if frame:
             self.control.QueueCapture(frame, 1)
         triggered = bool(frame)
         while self.control.Connected() and time.monotonic() - start < WAITING:
             message = self.control.ReceiveMessage(None)
             if message.type == kinds.RegisterAPI:
-                apis.add(message.apiUse.name)
+                use = message.apiUse
+                apis[use.name] = use.presenting or apis.get(use.name, False)
+                if use.presenting:
+                    why = " ".join(use.supportMessage.split()).replace(": - ", ": ").replace(" - ", ", ")
+                    refused = {} if use.supported else {use.name: why}
             elif message.type == kinds.NewCapture:
                 return str(message.newCapture.path)
             elif message.type == kinds.Disconnected:
                 break
+            if refused and time.monotonic() - start > after + GRACE:
+                api, why = refused.popitem()
+                self.console.fail(f"{self.name}: RenderDoc cannot capture its {api}: {why}; has it an option for a newer version, "
+                                  "or for a core profile?")
             if not triggered and time.monotonic() - start > after:
                 triggered = True
                 self.control.TriggerCapture(1)
         seen = f"it used {', '.join(sorted(apis))}" if apis else "it used neither OpenGL nor Vulkan"
+        seen += "" if any(apis.values()) or not apis else ", and showed no picture"
         if self.control.Connected():
             self.console.fail(f"{self.name}: no frame was captured in {WAITING:g} s: {seen}; does it draw that many frames?")
         self.console.fail(f"{self.name}: ended before its frame was captured: {seen}; try another --frame, or --after")
