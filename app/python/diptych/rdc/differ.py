@@ -10,6 +10,7 @@ import numpy as np
 
 Json = dict[str, Any]
 MOST_TOLD = 6  # uniforms of a pass
+SHAPES = {8: (2, 4), 9: (3, 3), 16: (4, 4)}  # of matrices into clip space, by how many numbers they have
 CLOCK = re.compile(r"time|clock|cycle|elapsed|ticks?$|frame_?(count|number|index|id)", re.I)
 
 
@@ -84,12 +85,17 @@ def state_texts(first: Json, second: Json) -> list[str]:
 
 def bare(name: str) -> str:
     """Without its block, and without what compilers put around names."""
-    return re.sub(r"^_+|(_\d+)+$", "", name.rsplit(".", 1)[-1])
+    return re.sub(r"^_+|(_\d+)+$|(?<=\w)Texture$", "", name.rsplit(".", 1)[-1])
+
+
+def made_up(uniforms: dict[str, Any]) -> bool:
+    """Whether a compiler named them all."""
+    return bool(uniforms) and all(re.match(r"_child\d+|res\d+|_\d+", name.rsplit(".", 1)[-1]) for name in uniforms)
 
 
 def common(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, Any, Any]]:
     """Values of one name; where the second side's shaders have no names, those of one place."""
-    if second and all(re.match(r"_child\d+|res\d+|_\d+", name.rsplit(".", 1)[-1]) for name in second) and len(first) == len(second):
+    if made_up(second) and len(first) == len(second):
         return [(name, one, other) for (name, one), other in zip(first.items(), second.values())]
     pairs = [(name, first[name], second[name]) for name in first if name in second]
     names = [{}, {}]  # type: list[dict[str, list[str]]]
@@ -107,22 +113,30 @@ def clip_space(first: np.ndarray, second: np.ndarray) -> bool:
     """Whether the second matrix is the first, with y turned, depth of 0 to 1, or both."""
     half = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, .5, .5], [0, 0, 0, 1]])
     for own, other in ((first, second), (first.T, second.T)):
+        rows = len(own)
         for turn in (1, -1):
-            for depth in (np.eye(4), half, np.linalg.inv(half)):
-                if np.allclose(np.diag([1, turn, 1, 1]) @ depth @ own, other, rtol=1e-4, atol=1e-5):
+            for depth in (np.eye(4), half, np.linalg.inv(half)) if rows == 4 else (np.eye(rows),):
+                if np.allclose(np.diag([1, turn, 1, 1][:rows]) @ depth @ own, other, rtol=1e-4, atol=1e-5):
                     return True
     return False
+
+
+def same_uniform(one: np.ndarray, other: np.ndarray) -> bool:
+    return np.allclose(one, other, rtol=1e-6, atol=0, equal_nan=True) or (
+        len(one) in SHAPES and one.shape == other.shape and clip_space(one.reshape(SHAPES[len(one)]), other.reshape(SHAPES[len(one)])))
 
 
 def uniform_differences(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, str]]:
     """Names and values."""
     found = []
-    for name, one, other in common(first, second):
-        one, other = one[:len(other)], other[:len(one)]
-        a, b = np.array(one, "f8"), np.array(other, "f8")
-        if np.allclose(a, b, rtol=1e-6, atol=0, equal_nan=True) or (len(a) == 16 and clip_space(a.reshape(4, 4), b.reshape(4, 4))):
-            continue
-        found.append((name, f"{text_of(one)} against {text_of(other)}"))
+    for name, *both in common(first, second):
+        (one, wide), (other, wide_too) = (values if isinstance(values[0], list) else (values, 0) for values in both)
+        turns = [other]
+        if bool(wide) != bool(wide_too) and len(one) == len(other):  # HLSL's are transposed in SPIR-V
+            turns.append(np.reshape(other, (wide, -1) if wide else (-1, wide_too)).T.ravel().tolist())
+        one, turns = one[:len(other)], [turn[:len(one)] for turn in turns]
+        if not any(same_uniform(np.array(one, "f8"), np.array(turn, "f8")) for turn in turns):
+            found.append((name, f"{text_of(one)} against {text_of(other)}"))
     return found
 
 
@@ -203,6 +217,10 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
                 told.add(f"{name}: {values}")
                 found.append(f"{name}: {values}" if len(told) <= MOST_TOLD else "more uniforms")
                 clocks |= {found[-1]} if CLOCK.search(name) else set()
+            named = [one["uniforms"], other["uniforms"]]
+            if all(named) and not common(*named) and not any(map(made_up, named)):
+                names = (", ".join([*uniforms][:MOST_TOLD]) for uniforms in named)
+                found.append("uniforms of other names, which are not compared: " + " against ".join(names))
             found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
             numbers = stream_differences(one["streams"], other["streams"], folders, across)
             found += numbers

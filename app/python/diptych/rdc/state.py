@@ -1,6 +1,7 @@
 """What RenderDoc tells of OpenGL's and of Vulkan's state at an event, under the same words, for replay.py."""
 from __future__ import annotations
 
+import os
 from typing import Any, Iterator
 
 import numpy as np
@@ -88,8 +89,9 @@ def streams(control: Any, action: Any) -> Iterator[tuple[str, np.ndarray]]:
 # ---- Uniforms ------------------------------------------------------------------------------------
 
 
-def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[float]]) -> None:
-    """In the order of their offsets, which `constants` has of the same variables."""
+def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[Any]]) -> None:
+    """In the order of their offsets, which `constants` has of the same variables. A matrix whose rows lie one after the other in memory
+    stands with its number of columns."""
     pairs = list(zip(variables, constants)) if len(constants) == len(variables) else [(variable, None) for variable in variables]
     for variable, constant in sorted(pairs, key=lambda pair: pair[1].byteOffset if pair[1] else 0):
         if len(found) == MOST_UNIFORMS:
@@ -104,6 +106,8 @@ def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[f
         kind = word(variable.type)
         values = {"float": variable.value.f32v, "double": variable.value.f64v, "sint": variable.value.s32v}.get(kind, variable.value.u32v)
         found[name] = list(values[:count])
+        if variable.rows > 1 and variable.RowMajor():
+            found[name] = [found[name], variable.columns]
 
 
 def blocks(control: Any, state: Any, kind: str, stage: Any, reflection: Any) -> Iterator[tuple[Any, Any]]:
@@ -116,9 +120,9 @@ def blocks(control: Any, state: Any, kind: str, stage: Any, reflection: Any) -> 
                                                             bound.resourceId, bound.byteOffset, bound.byteSize)
 
 
-def uniforms(control: Any, state: Any, kind: str) -> dict[str, list[float]]:
+def uniforms(control: Any, state: Any, kind: str) -> dict[str, list[Any]]:
     """By name, without those of the blocks."""
-    found: dict[str, list[float]] = {}
+    found: dict[str, list[Any]] = {}
     for stage, reflection in stages(state, kind):
         for block, values in blocks(control, state, kind, stage, reflection):
             if not block.compileConstants:
@@ -156,7 +160,8 @@ def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any)
     """Vulkan has no word for a sampler without mips: programs forbid all but the first level."""
     chosen, count = item.filter, texture.mips if texture else 1
     mips = "nofilter" if item.maxLOD < 0.5 else word(chosen.mip)
-    text = f"{word(chosen.minify)}/{word(chosen.magnify)}{f', mips {mips}' if count > 1 else ''}, {'/'.join(addresses)}"
+    filters = "/".join(word(item).replace("anisotropic", "linear") for item in (chosen.minify, chosen.magnify))
+    text = f"{filters}{f', mips {mips}' if count > 1 else ''}, {'/'.join(addresses)}"
     text += f", border {' '.join(f'{value:g}' for value in item.borderColor)}" if "clampborder" in addresses else ""
     text += f", compare {word(item.compareFunction)}" if word(chosen.filter) == "comparison" else ""
     text += f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else ""
@@ -170,6 +175,19 @@ def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any)
     return text + (", sRGB" if form and form.compType == rd.CompType.UNormSRGB else "")
 
 
+def bound_at(sets: Any, place: Any) -> Any:
+    bindings = sets[place.bindset].bindings if place.bindset < len(sets) else []
+    return next(iter(bindings[place.bind].binds), None) if place.bind < len(bindings) else None
+
+
+def sampler_of(state: Any, stage: Any, sets: Any, name: str) -> Any:
+    """That of a texture without its own, as HLSL has them: the only one, or the one whose name begins with the most of the same letters."""
+    mapping, found = state.GetBindpointMapping(stage), state.GetShaderReflection(stage).samplers
+    named = [(len(os.path.commonprefix([name, item.name])), -at, place)
+             for at, (place, item) in enumerate(placed(mapping.samplers, found)) if place.used]
+    return bound_at(sets, max(named)[2]) if named and (len(named) == 1 or max(named)[0]) else None
+
+
 def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[tuple[Any, Any, int, Any, Any, tuple[Any, ...]]]:
     """What the shader calls it, its place, the texture and how it is seen, the sampler and its addresses."""
     own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
@@ -181,10 +199,11 @@ def bound_textures(control: Any, state: Any, stage: Any, gl: bool) -> Iterator[t
         if gl and place.bind < len(own.samplers) and int(own.textures[place.bind].resourceId):
             item, seen = own.samplers[place.bind], own.textures[place.bind]
             yield resource, place, int(seen.resourceId), seen, item, (item.addressS, item.addressT, item.addressR)
-        elif not gl and place.bindset < len(sets) and place.bind < len(sets[place.bindset].bindings):
-            item = next(iter(sets[place.bindset].bindings[place.bind].binds), None)
-            if item and int(item.samplerResourceId):
-                yield resource, place, int(item.resourceResourceId), item, item, (item.addressU, item.addressV, item.addressW)
+        elif not gl:
+            seen = bound_at(sets, place)
+            item = seen if seen and int(seen.samplerResourceId) else sampler_of(state, stage, sets, resource.name)
+            if seen and item:
+                yield resource, place, int(seen.resourceResourceId), seen, item, (item.addressU, item.addressV, item.addressW)
 
 
 def samplers(control: Any, state: Any, kind: str, gl: bool, textures: dict[int, Any]) -> dict[str, str]:
