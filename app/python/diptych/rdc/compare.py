@@ -19,10 +19,11 @@ from ..console import Console, printable, write
 from .left import TAKEN, Unreadable, frame_of, read
 from .match import Matcher, Pair, Side, numbers_of
 from .replays import SECONDS, confines, limit, replay, sandbox
-from .texels import doubled_depth
+from .texels import doubled_depth, hashes_of, names_of
 
 Json = dict[str, Any]
 MOST_BESIDE = 8  # texts of state
+MOST_ALONE = 8   # passes that one side has
 LABELS = {"OpenGL": "gl", "Vulkan": "vk"}
 
 # ---- Matching ------------------------------------------------------------------------------------
@@ -34,7 +35,8 @@ def size_of(entry: Json) -> str:
 
 def described(item: Json) -> str:
     where = item["where"] and f" {item['where'][-1]}"
-    return f"{item['index']:02d} {item['kind']} {'+'.join(sorted(set(map(size_of, item['entries']))))}{where or ''}"
+    sizes = map(size_of, item["entries"][:1] if item["kind"] == "mips" else item["entries"])
+    return f"{item['index']:02d} {item['kind']} {'+'.join(sorted(set(sizes)))}{where or ''}"
 
 
 def pass_names(passes: list[Json]) -> list[str]:
@@ -114,35 +116,50 @@ def origin_of(side: Side) -> str:
     return "bottom" if side.label == "gl" else "top"
 
 
-def dump_first(side: Side, folder: str, names: list[str], about: dict[str, list[str]], doubled: bool) -> None:
-    """All passes under the names that both sides have."""
-    dump = Dump(side, folder, doubled and side.label == "gl")
-    for name, item in zip(names, side.passes):
-        for place, entries in ((f"{name}_inputs", item["inputs"]), (name, item["entries"])):
+def dump_first(matches: "list[Matched]", folder: str) -> None:
+    """All passes under the names that both sides have. Of those without a partner, some show one content."""
+    side, alone = matches[0].sides[0], matches[0] if len(matches) == 1 else None
+    dump = Dump(side, folder, alone is not None and alone.doubled and side.label == "gl")
+    about = alone.state if alone else {}
+    partners = {pair.first for matched in matches for pair in matched.pairs if pair.both}
+    without = [at for at in range(len(side.passes)) if at not in partners][:MOST_ALONE]
+    for at, (name, item) in enumerate(zip(matches[0].names, side.passes)):
+        both = ((f"{name}_inputs", item["inputs"]), (name, item["entries"]))
+        for place, entries in both if at in partners else ((name, item["entries"][:1]),) if at in without else ():
             for entry, slot in zip(entries, slots(entries)):
                 dump.add(entry, place, slot, origin_of(side), "; ".join(about.get(place, [])))
     dump.end()
 
 
 def dump_other(matched: "Matched", folder: str) -> None:
-    dump, first = Dump(matched.sides[1], folder, matched.doubled and matched.sides[1].label == "gl"), matched.sides[0]
-    origins = [origin_of(first), "bottom" if origin_of(first) == "top" else "top"]
-    for pair in matched.pairs:
-        if not pair.both and pair.second >= 0:
-            item = dump.side.passes[pair.second]
-            for entry in item["entries"]:
-                dump.add(entry, f"only_in_{dump.side.label}_{item['index']:02d}_{item['kind']}", entry["resource"], "top")
-        elif pair.both:
-            item, name = first.passes[pair.first], matched.names[pair.first]
-            contents = [(*both, pair.turned) for both in pair.contents]
-            for place, entries, found in ((f"{name}_inputs", item["inputs"], pair.inputs), (name, item["entries"], contents)):
-                named = {id(entry): slot for entry, slot in zip(entries, slots(entries))}
-                for entry, other, turned in found:
-                    dump.add(other, place, named[id(entry)], origins[turned])
+    dump, own = Dump(matched.sides[1], folder, matched.doubled and matched.sides[1].label == "gl"), origin_of(matched.sides[0])
+    origins = [own, "bottom" if own == "top" else "top"]
+    for item in matched.alone(dump.side)[:MOST_ALONE]:
+        entry = item["entries"][0]
+        dump.add(entry, f"only_in_{dump.side.label}_{item['index']:02d}_{item['kind']}", entry["resource"], "top")
+    for pair, item, _ in matched.both():
+        name, contents = matched.names[pair.first], [(*both, pair.turned) for both in pair.contents]
+        for place, entries, found in ((f"{name}_inputs", item["inputs"], pair.inputs), (name, item["entries"], contents)):
+            named = {id(entry): slot for entry, slot in zip(entries, slots(entries))}
+            for entry, other, turned in found:
+                dump.add(other, place, named[id(entry)], origins[turned])
     dump.end()
 
 
 # ---- What is told --------------------------------------------------------------------------------
+
+
+def drop_alpha(sides: tuple[Side, Side], entries: tuple[Json, Json]) -> None:
+    """Where the window of one side has no alpha, the other's is left out, since a window shows none."""
+    forms = [entry.get("format", "").split("_")[0] for entry in entries]
+    if not all(entry["screen"] for entry in entries) or sorted(forms) not in (["bgra8", "rgb8"], ["rgb8", "rgba8"]):
+        return
+    (side, entry), form = next((both, form) for both, form in zip(zip(sides, entries), forms) if form != "rgb8")
+    texels = np.fromfile(os.path.join(side.folder, entry["file"]), "u1").reshape(-1, entry["width"], 4)
+    rows = np.ascontiguousarray(texels[..., 2::-1] if form == "bgra8" else texels[..., :3])
+    entry["file"], entry["turned"] = names_of([hashes_of(rows)])
+    entry["format"] = entry["format"].replace(form, "rgb8")
+    rows.tofile(os.path.join(side.folder, entry["file"]))
 
 
 class Matched:
@@ -157,6 +174,8 @@ class Matched:
         for pair, first, second in self.both():
             for item, other in ((first, second), (second, first)):  # what one side left out is not asked of the other
                 item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["left_out"]]
+            for contents in pair.contents:
+                drop_alpha(sides, contents)
             folders, draws = [side.folder for side in sides], max(first["draws"], second["draws"])
             texts, moved, compared = differ.differences(first, second, pair.turned, folders, sides[0].label != sides[1].label)
             if first["kind"] == second["kind"] == "draw":
@@ -170,6 +189,11 @@ class Matched:
             if pair.both:
                 yield pair, self.sides[0].passes[pair.first], self.sides[1].passes[pair.second]
 
+    def alone(self, side: Side) -> list[Json]:
+        """Passes that the other side lacks."""
+        places = [pair.first if side is self.sides[0] else pair.second for pair in self.pairs if not pair.both]
+        return [side.passes[at] for at in places if at >= 0]
+
     def tell(self) -> None:
         for name, texts in list(self.clocks.items())[:1]:
             print(f"not the same moment: {printable(texts[0])} (pass {name})\n  what moves differs for this reason; hold the frame still: "
@@ -182,10 +206,11 @@ class Matched:
         widths = [max(map(len, column)) for column in zip(*rows)]
         for row in rows:
             print("  ".join(printable(text).ljust(width) for text, width in zip(row, widths)).rstrip())
-        for pair in self.pairs:
-            for side, at in enumerate((pair.first, pair.second)):
-                if not pair.both and at >= 0:
-                    print(f"only in {self.labels[side]}: {printable(described(self.sides[side].passes[at]))}")
+        for side, label in zip(self.sides, self.labels):
+            alone = [described(item) for item in self.alone(side)]
+            more = [f"{len(alone) - MOST_ALONE} more passes"] if len(alone) > MOST_ALONE else []
+            for text in alone[:MOST_ALONE] + more:
+                print(f"only in {label}: {printable(text)}")
         if self.doubled:
             print("depth of gl is compared as 2 z - 1: it uses half of OpenGL's clip space, where vk uses all of Vulkan's")
         equal = {self.names[pair.first] for pair, _, _ in self.both() if pair.contents and all(
@@ -195,8 +220,8 @@ class Matched:
             for text in texts:
                 places.setdefault((name in equal, text), []).append(name)
         for (without, text), names in sorted(places.items()):
-            more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-            print(f"state{', without effect' if without else ''}: {', '.join(names[:3])}{more}: {printable(text)}")
+            where = ", ".join(names[:3]) + (f" and {len(names) - 3} more" if len(names) > 3 else "")
+            print(f"state{', without effect' if without else ''}: {where}: {printable(text)}")
         print(flush=True)
 
     def json(self) -> Json:
@@ -309,8 +334,7 @@ class Comparison:
                 matched.tell()
             if not any(pair.both for pair in matched.pairs):
                 self.console.fail(f"{side.source}: no pass fits one of {sides[0].source}; have both windows one size?")
-        alone = self.matched[0] if len(self.matched) == 1 else None
-        dump_first(sides[0], folders[0], names, alone.state if alone else {}, alone is not None and alone.doubled)
+        dump_first(matches, folders[0])
         return [os.path.dirname(folder) if runs > 1 else folder for folder in folders[::runs]]
 
     def compare(self, folders: list[str]) -> int:

@@ -145,7 +145,8 @@ class Matcher:
         entries = first["entries"], second["entries"]
         pairs = pair_up(*entries)
         screens = [any(entry["screen"] for entry in side) for side in entries]
-        if not pairs:
+        mips = first["kind"] == "mips" == second["kind"]
+        if not pairs or (mips and not same_shape(entries[0][0], entries[1][0])):
             return 0, -1.0
         apart = [min(self.distances(*pair)) for pair in pairs]
         colours = [gap for gap, pair in zip(apart, pairs) if numbers_of(pair[0]) == "colour"] or apart  # depth has conventions

@@ -25,7 +25,7 @@ import numpy as np
 import renderdoc as rd
 
 from . import state as rdc_state
-from .texels import small_picture, texels_of
+from .texels import hashes_of, names_of, small_picture, texels_of
 
 Json = dict[str, Any]
 FLAGS = rd.ActionFlags
@@ -189,7 +189,8 @@ class Grouping:
         if target not in self.textures or source in self.buffers:  # an upload: the input of its reader
             return
         mips = bool(action.flags & FLAGS.GenMips) or (source == target and self.textures[target].mips > 1)
-        kind = "mips" if mips else "resolve" if action.flags & FLAGS.Resolve else "copy"
+        samples = source in self.textures and self.textures[source].msSamp > 1  # RenderDoc calls all blits so
+        kind = "mips" if mips else "copy" if not action.flags & FLAGS.Resolve else "resolve" if samples else "blit"
         if mips and self.current and (self.current.kind, self.current.targets) == ("mips", (target, NULL)):
             self.current.add(action, self.calls.keys())
         else:
@@ -289,7 +290,7 @@ class Frame:
         if texture.byteSize > MOST_BYTES:
             self.notes.append(f"{slot}: {texture.byteSize >> 20} MiB, left out")
             return None
-        hashes, first = [hashlib.sha256() for _ in range(2)], None
+        hashes, first = [], None  # type: list[list[bytes]], Any
         draft = os.path.join(self.folder, "draft")
         with open(draft, "wb") as file:
             for raw in self.layers(texture, mip):
@@ -299,10 +300,8 @@ class Frame:
                 first = first or texels
                 rows = np.ascontiguousarray(texels.rows)
                 file.write(rows.data)
-                lines = [hashlib.sha256(row.data).digest() for row in rows]
-                hashes[0].update(b"".join(lines))
-                hashes[1].update(b"".join(reversed(lines)))
-        name, turned = (item.hexdigest()[:24] + ".raw" for item in hashes)
+                hashes.append(hashes_of(rows))
+        name, turned = names_of(hashes)
         if not first:
             return None
         if name not in self.small:

@@ -1,6 +1,7 @@
 """Texels of RenderDoc's formats as those of a dump (templates/dump.schema.json), and small pictures of them, for replay.py."""
 from __future__ import annotations
 
+import hashlib
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -83,6 +84,17 @@ def texels_of(form: Any, raw: bytes, width: int, height: int, gl: bool) -> Texel
     if kind == TYPES.R11G11B10:
         return Texels("r11g11b10f", words())
     return short(SHORT[kind], raw, width, height) if kind in SHORT else None
+
+
+def hashes_of(rows: np.ndarray) -> list[bytes]:
+    return [hashlib.sha256(row.data).digest() for row in np.ascontiguousarray(rows)]
+
+
+def names_of(layers: list[list[bytes]]) -> tuple[str, str]:
+    """Of files, made of the hashes of the rows: in this order, and with those of each layer in the opposite one."""
+    orders = (b"".join(line for layer in layers for line in layer[::step]) for step in (1, -1))
+    same, turned = (hashlib.sha256(order).hexdigest()[:24] + ".raw" for order in orders)
+    return same, turned
 
 
 # ---- Small pictures ------------------------------------------------------------------------------
