@@ -10,6 +10,7 @@ from typing import Any, Callable
 
 import numpy as np
 
+from .differ import common
 from .left import Unreadable, loaded, own
 from .texels import NUMBERS, four
 
@@ -29,6 +30,17 @@ FILL = """void main()
 
 class Refused(Exception):
     """Why there is no spec."""
+
+
+def modern(code: str) -> str:
+    """A fragment shader of GLSL before 1.40, which may use what later versions lack, as one of 3.30."""
+    version = re.search(r"^\s*#version\s+(\d+).*$", code, re.M)
+    if version and int(version[1]) > 130:
+        return code
+    code = re.sub(r"^\s*#define\s+in\s+varying\s*$", "", code[version.end() if version else 0:], flags=re.M)
+    for name, other in (("gl_FragColor", "alone_color"), ("varying", "in"), ("texture(?:[123]D|Cube)((?:Proj)?(?:Lod)?)", r"texture\1")):
+        code = re.sub(rf"\b{name}\b", other, code)
+    return "#version 330\n" + ("out vec4 alone_color;\n" if "alone_color" in code else "") + code
 
 
 def marked(rows: np.ndarray) -> np.ndarray:
@@ -174,6 +186,12 @@ class Alone:
     def replay(self, run: Run) -> None:
         shader = self.folder + "." + self.made["shader"].split(".", 1)[1]
         os.rename(own(self.source, self.made["shader"]), shader)
+        if shader.endswith(".frag"):
+            with open(shader, "r+", encoding="utf-8", errors="replace") as file:
+                code = modern(file.read())
+                file.seek(0)
+                file.write(code)
+                file.truncate()
         self.call(run, ["import", shader, "-o", self.folder])
         spec = Spec(self.made, self.source, self.folder)
         self.own = [spec.load(target["after"]) for target in spec.targets.values()]
@@ -226,8 +244,8 @@ def other_textures(sides: list[Alone]) -> list[str]:
 
     textures = [{item["name"]: [loaded(side.source, file) for file in item["levels"]] for item in side.made["textures"]}
                 for side in sides]
-    return [f"texture {name}" for name, own in textures[0].items() if name in textures[1]
-            and not equal(own, textures[1][name]) and not equal(own, [rows[::-1] for rows in textures[1][name]])]
+    return [f"texture {name}" for name, own, other in common(*textures)
+            if not equal(own, other) and not equal(own, [rows[::-1] for rows in other])]
 
 
 def verdict(sides: list[Alone], across: bool, turned: bool, state: list[str]) -> str:
@@ -263,4 +281,5 @@ def verdict(sides: list[Alone], across: bool, turned: bool, state: list[str]) ->
         rest = "the order of rows, the vertices or the code of the shaders" if across else "the code of the shader"
         return head + f"the cause is {rest}: nothing else is seen to differ"
     found += ["its code"] if code else []
-    return head + "the cause is outside the shader" + (f"; what differs: {', '.join(found)}" if found else "")
+    doubt = ", or its code is not the same" if across else ""
+    return head + f"the cause is outside the shader{doubt}" + (f"; what differs: {', '.join(found)}" if found else "")
