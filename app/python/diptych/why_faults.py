@@ -531,6 +531,8 @@ def not_dithered(pair: Any, p: Any) -> float | None:
     error = (b - a)[:, :, np.abs(b - a).sum((0, 1)).argmax()]  # of the channel that differs most
     if not error.any() or np.abs(error).max() > 2.01 * pair.step:
         return None
+    if max(np.count_nonzero(np.diff(error, axis=axis)) for axis in (0, 1)) < 0.1 * error.size:  # flat, as no pattern is
+        return None
     error = error - error.mean()
     for words, again in (("turned in y", error[::-1]), ("turned in x", error[:, ::-1]), ("turned in x and y", error[::-1, ::-1]),
                          ("moved", error)):
