@@ -98,6 +98,7 @@ passes:
   - {name: nested, dispatch: 1, local: 64, updates: [x], shader: nested.glsl}
   - {name: called, dispatch: 1, local: 64, updates: [x], shader: called.glsl}
   - {name: told, dispatch: 1, local: 64, updates: [x], shader: told.glsl}
+  - {name: pair, dispatch: 1, local: 64, updates: [x], shader: pair.glsl}
   - {name: fill, dispatch: picture, local: [8, 8], writes: [picture], shader: fill.glsl}
 output: {linear: picture}
 END
@@ -110,11 +111,15 @@ body around "for (int i = 0; i < rows; i++) { $once }"
 body nested "for (int i = rows; i > 0; i -= 8) for (uint k = 128u; k > 0u; k /= 2u) { $once }"
 body called "for (int i = 0; i * 8 < rows; i++) turn(n);" "void turn(inout uint n) { for (int k = 16; k > 0; k -= 2) { $once } }"
 body told "for (uint i = n; i < n + uint(rows); i++) { $once }"
+each='for (int i = invocation().x; i < 128; i += 64)'
+body pair "$each held[i] = 0u; barrier(); atomicAdd(held[n % 128u], 1u); barrier(); $each if (held[i] > 0u) atomicAdd(x[i % 64], held[i]);" \
+    "shared uint held[128];"
 turns=("$diptych" cost --spec "$work/turns.yaml" --gpu navi21)
 cycles='lambda name: stage("navi21", name, "compute")["cycles"]'
 check "costs loops" "${turns[@]}" --json "$work/turns.json"
 check "loops of known turns cost what they do" /usr/bin/python3 "$root/tests/app/cost.py" holds "$work/turns.json" \
-    "all(1 <= ($cycles)(name) / ($cycles)('straight') < 1.5 for name in ('around', 'nested', 'called'))" "($cycles)('told') < ($cycles)('around') / 4"
+    "all(1 <= ($cycles)(name) / ($cycles)('straight') < 1.5 for name in ('around', 'nested', 'called'))" "($cycles)('told') < ($cycles)('around') / 4" \
+    'stage("navi21", "pair", "compute")["latency"] > 0'
 check "costs more turns" "${turns[@]}" --set rows=640 --json "$work/turns.json"
 check "ten times the turns cost ten times as much" /usr/bin/python3 "$root/tests/app/cost.py" holds "$work/turns.json" \
     "all(9 < ($cycles)(name) / ($cycles)('straight') < 17 for name in ('around', 'nested', 'called'))"

@@ -93,12 +93,14 @@ def turned(told: Json, name: str) -> float:
             chain += [number] if number in kept and number != inner else []
         chains[chain[0]] = chain[::-1]
     own: dict[int, float] = {}  # of a loop without those in it
+    more = 0.0  # that the turns which are known add
     for number in sorted(kept, key=lambda number: -len(chains[number])):
         inside = sum(value * (1 if len(chains[other]) > 1 else 3) for other, value in own.items() if number in chains[other])
         own[number] = max(0.0, loops[number]["wrapped"][name] - inlined[name] - inside) / (1 if len(chains[number]) > 1 else 3)
         known = [loops[loop]["turns"] / {0: 8, 1: 4}.get(depth, 2) for depth, loop in enumerate(chains[number]) if loops[loop]["turns"]]
-        total += own[number] * (math.prod(known) - 1)
-    return total
+        more += own[number] * (math.prod(known) - 1)
+    # A loop in another hides less latency: shares may exceed the whole.
+    return total + more * min(1.0, total / max(1.0, sum(own.values())))
 
 
 def chip_of(device: str) -> Json | None:
