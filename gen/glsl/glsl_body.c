@@ -48,7 +48,7 @@ static char *preprocess(struct glsl *glsl)
     if (out)
         drop_head(out);
     else if (log)
-        glsl_report(glsl->model, glsl->pass, log, glsl->diag);
+        glsl_report(glsl->model, glsl->pass, text.data, log, glsl->diag);
     free(log);
     text_free(&text);
     return out;

@@ -2,6 +2,7 @@
  * the list that lacks a name. Also what can be done about it: a name that the body declares
  * itself, and that the generator or GLSL has too, gets another one by a macro in front of the
  * body. */
+#include "base/nearest.h"
 #include "glsl.h"
 #include "plan/plan.h"
 
@@ -102,8 +103,13 @@ static bool read_message(const struct model *model, const char **log,
     if (message->number >= 1 && message->number <= model->glsl_source_count) {
         message->loc =
             (struct loc){model->glsl_sources[message->number - 1], (int)message->line, 1, 1};
-        if (message->name)
-            glsl_find_in_line(&message->loc, message->name, message->name_length);
+        if (!message->name ||
+            !glsl_find_in_line(&message->loc, message->name, message->name_length)) {
+            size_t width;
+            const char *at = line_of(&message->loc, &width);
+            while (at && width-- && isspace((unsigned char)*at++))
+                message->loc.column++;
+        }
     }
     return message->length;
 }
@@ -149,6 +155,11 @@ static bool is_atomic(const char *ending)
         if (!strcmp(ending, *word))
             return true;
     return false;
+}
+
+static bool is_sampled(const char *ending)
+{
+    return !strncmp(ending, "_sample", 7) || !strcmp(ending, "_compare");
 }
 
 /* A name that the body uses and that is of a resource. */
@@ -205,6 +216,11 @@ static bool report_listed(const struct pass *pass, const struct name_use *use, s
     else if (!strcmp(use->ending, "_store") && use->access->mode == MODE_READ)
         diag_error(diag, loc, "the pass `%s` stores to `%s` but lists it only in reads", pass->name,
                    word);
+    else if (!use->access->sampler && is_sampled(use->ending))
+        diag_error(diag, loc,
+                   "the pass `%s` samples `%s` but lists it without a `sampler`: {name: %s, "
+                   "sampler: ...}",
+                   pass->name, word, use->access->name);
     else
         return false;
     return true;
@@ -570,51 +586,118 @@ static bool report_author(struct model *model, const struct pass *pass,
     return true;
 }
 
-static void report_glsl(const struct pass *pass, const struct compiler_message *message,
-                        struct diag *diag)
+/* Adds the text of a message without what no author wrote: glslang's precisions and storage. */
+static void add_plain(struct text *out, const struct compiler_message *message)
 {
-    int name_length = (int)message->name_length, length = (int)message->length;
-    bool named = name_length;
-    while (length && message->text[length - 1] == ' ')
-        length--;
-    if (!message->loc.source)
-        diag_error(diag, pass->shader_loc, "pass %s, line %lu of the generated GLSL: %s%.*s%s%.*s",
-                   pass->name, message->line, named ? "'" : "", name_length, message->name,
-                   named ? "' : " : "", length, message->text);
-    else
-        diag_error(diag, message->loc, "%s%.*s%s%.*s", named ? "'" : "", name_length, message->name,
-                   named ? "' : " : "", length, message->text);
+    static const char *const noise[] = {" temp ", "temp ", "mediump ", "highp "};
+    for (size_t i = 0; i < message->length;) {
+        size_t skipped = 0;
+        for (size_t k = 0; k < DT_ARRAY_COUNT(noise) && !skipped; k++)
+            if (!strncmp(message->text + i, noise[k], strlen(noise[k])))
+                skipped = strlen(noise[k]);
+        if (!skipped)
+            text_add(out, "%c", message->text[i]);
+        i += skipped ? skipped : 1;
+    }
+    while (out->length && out->data[out->length - 1] == ' ')
+        out->data[--out->length] = '\0';
 }
 
-/* Whether an earlier message of the log is about the same name. */
-static bool is_repeated(struct model *model, const char *log,
-                        const struct compiler_message *message)
+/* Adds the forms of a function that the generator has made, from the text in front of the body. */
+static void add_forms(struct text *out, const char *glsl, const char *name)
+{
+    const char *before = "; there is";
+    size_t length = strlen(name);
+    for (const char *line = glsl; line && *name && strncmp(line, "#line 1 ", 8) != 0;
+         line = strchr(line, '\n')) {
+        line += *line == '\n';
+        const char *open = line + strcspn(line, "(\n"), *word = open - length;
+        if (*open != '(' || !isalpha((unsigned char)*line) || word <= line || word[-1] != ' ' ||
+            strncmp(word, name, length) != 0)
+            continue;
+        text_add(out, "%s `%.*s`", before, (int)strcspn(line, ")\n") + 1, line);
+        before = ",";
+    }
+}
+
+/* Adds the name of the spec, with its ending, that an unknown one is near to. */
+static void add_near(struct text *out, struct model *model, const struct pass *pass,
+                     const char *name)
+{
+    const struct pipeline *pipeline = &model->pipeline;
+    uint32_t count = 0,
+             most = pass->access_count + pipeline->param_count + pipeline->constant_count;
+    const char **names = arena_alloc(model->arena, (most + 1) * sizeof *names), *ending = "";
+    for (const char *const *word = image_words + 1; *word; word++)
+        if (strlen(name) > strlen(*word) && !strcmp(name + strlen(name) - strlen(*word), *word))
+            ending = *word;
+    for (uint32_t i = 0; names && i < pass->access_count; i++)
+        names[count++] = access_word(&pass->accesses[i]);
+    for (uint32_t i = 0; names && i < pipeline->param_count; i++)
+        names[count++] = pipeline->params[i].name;
+    for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
+        names[count++] = pipeline->constants[i].name;
+    const char *stem = arena_strndup(model->arena, name, strlen(name) - strlen(ending));
+    const char *near = stem && names ? nearest_name(stem, names, count) : NULL;
+    if (near)
+        text_add(out, "; did you mean `%s%s`?", near, ending);
+}
+
+static void report_glsl(struct model *model, const struct pass *pass, const char *glsl,
+                        const struct compiler_message *message, struct diag *diag)
+{
+    struct text text = {0};
+    if (message->name_length)
+        text_add(&text, "'%.*s' : ", (int)message->name_length, message->name);
+    add_plain(&text, message);
+    size_t plain = text.length;
+    if (is_unknown(message))
+        add_forms(&text, glsl, message_name(model, message));
+    if (is_unknown(message) && text.length == plain)
+        add_near(&text, model, pass, message_name(model, message));
+    const char *words = text.data ? text.data : message->text;
+    if (!message->loc.source)
+        diag_error(diag, pass->shader_loc, "pass %s, line %lu of the generated GLSL: %s",
+                   pass->name, message->line, words);
+    else
+        diag_error(diag, message->loc, "%s", words);
+    text_free(&text);
+}
+
+/* Whether an earlier message of the log is about the same name, or in the same line. */
+static bool has_earlier(struct model *model, const char *log,
+                        const struct compiler_message *message, bool in_line)
 {
     struct compiler_message earlier;
     while (*log && log < message->text)
         if (read_message(model, &log, &earlier) && earlier.text != message->text &&
-            earlier.name_length && earlier.name_length == message->name_length &&
-            !memcmp(earlier.name, message->name, message->name_length))
+            (in_line ? earlier.loc.source && earlier.loc.source == message->loc.source &&
+                           earlier.line == message->line
+                     : earlier.name_length && earlier.name_length == message->name_length &&
+                           !memcmp(earlier.name, message->name, message->name_length)))
             return true;
     return false;
 }
 
-void glsl_report(struct model *model, const struct pass *pass, const char *log, struct diag *diag)
+void glsl_report(struct model *model, const struct pass *pass, const char *glsl, const char *log,
+                 struct diag *diag)
 {
     unsigned before = diag_error_count(diag);
     struct compiler_message message;
     for (const char *at = log; *at;)
         if (read_message(model, &at, &message) && message.loc.source &&
-            !is_repeated(model, log, &message))
+            !has_earlier(model, log, &message, false))
             report_author(model, pass, &message, diag);
     bool told = diag_error_count(diag) > before; /* what else does not fit may follow from it */
     struct diag *silent = diag_create();
     for (const char *at = log; silent && *at;) {
         if (!read_message(model, &at, &message) ||
             (told && !says(&message, "undeclared identifier")) ||
+            (!says(&message, "undeclared identifier") &&
+             has_earlier(model, log, &message, true)) || /* it follows from that */
             (message.loc.source && report_author(model, pass, &message, silent)))
             continue;
-        report_glsl(pass, &message, diag);
+        report_glsl(model, pass, glsl, &message, diag);
         if (message.loc.source && says(&message, "constant"))
             note_uniforms(&model->pipeline, &message.loc, diag);
     }

@@ -41,5 +41,6 @@ bool emit_glsl(struct model *model, const struct pass *pass, enum backend backen
  * struct shader. False: nothing new. */
 bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *shader,
                 const char *log);
-/* The same file: reports the messages. */
-void glsl_report(struct model *model, const struct pass *pass, const char *log, struct diag *diag);
+/* The same file: reports the messages about `glsl`, what glslang got. */
+void glsl_report(struct model *model, const struct pass *pass, const char *glsl, const char *log,
+                 struct diag *diag);

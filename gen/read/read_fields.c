@@ -176,6 +176,30 @@ static struct fy_node *wrong_number(struct reader *reader, const struct key *key
     return NULL;
 }
 
+/* Whether a comma parted an expression: an element has a parenthesis that none in it closes. */
+static bool is_torn(struct reader *reader, struct fy_node *node)
+{
+    void *iterator = NULL;
+    int open = 0;
+    for (struct fy_node *item; !open && (item = next_item(node, &iterator));)
+        for (const char *text = node_text(reader, item); text && *text; text++)
+            open += (*text == '(') - (*text == ')');
+    return open;
+}
+
+/* As describe_node, with the number of elements where a key takes some. */
+static const char *describe_value(struct reader *reader, const struct key *key,
+                                  struct fy_node *node)
+{
+    const char *listed =
+        node && key_types[key->type].most && fy_node_get_type(node) == FYNT_SEQUENCE
+            ? arena_printf(reader->model->arena, "a list of %d%s", list_count(node),
+                           is_torn(reader, node) ? "; an expression that has a comma needs quotes"
+                                                 : "")
+            : NULL;
+    return listed ? listed : describe_node(reader, node);
+}
+
 /* Whether the value is one that the key allows; reports an error if not. */
 static bool value_check(struct reader *reader, const struct key *key, struct fy_node *node,
                         struct loc loc)
@@ -195,7 +219,8 @@ static bool value_check(struct reader *reader, const struct key *key, struct fy_
                        quote ? "`" : "", label, quote ? "`" : "", describe_node(reader, item));
         else
             diag_error(reader->diag, place, "%s%s%s must be %s, not %s", quote ? "`" : "", label,
-                       quote ? "`" : "", key_types[key->type].text, describe_node(reader, node));
+                       quote ? "`" : "", key_types[key->type].text,
+                       describe_value(reader, key, node));
         return false;
     }
     return key->type != KEY_CHOICE || choice_check(reader, key, node_text(reader, node), place);

@@ -185,7 +185,7 @@ static bool compile_again(const struct job *job)
         bool done = spirv_compile(model, job->pass, job->backend, shader, &log, diag);
         bool again = !done && log && glsl_adapt(model, job->pass, shader, log);
         if (!done && !again && log)
-            glsl_report(model, job->pass, log, diag);
+            glsl_report(model, job->pass, shader_code(shader)->data, log, diag);
         free(log);
         if (!again)
             return done;

@@ -2,5 +2,5 @@ void main()
 {
     ivec2 p = invocation().xy;
     other_store(p, vec4(0.0));
-    picture_store(p, other(p));
+    picture_store(p, other_sample(vec2(p)));
 }
