@@ -29,8 +29,8 @@ set_target_properties(diptych::scene_static PROPERTIES
 #
 # Adds the C code of each spec to the target, which then includes its header by #include "PIPELINE.h" and links the libraries
 # of the backends (default: vk). PUBLIC: so do those that link the target. STATIC: the static libraries. SET overrides values of all
-# specs. The files are made in the build folder, anew when the spec,
-# a body, or what these include has changed. With Ninja, files that come out the same are not compiled again.
+# specs. Each target has files of its own in the build folder, made anew when the spec, a body, or what these include has changed.
+# With Ninja, files that come out the same are not compiled again.
 function(diptych_generate target)
   cmake_parse_arguments(PARSE_ARGV 1 arg "PUBLIC;STATIC" "" "BACKENDS;SET")
   set(scope PRIVATE)
@@ -55,7 +55,7 @@ function(diptych_generate target)
       message(FATAL_ERROR "diptych_generate: ${spec} has no line `pipeline: NAME`")
     endif()
     set(name "${CMAKE_MATCH_1}")
-    set(folder "${CMAKE_CURRENT_BINARY_DIR}/diptych/${name}")
+    set(folder "${CMAKE_CURRENT_BINARY_DIR}/diptych/${target}/${name}")
     set(files "${folder}/${name}.h" "${folder}/${name}.c")
     foreach(backend IN LISTS arg_BACKENDS)
       list(APPEND files "${folder}/${name}_${backend}_shaders.c")

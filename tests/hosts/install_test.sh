@@ -404,6 +404,8 @@ add_library(pipelines STATIC "${CMAKE_CURRENT_BINARY_DIR}/part.c")
 diptych_generate(pipelines wave.yaml PUBLIC STATIC BACKENDS vk gl)
 add_executable(wave main.c)
 target_link_libraries(wave PRIVATE pipelines diptych::scene_static)
+add_executable(again main.c)
+diptych_generate(again wave.yaml)
 END
     hide cmake -S "$work/public" -B "$work/public/build" -G Ninja "-DCMAKE_PREFIX_PATH=$apart" &&
         hide cmake --build "$work/public/build" && "$work/public/build/wave" | grep '^pass stripe' &&
@@ -423,7 +425,7 @@ finds_by_name() {
         hide "$apart/bin/diptych" render --spec rsm --scene cornell --size 24x16 --backend vk -o "$work/a.png" --set rsm_size=16 --set samples=4
 }
 check "libraries may be in a folder of their own" installs_apart
-check "... where CMake finds them, and a library hands its pipeline on" passes_on
+check "... where CMake finds them, a library hands its pipeline on, and another target has the same" passes_on
 check "... and Python, for the installed example" python_finds_it
 check "... and pkg-config" package_finds_it
 check "a bare name is that of a shipped spec or scene" finds_by_name
