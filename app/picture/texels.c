@@ -250,6 +250,11 @@ static bool is_accessed(const struct dt_pipeline *pipeline, uint32_t resource)
     return false;
 }
 
+uint32_t pass_mips(const struct dt_pass *pass, uint32_t write)
+{
+    return pass->write_mips ? pass->write_mips[write] : 1;
+}
+
 uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
 {
     const struct dt_resource *what = &pipeline->resources[resource];
@@ -259,7 +264,7 @@ uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass,
         const struct dt_pass *writer = &pipeline->passes[i];
         for (uint32_t j = 0; j < writer->write_count; j++)
             if (writer->writes[j] == resource)
-                mask |= writer->write_mips ? writer->write_mips[j] : 1;
+                mask |= pass_mips(writer, j);
     }
     return mask;
 }
@@ -273,11 +278,6 @@ char *element_place(const struct dt_resource *resource, const uint32_t extent[3]
     unsigned long long x = element % width, y = element % area / width, layer = element / area;
     return resource->layered ? format_string("(%llu, %llu, layer %llu)", x, y, layer)
                              : format_string("(%llu, %llu)", x, y);
-}
-
-uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource)
-{
-    return resource_mips_before(pipeline, pass + 1, resource);
 }
 
 uint32_t resource_components(const struct dt_resource *resource, struct component **list)

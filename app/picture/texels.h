@@ -35,11 +35,11 @@ void resource_extent(const struct dt_pipeline *pipeline, uint32_t resource, cons
                      uint32_t mip, uint32_t extent[3]);
 uint64_t resource_elements(const struct dt_resource *resource, const uint32_t extent[3]);
 
+/* Mask of the mips that the pass writes of the resource that is `write`-th of those that it writes. */
+uint32_t pass_mips(const struct dt_pass *pass, uint32_t write);
 /* Mask of the mips that are defined before the pass: those that earlier passes of the frame write;
  * with history, all. A buffer has mip 0. */
 uint32_t resource_mips_before(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
-/* The same after the pass. */
-uint32_t resource_mips(const struct dt_pipeline *pipeline, uint32_t pass, uint32_t resource);
 
 /* Position of an element as text: "[12]" in a buffer, "(3, 4)" in an image of that extent, "(3, 4,
  * layer 5)" in a layered one; malloc'ed, NULL when out of memory. */

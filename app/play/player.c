@@ -340,7 +340,7 @@ static bool is_there(const struct dt_player *player, uint32_t index, uint32_t mi
                      "read %s: other passes may reuse its memory; read it after the pass that "
                      "writes it, or give it `keep: true` in the spec",
                      resource->name);
-    else if (mip > 31 || !(resource_mips(info, player->pass, index) >> mip & 1))
+    else if (mip > 31 || !(resource_mips_before(info, player->pass + 1, index) >> mip & 1))
         report_error(log, "read %s: no pass wrote mip %u so far", resource->name, mip);
     else
         return true;

@@ -37,11 +37,9 @@ static bool append_mips(struct row_list *rows, const struct dt_pipeline *pipelin
 static bool append_outputs(struct rows *rows, uint32_t pass)
 {
     const struct dt_pass *info = &rows->pipeline->passes[pass];
-    for (uint32_t i = 0; i < info->write_count; i++) {
-        uint32_t mips = resource_mips(rows->pipeline, pass, info->writes[i]);
-        if (!append_mips(&rows->outputs, rows->pipeline, pass, info->writes[i], mips))
+    for (uint32_t i = 0; i < info->write_count; i++)
+        if (!append_mips(&rows->outputs, rows->pipeline, pass, info->writes[i], pass_mips(info, i)))
             return false;
-    }
     return true;
 }
 

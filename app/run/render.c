@@ -185,7 +185,7 @@ static bool find_shown(struct render *render)
     for (uint32_t i = info->pass_count; i-- > 0;) {
         for (uint32_t j = 0; j < info->passes[i].write_count; j++) {
             if (info->passes[i].writes[j] == render->shown &&
-                (resource_mips(info, i, render->shown) & 1)) {
+                (pass_mips(&info->passes[i], j) & 1)) {
                 render->shown_pass = i;
                 return true;
             }
@@ -253,7 +253,7 @@ static bool render_after_pass(void *user, uint32_t pass)
     const struct dt_pass *info = &render->pipeline.info->passes[pass];
     console_status(render->console, "%s: pass %s", render->side.label, info->name);
     for (uint32_t i = 0; i < info->write_count; i++) {
-        uint32_t mips = resource_mips(render->pipeline.info, pass, info->writes[i]);
+        uint32_t mips = pass_mips(info, i);
         for (uint32_t mip = 0; mips >> mip; mip++)
             if ((mips >> mip & 1) && !take_frame_output(render, pass, info->writes[i], mip))
                 return false;

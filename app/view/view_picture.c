@@ -13,7 +13,7 @@ uint32_t view_last_writer(const struct dt_pipeline *info, uint32_t resource, uin
     for (uint32_t i = info->pass_count; i-- > 0;)
         for (uint32_t j = 0; j < info->passes[i].write_count; j++)
             if (info->passes[i].writes[j] == resource &&
-                (resource_mips(info, i, resource) >> mip & 1))
+                (pass_mips(&info->passes[i], j) >> mip & 1))
                 return i;
     return info->pass_count;
 }

@@ -572,10 +572,11 @@ static void mips_hold_something_once_written(void **state)
         {.name = "p", .reads = before, .read_count = 1, .writes = first, .write_count = 2},
         {.name = "q", .writes = second, .write_count = 1, .write_mips = mips_1_and_2}};
     const struct dt_pipeline info = {.resources = resources, .passes = passes, .pass_count = 2};
-    assert_int_equal(resource_mips(&info, 0, 0), 1);
-    assert_int_equal(resource_mips(&info, 1, 0), 7);
-    assert_int_equal(resource_mips(&info, 0, 1), 1);
-    assert_int_equal(resource_mips(&info, 0, 2), 7);
+    assert_int_equal(resource_mips_before(&info, 1, 0), 1);
+    assert_int_equal(resource_mips_before(&info, 2, 0), 7);
+    assert_int_equal(resource_mips_before(&info, 1, 1), 1);
+    assert_int_equal(resource_mips_before(&info, 1, 2), 7);
+    assert_int_equal(pass_mips(&passes[1], 0), 2 | 4);
 }
 
 /* ---- Messages -------------------------------------------------------------------------------- */
