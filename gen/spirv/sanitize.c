@@ -649,10 +649,11 @@ static uint32_t put_mip(struct sanitizer *s, uint32_t image, uint32_t lod, const
     return sanitizer_call(s, "diptych_mip(i1;u1;u1;u1;", &values);
 }
 
-static const uint8_t dimensions[] = {[SpvDim1D] = 1,   [SpvDim2D] = 2,   [SpvDim3D] = 3,
-                                     [SpvDimCube] = 2, [SpvDimRect] = 2, [SpvDimBuffer] = 1};
+static const uint8_t dimensions[] = {
+    [SpvDim1D] = 1, [SpvDim2D] = 2, [SpvDim3D] = 3, [SpvDimCube] = 2, [SpvDimRect] = 2};
 
-/* A texel of an image; `from`: what it was loaded from. */
+/* A texel of an image, which was loaded from `pointer`. Not of a buffer: those hold the scene's arrays, whose index is
+ * checked. */
 static void put_texel(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t pointer,
                       uint32_t place, uint32_t lod)
 {

@@ -123,4 +123,16 @@ races() {
         grep -qE 'name="arrive"><failure message="[23] distinct results in 3 runs, on vk@llvmpipe"' told.xml
 }
 check "a race gives distinct results" races
+
+cat >scene.yaml <<'EOF'
+pipeline: arrays
+buffers: {sum: {of: float, count: 1}}
+passes: [{name: go, dispatch: 1, local: 1, reads: [scene_vertices, scene_indices], writes: [sum], shader: scene.glsl}]
+EOF
+echo 'void main() { sum[0] = scene_vertices[invocation().x + 99].px + float(scene_indices[invocation().x + 99]); }' >scene.glsl
+arrays() {
+    ! "$diptych" compare --spec scene.yaml --scene "$root/scenes/cornell.yaml" --size 16x16 --sanitize --json told.json >told && cat told &&
+        json_holds told.json '[(u["column"], u["message"][:9], u["message"][-11:]) for u in d["undefined"]] == [(24, "index 99 ", "76 elements"), (71, "index 99 ", "90 elements")]'
+}
+check "an index beyond the scene's arrays is told once, at its place" arrays
 finish
