@@ -154,6 +154,10 @@ static void add_buffer(struct reflecting *reader, const uint32_t *variable)
     item->bytes = least_bytes(module, id);
     item->writes =
         !read_only && spirv_decoration(module, variable[2], SpvDecorationNonWritable) == UINT32_MAX;
+    uint32_t last = type[spirv_length(type) - 1];
+    uint32_t stride = spirv_decoration(module, last, SpvDecorationArrayStride);
+    if (spirv_is(spirv_definition(module, last), SpvOpTypeRuntimeArray) && stride != UINT32_MAX)
+        item->stride = stride;
     const uint32_t *member = spirv_is(type, SpvOpTypeStruct) && spirv_length(type) == 3
                                  ? spirv_definition(module, type[2])
                                  : type;
@@ -162,6 +166,8 @@ static void add_buffer(struct reflecting *reader, const uint32_t *variable)
     write_type(reader, member[2], item);
     if (!strncmp(item->type, "mat", 3))
         *item->type = 0;
+    if (*item->type)
+        item->stride = 0;
 }
 
 struct leaves {

@@ -31,6 +31,7 @@ struct reflected {
     bool writes;       /* image, buffer */
     uint32_t location; /* input, output; MOST_TARGETS: a second source of blending */
     uint64_t bytes;    /* buffer: least size */
+    uint64_t stride;   /* buffer: of the elements of an open array of structs; 0: another */
     double number;     /* constant */
     char *initial;     /* value: a constructor; NULL: none */
 };

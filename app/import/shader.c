@@ -17,7 +17,11 @@
 #include "gen/read/body_files.h"
 #include "gen/check/check.h"
 
-enum { MOST_ELEMENTS = 4096 };
+enum {
+    MOST_ELEMENTS = 4096, /* of a value */
+    ELEMENTS = 65536,     /* of a buffer */
+    MOST_STRIDE = 64      /* words of an element, of so many */
+};
 #define MOST_BUFFER ((uint64_t)1 << 30)
 
 struct shader_file {
@@ -63,12 +67,10 @@ static int stage_of(const char *path)
     static const char *const endings[][2] = {{".comp", ".cs"}, {".vert", ".vs"}, {".frag", ".fs"}};
     const char *slash = strrchr(path, '/');
     for (int stage = 0; stage < 3; stage++)
-        for (int i = 0; i < 2; i++) {
-            const char *at = strstr(slash ? slash : path, endings[stage][i]);
-            char behind = at ? at[strlen(endings[stage][i])] : 'x';
-            if (!behind || behind == '.')
-                return stage;
-        }
+        for (int i = 0; i < 2; i++)
+            for (const char *at = slash ? slash : path; (at = strstr(at, endings[stage][i])); at++)
+                if (strchr(".", at[strlen(endings[stage][i])]))
+                    return stage;
     return -1;
 }
 
@@ -264,6 +266,19 @@ static bool can_be_filled(const struct making *making, const struct reflected *i
                   item->name, MOST_ELEMENTS);
 }
 
+/* Whether a parameter has the name in other letters, which are the same in C's macros. */
+static bool has_twin(const struct making *making, const char *name)
+{
+    for (int f = 0; f < making->count; f++)
+        for (uint32_t i = 0; i < making->files[f].reflection.count; i++) {
+            const struct reflected *item = &making->files[f].reflection.list[i];
+            bool param = item->kind == REFLECTED_VALUE || item->kind == REFLECTED_CONSTANT;
+            if (param && !strcasecmp(item->name, name) && strcmp(item->name, name) != 0)
+                return true;
+        }
+    return false;
+}
+
 /* A parameter, where one can have the type and the name; else an expression. */
 static bool write_value(struct making *making, const struct reflected *item)
 {
@@ -275,7 +290,7 @@ static bool write_value(struct making *making, const struct reflected *item)
         return false;
     bool real = *type == 'f' || *type == 'v';
     const char *one = real ? "1.0" : "1", *size = item->initial ? NULL : size_named(item);
-    if (plain && !size && name_is_free(item->name)) {
+    if (plain && !size && name_is_free(item->name) && !has_twin(making, item->name)) {
         text_add(&making->params, "  %s: {value: %s", item->name, vector ? "[" : "");
         for (const char *at = item->initial ? strchr(item->initial, '(') + 1 : ")"; *at != ')';
              at++)
@@ -428,11 +443,13 @@ static bool write_buffer(struct making *making, const struct reflected *item)
 {
     int components = components_of(item->type);
     uint64_t count = item->bytes / 4 / (uint64_t)(components == 3 ? 4 : components);
+    uint64_t words = item->stride / 4 ? item->stride / 4 : 1; /* of an element of a struct */
+    uint64_t least = ELEMENTS * (words < MOST_STRIDE ? words : MOST_STRIDE);
     if (item->bytes > MOST_BUFFER)
         return REFUSE(making, item, "the buffer `%s` has more than 1 GiB", item->name);
     text_add(&making->buffers,
              "  %s: {of: %s, count: %u, history: true}  # the count is a guess%s\n", item->name,
-             *item->type ? item->type : "uint", (unsigned)(count > 65536 ? count : 65536),
+             *item->type ? item->type : "uint", (unsigned)(count > least ? count : least),
              *item->type ? "" : "; the shader's struct, in words");
     list(item->writes ? &making->updates : &making->reads, item, NULL);
     making->guesses = true;

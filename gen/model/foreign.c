@@ -182,14 +182,20 @@ static void bound_indices(const struct spirv *module, uint32_t *i)
     }
 }
 
+/* Whether it is a value of numbers that nothing sets. */
+static bool is_unset(const struct spirv *module, const uint32_t *i)
+{
+    return spirv_is(i, SpvOpUndef) && (spirv_letter(spirv_definition(module, i[1])) ||
+                                       spirv_parts(module, spirv_definition(module, i[1])));
+}
+
 /* In place: a value that nothing sets is zero. Optimizers leave such values where no result depends on them. */
 static void set_undefined(struct spirv *module)
 {
     SPIRV_EACH(module, at, module->declarations, module->code)
     {
         uint32_t *i = module->words + at;
-        if (spirv_is(i, SpvOpUndef) && (spirv_letter(spirv_definition(module, i[1])) ||
-                                        spirv_parts(module, spirv_definition(module, i[1]))))
+        if (is_unset(module, i))
             i[0] = 3u << 16 | SpvOpConstantNull;
         else if (spirv_is(i, SpvOpSpecConstantOp))
             bound_indices(module, i);
@@ -361,6 +367,9 @@ static bool lower_operations(struct spirv *module)
         bool reads = spirv_is(i, SpvOpImageFetch) || spirv_is(i, SpvOpImageRead);
         if (spirv_is(i, SpvOpFRem))
             put_remainder(&edit, i);
+        else if (is_unset(module, i))
+            SPIRV_PUT(&edit, &edit.code, SpvOpCopyObject, i[1], i[2],
+                      spirv_declare(&edit, SpvOpConstantNull, i[1], NULL, 0));
         else if (put_later(&edit, i))
             continue;
         else if (length > MOST_WORDS || !(writes || texel || reads))

@@ -264,10 +264,16 @@ static void place_site(const struct model *model, const struct sanitize_site *si
         report->column = 1 + (int)strspn(line, " \t");
 }
 
-static bool allows(const struct pass *pass, unsigned kind)
+/* The kind by which a pass allows it: what is shared is a variable of the shader. */
+static unsigned kind_to_allow(const struct sanitize_site *site)
 {
-    for (uint32_t i = 0; pass && i < pass->allow_count; i++)
-        if (pass->allows[i].kind == kind)
+    return site->kind == SANITIZE_CONTENT && !site->resource ? SANITIZE_VARIABLE : site->kind;
+}
+
+static bool is_allowed(const struct sanitize_site *site)
+{
+    for (uint32_t i = 0; site->pass && i < site->pass->allow_count; i++)
+        if (site->pass->allows[i].kind == kind_to_allow(site))
             return true;
     return false;
 }
@@ -290,7 +296,7 @@ const struct dt_site *sanitize_table(const struct model *model, uint32_t *count)
                                .words = site->words,
                                .first = site->first,
                                .pairs = site->pairs,
-                               .allowed = allows(site->pass, site->kind)};
+                               .allowed = is_allowed(site)};
         place_site(model, site, to);
     }
     return sites->table;
@@ -311,7 +317,7 @@ static void silence(const struct model *model, const struct dt_finding *finding,
                     const struct dt_site *table)
 {
     const struct sanitize_site *what = &model->sites->list[finding->what - table];
-    model->sites->silenced[what->pass - model->pipeline.passes] |= what->kind;
+    model->sites->silenced[what->pass - model->pipeline.passes] |= kind_to_allow(what);
 }
 
 bool sanitize_read(const struct model *model, const struct dt_pipeline *pipeline, const void *bytes,

@@ -423,11 +423,14 @@ static bool check_capabilities(struct binder *binder)
             if (spirv_is(i, SpvOpCapability) && i[1] == missing[k].capability)
                 return refuse(binder, "the shader uses %s, which %s not have", missing[k].what,
                               missing[k].who);
-        if (binder->request->exact && spirv_is(i, SpvOpCapability) &&
-            i[1] >= SpvCapabilityGroupNonUniform && i[1] <= SpvCapabilityGroupNonUniformQuad)
-            return refuse(binder, "subgroup operations need `exactness: fast`: the size of "
-                                  "subgroups, and the order in which they reduce, differ from "
-                                  "device to device");
+        bool subgroups = spirv_is(i, SpvOpCapability) && i[1] >= SpvCapabilityGroupNonUniform &&
+                         i[1] <= SpvCapabilityGroupNonUniformQuad;
+        if (subgroups && (binder->request->exact || !binder->request->local))
+            return refuse(binder, binder->request->local
+                                      ? "subgroup operations need `exactness: fast`: the size of "
+                                        "subgroups, and the order in which they reduce, differ "
+                                        "from device to device"
+                                      : "only a dispatch can have subgroup operations");
         if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModePixelCenterInteger)
             return refuse(binder,
                           "the shader uses pixel_center_integer, which Vulkan does not have");

@@ -166,6 +166,11 @@ case("operations of subgroups", {"a.comp": "#version 450\n#extension GL_KHR_shad
      "void main() { w[gl_LocalInvocationIndex] = uint(subgroupAny(w[0] == 0)); }\n"}, 0, "dispatch: [4, 1, 1]  # one workgroup: none knows which it is\n    local: [4, 1, 1]\n    updates: [B]\n    exactness: fast")
 case("a workgroup by the number of another constant", {"a.comp": "#version 450\nlayout(local_size_x_id = 0) in;\nlayout(constant_id = 0) const uint N = 3;\nlayout(binding = 0) buffer B { uint w[]; };\n"
      "void main() { w[gl_GlobalInvocationID.x] = N; }\n"}, 0, "local: [3, 1, 1]")
+case("... of a draw", {"a.frag": fragment("#extension GL_KHR_shader_subgroup_vote : require", "vec4(subgroupAny(gl_FragCoord.x < 1))")}, 1, "only a dispatch can have subgroup operations")
+case("a stage as a part of a name, a parameter and a constant that are one name in C", {"a.fragment.frag": fragment("uniform uint value;\nlayout(constant_id = 1) const uint VALUE = 2u;", "vec4(value + VALUE)")}, 0,
+     'VALUE: {value: 2, type: uint}  # of specialization\nimages:')
+case("a buffer of structs has one for each invocation", {"a.comp": "#version 450\nlayout(local_size_x = 8) in;\nstruct S { vec4 a; vec4 b; };\nlayout(binding = 0) buffer B { uint n; S s[]; };\n"
+     "void main() { s[gl_GlobalInvocationID.x].b = vec4(n); }\n"}, 0, "count: 524288,")
 case("what OpenGL's SPIR-V has not", {"a.comp": "#version 450\n#extension GL_EXT_shared_memory_block : require\nlayout(local_size_x = 4) in;\nlayout(binding = 0) buffer B { uint w[]; };\n"
      "shared S { uint s[]; } s;\nvoid main() { s.s[0] = 1; w[0] = s.s[0]; }\n".replace("s[];", "s[4];")}, 1, "a.comp:5: `shared block` needs a later SPIR-V than OpenGL takes")
 case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
@@ -173,6 +178,7 @@ case("a module that glslang makes wrong", {"a.hlsl": "RWStructuredBuffer<float2>
      "a.hlsl:1:1: error: glslang makes no valid module of this HLSL: spirv-val says: ")
 for what, shader, words in (("... by the last function", "struct S { float2 a; };\nfloat half_of(float x) { return x / 2; }\nfloat4 Shade(S s : PLACE) : COLOR0\n{ return half_of(s.a.x); }\n", "shader: "),
                             ("... of names of numbers alone", "int4 main() : SV_TARGET { return 1; }\n", "format: rgba32i"),
+                            ("... of a function that returns nothing at times", "float4 main(float x : X) : SV_Target { while (x > 0) return x; }\n", "format: rgba8"),
                             ("a structure between layouts, a buffer as an argument", "struct S { float3 a; float b; };\nStructuredBuffer<S> s;\nRWStructuredBuffer<uint4> w;\n"
                              "float of(StructuredBuffer<S> t, RWStructuredBuffer<uint4> u, int i) { u[i] = i; return t[i].b; }\n"
                              "float4 main() : SV_Target { S own = s[1]; return of(s, w, 2) + own.b; }\n", "reads: [s]")):
