@@ -17,7 +17,8 @@ WHOLE = HEAD + """void main() { vec2 p = vec2(gl_VertexID & 1, gl_VertexID >> 1)
 SOLID = HEAD + """layout(location = 0) in vec2 spot; out vec3 colour; uniform mat4 place;
 void main() { vec2 p = spot; colour = vec3(p * .5 + .5, .3);
 gl_Position = place * vec4(p, p.x * .2 + float(gl_VertexID / 3) * .05 + .5, 1.0); }"""
-COLOURED = HEAD + "in vec3 colour; layout(location = 0) out vec4 result; void main() { result = vec4(colour, 1.0); }"
+COLOURED = HEAD + "in vec3 colour; layout(location = 0) out vec4 result; uniform sampler2D still;" """
+void main() { result = vec4(colour, 1.0) + textureLod(still, colour.rg, 1.0) * 0.1; }"""
 BLUR = HEAD + """uniform sampler2D scene; uniform float radius; uniform float iTime; layout(location = 0) out vec4 result;
 void main() { vec2 p = TURN / 96.0; vec4 sum = vec4(0.0); for (int i = -2; i <= 2; i++) sum += texture(scene, p + vec2(float(i) + SHIFT, 0.0)
 * radius / 96.0); result = sum * 0.2 + iTime * 0.1; }"""
@@ -105,6 +106,11 @@ class Scene:
         self.scene, self.again, self.stored, self.resolved = target(True), target(False), target(False), target(False)
         self.soft = {"": target(False), "format": target(False, 0x881A), "wrap": target(False, wrap=0x2901), "channels": target(False)}
         gl.glTexParameteri(TEXTURE_2D, 0x8E42, 0x1904)  # of the last one, red is read as green
+        self.still = [texture(TEXTURE_2D, "glTexStorage2D", 2, RGBA8, 2, 2) for _ in range(2)]
+        for name, level, value in ((name, level, 60 + 90 * level * at) for at, name in enumerate(self.still) for level in range(2)):
+            gl.glBindTexture(TEXTURE_2D, name)
+            gl.glTexParameteri(TEXTURE_2D, 0x2801, 0x2701)  # it has mips
+            gl.glTexSubImage2D(TEXTURE_2D, level, 0, 0, 2 >> level, 2 >> level, 0x1908, 0x1401, bytes([value] * 16))
         samples = texture(SAMPLES, "glTexStorage2DMultisample", 4, RGBA8, SIDE, SIDE, 1)
         array, layers = (texture(ARRAY, "glTexStorage3D", 1, RGBA8, SIDE, SIDE, 3) for _ in range(2))
         mips, self.made_mips = (texture(TEXTURE_2D, "glTexStorage2D", 4, RGBA8, SIDE, SIDE) for _ in range(2))
@@ -123,12 +129,12 @@ class Scene:
                         buffer(0x8893, (ctypes.c_ushort * 6)(0, 1, 2, 3, *last))) for top, last in ((.8, (4, 5)), (.7, (5, 4)))]
 
     def frame(self, fault: str) -> None:
-        use(self.solid, self.scene[0])
+        use(self.solid, self.scene[0], self.still[fault == "levels"])
         switch(DEPTH_TEST, OFFSET, on=True)
         gl.glDepthFunc(0x204 if fault == "depth" else 0x201)
         gl.glBlendFunc(1, 1)
         gl.glPolygonOffset(*((0.0, 0.5) if fault == "offset" else (0.5, 0.0)))
-        gl.glClearColor(0.1, 0.2, 0.3, 1.0)
+        gl.glClearColor(0.1, 0.4 if fault == "clear" else 0.2, 0.3, 1.0)
         gl.glClear(0x4100)
         switch(*(state for name, state in (("blend", BLEND), ("cull", CULL_FACE), ("scissor", SCISSOR)) if name == fault), on=True)
         gl.glScissor(0, 0, 50, SIDE)

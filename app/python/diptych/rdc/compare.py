@@ -103,17 +103,24 @@ class Dump:
 
 
 def slots(entries: list[Json]) -> list[str]:
-    """Names of contents, each once."""
+    """Names of contents, each once; all levels of a texture have one."""
     names: list[str] = []
+    known: dict[int, str] = {}
     for entry in entries:
         name = "screen" if entry["screen"] and entry["resource"] == "color0" else entry["label"] or entry["resource"]
-        names.append(name if name not in names or entry.get("mip") else f"{name}_{len(names)}")
+        name = f"{name}_{len(known)}" if name in known.values() else name
+        names.append(known.setdefault(entry["id"], name))
     return names
 
 
 def origin_of(side: Side) -> str:
     """Where row 0 is, if the other side is not found to have it elsewhere."""
     return "bottom" if side.label == "gl" else "top"
+
+
+def shown(inputs: list[Json]) -> list[Json]:
+    """Of the smaller levels of textures, those that differ."""
+    return [entry for entry in inputs if not entry.get("mip") or entry.get("differs")]
 
 
 def dump_first(matches: "list[Matched]", folder: str) -> None:
@@ -124,7 +131,7 @@ def dump_first(matches: "list[Matched]", folder: str) -> None:
     partners = {pair.first for matched in matches for pair in matched.pairs if pair.both}
     without = [at for at in range(len(side.passes)) if at not in partners][:MOST_ALONE]
     for at, (name, item) in enumerate(zip(matches[0].names, side.passes)):
-        both = ((f"{name}_inputs", item["inputs"]), (name, item["entries"]))
+        both = ((f"{name}_inputs", shown(item["inputs"])), (name, item["entries"]))
         for place, entries in both if at in partners else ((name, item["entries"][:1]),) if at in without else ():
             for entry, slot in zip(entries, slots(entries)):
                 dump.add(entry, place, slot, origin_of(side), "; ".join(about.get(place, [])))
@@ -139,10 +146,11 @@ def dump_other(matched: "Matched", folder: str) -> None:
         dump.add(entry, f"only_in_{dump.side.label}_{item['index']:02d}_{item['kind']}", entry["resource"], "top")
     for pair, item, _ in matched.both():
         name, contents = matched.names[pair.first], [(*both, pair.turned) for both in pair.contents]
-        for place, entries, found in ((f"{name}_inputs", item["inputs"], pair.inputs), (name, item["entries"], contents)):
+        for place, entries, found in ((f"{name}_inputs", shown(item["inputs"]), pair.inputs), (name, item["entries"], contents)):
             named = {id(entry): slot for entry, slot in zip(entries, slots(entries))}
             for entry, other, turned in found:
-                dump.add(other, place, named[id(entry)], origins[turned])
+                if id(entry) in named:
+                    dump.add(other, place, named[id(entry)], origins[turned])
     dump.end()
 
 
@@ -176,6 +184,8 @@ class Matched:
                 item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["left_out"]]
             for contents in pair.contents:
                 drop_alpha(sides, contents)
+            for entry, other, _ in pair.inputs:
+                entry["differs"] = entry.get("differs") or other["file"] not in (entry["file"], entry["turned"])
             folders, draws = [side.folder for side in sides], max(first["draws"], second["draws"])
             texts, moved, compared = differ.differences(first, second, pair.turned, folders, sides[0].label != sides[1].label)
             if first["kind"] == second["kind"] == "draw":

@@ -121,6 +121,11 @@ def clip_space(first: np.ndarray, second: np.ndarray) -> bool:
     return False
 
 
+def plain(values: list[Any]) -> tuple[list[float], int]:
+    """The numbers of a uniform; of a matrix whose rows lie one after the other, how many columns it has."""
+    return (values[0], values[1]) if values and isinstance(values[0], list) else (values, 0)
+
+
 def same_uniform(one: np.ndarray, other: np.ndarray) -> bool:
     return np.allclose(one, other, rtol=1e-6, atol=0, equal_nan=True) or (
         len(one) in SHAPES and one.shape == other.shape and clip_space(one.reshape(SHAPES[len(one)]), other.reshape(SHAPES[len(one)])))
@@ -130,7 +135,7 @@ def uniform_differences(first: dict[str, Any], second: dict[str, Any]) -> list[t
     """Names and values."""
     found = []
     for name, *both in common(first, second):
-        (one, wide), (other, wide_too) = (values if isinstance(values[0], list) else (values, 0) for values in both)
+        (one, wide), (other, wide_too) = map(plain, both)
         turns = [other]
         if bool(wide) != bool(wide_too) and len(one) == len(other):  # HLSL's are transposed in SPIR-V
             turns.append(np.reshape(other, (wide, -1) if wide else (-1, wide_too)).T.ravel().tolist())
@@ -203,6 +208,8 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
         at = next(index for index, pair in enumerate(zip(first["counts"], second["counts"])) if pair[0] != pair[1])
         what = "groups" if first["kind"] == "dispatch" else f"draw {at + 1}: vertices and instances"
         texts.append(f"{what} {text_of(first['counts'][at])} against {text_of(second['counts'][at])}")
+    cleared = [(key, *(side["clears"][key] for side in (first, second))) for key in first["clears"] if key in second["clears"]]
+    texts += [f"clear of {key}: {text_of(one)} against {text_of(other)}" for key, one, other in cleared if not same_value(one, other)]
     draws: dict[str, list[int]] = {}  # that a text is true of
     clocks: set[str] = set()
     told: set[str] = set()
@@ -219,8 +226,9 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
                 clocks |= {found[-1]} if CLOCK.search(name) else set()
             named = [one["uniforms"], other["uniforms"]]
             if all(named) and not common(*named) and not any(map(made_up, named)):
-                names = (", ".join([*uniforms][:MOST_TOLD]) for uniforms in named)
-                found.append("uniforms of other names, which are not compared: " + " against ".join(names))
+                sides = (", ".join(f"{name} {text_of(plain(values)[0])}" for name, values in [*uniforms.items()][:MOST_TOLD])
+                         for uniforms in named)
+                found.append("uniforms of other names, which are not compared: " + " against ".join(sides))
             found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
             numbers = stream_differences(one["streams"], other["streams"], folders, across)
             found += numbers

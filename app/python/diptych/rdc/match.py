@@ -242,14 +242,19 @@ class Matcher:
     def pair_inputs(self, pairs: list[Pair]) -> None:
         """Of matched passes; an input that the other side reads first in another pass is found by its content."""
         inputs = [[entry for item in side for entry in item["inputs"]] for side in self.passes]
+        partners: dict[int, int] = {}
         for pair in pairs:
             first = self.passes[0][pair.first]["inputs"]
             second = self.passes[1][pair.second]["inputs"]
             for entry in first:
-                found = [other for other in inputs[1] if other["file"] in (entry["file"], entry["turned"]) and same_shape(entry, other)]
-                found += [other for one, other in pair_up([entry], second)]
+                if entry.get("mip"):  # one of the texture whose first level is paired
+                    found = [other for other in inputs[1] if other["id"] == partners.get(entry["id"]) and same_shape(entry, other)]
+                else:
+                    found = [other for other in inputs[1] if other["file"] in (entry["file"], entry["turned"]) and same_shape(entry, other)]
+                    found += [other for one, other in pair_up([entry], second)]
                 taken = next((other for other in found if any(other is item for item in inputs[1])), None)
                 if taken:
+                    partners[entry["id"]] = taken["id"]
                     same, turned = self.distances(entry, taken)
                     pair.inputs.append((entry, taken, entry["kind"] == "image" and same - turned > TURNED))
                     inputs[1] = [other for other in inputs[1] if other is not taken]

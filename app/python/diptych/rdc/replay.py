@@ -37,6 +37,7 @@ MOST_LOOKS = 64        # draws of a frame at which state is read, beside the las
 MOST_STOPS = 8         # with contents that are discarded
 SECONDS_OF_LOOKS = 4.0  # of a processor, above which a child looks
 LARGE = 64 << 20       # bytes of a capture, above which a child looks, too
+VK_CLEARS, VK_DEPTHS = 1, range(124, 131)  # VK_ATTACHMENT_LOAD_OP_CLEAR, formats
 NEVER, OPENED = 1 << 62, (1 << 62) - 1  # events: none; the end of the frame, as opening leaves it
 SECONDS_OF_PROGRESS = 5.0
 WRITES = ("Target", "Clear", "Discard", "GenMips", "Copy", "Resolve", "CPUWrite", "StreamOut", "RWResource")  # in names of usages
@@ -74,6 +75,7 @@ class Pass:
         self.run, self.kind, self.targets, self.where = run, kind, targets, where
         self.first = self.last = action.eventId
         self.draws: list[Any] = []
+        self.clears: dict[str, list[float]] = {}
         self.keys: list[tuple[int, int]] = []
 
     def add(self, action: Any, keys: tuple[int, int]) -> None:
@@ -114,24 +116,25 @@ class Calls:
     """What a frame's calls have set: draws of equal state are looked at once."""
 
     def __init__(self, file: Any):
-        self.file, self.unit = file, 0
+        self.file, self.unit, self.clears = file, 0, Clears(file)
         self.state: dict[Any, Any] = {}
         self.sampling: dict[Any, Any] = {}
 
     def add(self, action: Any) -> bool:
         """Whether the targets of OpenGL were set anew."""
-        bound = False
+        bound, self.clears.now = False, {}
         for event in action.events:
             if event.chunkIndex == rd.APIEvent.NoChunk:
                 continue
             chunk = self.file.chunks[event.chunkIndex]
             bound |= chunk.name.startswith(BINDS_FRAMEBUFFER)
+            self.clears.add(chunk)
             if chunk.name == "glActiveTexture":
                 self.unit = bits(chunk)
             elif not NO_STATE.search(chunk.name):
                 sampling = SAMPLING.search(chunk.name)
                 name = chunk.name.replace("Enable", "").replace("Disable", "")
-                arguments = [chunk.GetChild(at) for at in range(chunk.NumChildren())]
+                arguments = children(chunk)
                 place = tuple(bits(item) for item in arguments if item.name in PLACES)
                 value = (chunk.name, *map(bits, arguments))
                 (self.sampling if sampling else self.state)[(name, place, sampling and self.unit)] = value
@@ -140,6 +143,48 @@ class Calls:
     def keys(self) -> tuple[int, int]:
         """Of the state, and of what is sampled with it."""
         return hash(frozenset(self.state.items())), hash(frozenset(self.sampling.items()))
+
+
+def children(chunk: Any) -> list[Any]:
+    return [chunk.GetChild(at) for at in range(chunk.NumChildren())]
+
+
+def child(chunk: Any, *names: str) -> Any:
+    for name in names:
+        chunk = chunk.FindChild(name)
+    return chunk
+
+
+class Clears:
+    """What a frame's calls clear to, as far as they tell: of colours, that of the first."""
+
+    def __init__(self, file: Any):
+        self.own: dict[str, list[float]] = {}  # in OpenGL's state
+        self.now: dict[str, list[float]] = {}  # by the current action
+        self.attachments = {int(child(chunk, "RenderPass").AsResourceId()): child(chunk, "CreateInfo", "pAttachments")
+                            for chunk in file.chunks if chunk.name.startswith("vkCreateRenderPass")}
+
+    def add(self, chunk: Any) -> None:
+        if chunk.name in ("glClearColor", "glClearDepth", "glClearDepthf"):
+            key = "colour" if chunk.name == "glClearColor" else "depth"
+            self.own[key] = [item.data.basic.d for item in children(chunk) if item.type.basetype == rd.SDBasic.Float]
+        elif chunk.name == "glClear":
+            mask = child(chunk, "mask").data.basic.u
+            self.now |= {key: self.own[key] for key, bit in (("colour", 0x4000), ("depth", 0x100)) if mask & bit and key in self.own}
+        elif chunk.name.startswith("vkCmdBeginRenderPass"):
+            begin = child(chunk, "RenderPassBegin")
+            values, attachments = child(begin, "pClearValues"), self.attachments.get(int(child(begin, "renderPass").AsResourceId()))
+            for attachment, value in reversed(list(zip(children(attachments) if attachments else [], children(values)))):
+                if child(attachment, "loadOp").data.basic.u == VK_CLEARS:
+                    self.vulkan(child(attachment, "format").data.basic.u in VK_DEPTHS, value)
+        elif chunk.name == "vkCmdClearAttachments":
+            for item in children(child(chunk, "pAttachments")):
+                if not child(item, "colorAttachment").data.basic.u:
+                    self.vulkan(child(item, "aspectMask").data.basic.u & 1 == 0, child(item, "clearValue"))
+
+    def vulkan(self, depth: bool, value: Any) -> None:
+        numbers = [child(value, "depthStencil", "depth")] if depth else children(child(value, "color", "float32"))
+        self.now["depth" if depth else "colour"] = [item.data.basic.d for item in numbers]
 
 
 class Grouping:
@@ -156,6 +201,7 @@ class Grouping:
         self.runs = 0
         self.render_pass: tuple[int, ...] | None = None
         self.without_target = 0
+        self.cleared: dict[str, tuple[set[int], list[float]]] = {}  # targets, and the values
         self.bound = False
 
     def close(self) -> None:
@@ -182,6 +228,9 @@ class Grouping:
             current.add(action, self.calls.keys())
         else:
             self.alone("draw", targets, where, action, same_run)
+        own = {key: self.cleared.pop(key)[1] for key in list(self.cleared) if self.cleared[key][0] & set(targets)}
+        if self.current and len(self.current.draws) == 1:
+            self.current.clears = own
         self.bound = False
 
     def copy(self, action: Any, where: list[str]) -> None:
@@ -203,6 +252,8 @@ class Grouping:
         if flags & FLAGS.EndPass:
             self.render_pass = None
         self.bound |= self.calls.add(action) and self.current is not None and self.current.kind == "draw"
+        into = {int(action.copyDestination), *map(int, action.outputs), int(action.depthOut)} - {NULL}
+        self.cleared |= {key: (into, value) for key, value in self.calls.clears.now.items()}
         cleared = bool(flags & FLAGS.Clear) and self.current and int(action.copyDestination) in self.current.targets
         if flags & (FLAGS.BeginPass | FLAGS.EndPass) or cleared:
             self.close()
@@ -231,7 +282,7 @@ def shared_memory(file: Any, resources: dict[int, Any]) -> dict[int, set[int]]:
     for chunk in file.chunks:
         if chunk.name.startswith(("vkBindImageMemory", "vkBindBufferMemory")):
             several = chunk.FindChild("pBindInfos")
-            for bind in [chunk] if several is None else [several.GetChild(at) for at in range(several.NumChildren())]:
+            for bind in [chunk] if several is None else children(several):
                 resource, offset = number(bind, "image") or number(bind, "buffer"), number(bind, "memoryOffset")
                 if resource in resources:
                     size = getattr(resources[resource], "byteSize", 0) or resources[resource].length
@@ -405,6 +456,7 @@ class Frame:
         """State of a pass, and which contents are to be read; `chosen`: of each draw, that one which is looked at for its state; `known`:
         resources that passes before wrote or read."""
         states, wanted, inputs = [], {}, {}  # type: list[Json], dict[tuple[int, int], str], dict[int, str]
+        levels: dict[int, int] = {}
         for at in sorted(set(chosen) - {-1}):
             self.control.SetFrameEvent(made.draws[at].eventId, False)
             if made.kind in ("draw", "dispatch"):
@@ -419,6 +471,8 @@ class Frame:
             for name, resource, stores in bindings:
                 if not stores and (resource in self.textures or resource in self.buffers):
                     inputs.setdefault(resource, name)
+            for resource, last in rdc_state.last_levels(self.control, state, made.kind, self.gl, self.textures):
+                levels[resource] = max(last, levels.get(resource, 0))
         known |= {resource for resource, _ in wanted}
         inputs = {resource: name for resource, name in inputs.items() if resource not in known}
         known.update(inputs)
@@ -428,8 +482,10 @@ class Frame:
                   for action in made.draws]
         return {"index": index, "run": made.run, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
                 "draws": len(made.draws), "counts": counts, "states": states, "chosen": chosen, "shaders": shaders, "left_out": [],
+                "clears": made.clears,
                 "entries": [{"id": resource, "mip": mip, "slot": slot} for (resource, mip), slot in wanted.items()],
-                "inputs": [{"id": resource, "mip": 0, "slot": name} for resource, name in inputs.items()]}
+                "inputs": [{"id": resource, "mip": mip, "slot": name} for resource, name in inputs.items()
+                           for mip in range(levels.get(resource, 0) + 1)]}
 
     def look_at(self, passes: list[Pass], most: float = math.inf) -> list[Json]:
         """Nothing, if it takes too many seconds of a processor."""
@@ -518,7 +574,7 @@ def look(path: str, folder: str, each_draw: str) -> None:
     """The child: leaves looked.json."""
     frame = Frame(replayed(open_file(path), rd.ReplayOptimisationLevel.Fastest), folder)
     with open(os.path.join(folder, "looked.json"), "w", encoding="utf-8") as output:
-        json.dump(frame.look_at(grouped(frame, each_draw)[0]), output)
+        output.write(json.dumps(frame.look_at(grouped(frame, each_draw)[0])))
 
 
 def looked_by_child(words: list[str]) -> list[Json]:
@@ -544,8 +600,9 @@ def main(path: str, folder: str, each_draw: str, child: str = "") -> None:
     frame.read(looked)
     np.savez(os.path.join(folder, "small.npz"), **frame.small)
     with open(os.path.join(folder, "frame.json"), "w", encoding="utf-8") as output:
-        json.dump({"api": str(capture.DriverName()), "renderdoc": rd.GetVersionString(), "device": rdc_state.device_of(frame.file),
-                   "passes": looked, "notes": frame.notes + notes, "samples": frame.samples, "bytes": frame.bytes}, output)
+        output.write(json.dumps({  # dump() takes ten times as long
+            "api": str(capture.DriverName()), "renderdoc": rd.GetVersionString(), "device": rdc_state.device_of(frame.file),
+            "passes": looked, "notes": frame.notes + notes, "samples": frame.samples, "bytes": frame.bytes}))
 
 
 def run(work: Callable[..., None]) -> NoReturn:

@@ -1,6 +1,7 @@
 """What RenderDoc tells of OpenGL's and of Vulkan's state at an event, under the same words, for replay.py."""
 from __future__ import annotations
 
+import math
 import os
 from typing import Any, Iterator
 
@@ -165,14 +166,27 @@ def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any)
     text += f", border {' '.join(f'{value:g}' for value in item.borderColor)}" if "clampborder" in addresses else ""
     text += f", compare {word(item.compareFunction)}" if word(chosen.filter) == "comparison" else ""
     text += f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else ""
-    last = min(count, seen.firstMip + seen.numMips) - 1 if seen.numMips > 0 else count - 1
-    levels = seen.firstMip + max(0, item.minLOD), min(last, seen.firstMip + item.maxLOD) if mips != "nofilter" else count - 1
+    levels = seen.firstMip + max(0, item.minLOD), last_level(item, seen, count) if mips != "nofilter" else count - 1
     text += f", levels {levels[0]:g} to {levels[1]:g}" if levels != (0, count - 1) else ""
     bias = getattr(item, "mipBias", 0) or getattr(item, "mipLODBias", 0)
     text += f", bias {bias:g}" if bias and count > 1 else ""
     channels = order(seen, form)
     text += f", channels {'/'.join(channels)}" if channels != CHANNELS else ""
     return text + (", sRGB" if form and form.compType == rd.CompType.UNormSRGB else "")
+
+
+def last_level(item: Any, seen: Any, count: int) -> float:
+    """The smallest one of `count` that is sampled."""
+    last = min(count, seen.firstMip + seen.numMips) - 1 if seen.numMips > 0 else count - 1
+    return seen.firstMip if item.maxLOD < 0.5 or word(item.filter.mip) == "nofilter" else min(last, seen.firstMip + item.maxLOD)
+
+
+def last_levels(control: Any, state: Any, kind: str, gl: bool, textures: dict[int, Any]) -> Iterator[tuple[int, int]]:
+    """Of each texture that is sampled."""
+    for stage, _ in stages(state, kind):
+        for _, _, number, seen, item, _ in bound_textures(control, state, stage, gl):
+            if number in textures:
+                yield number, math.ceil(last_level(item, seen, textures[number].mips))
 
 
 def bound_at(sets: Any, place: Any) -> Any:
