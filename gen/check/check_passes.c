@@ -201,6 +201,18 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
     diag_note(c->diag, a->loc, "first here");
 }
 
+static bool holds_integers(const struct structure *structure, int64_t least)
+{
+    for (uint32_t i = 0; i < structure->field_count && least > 0; i++) {
+        const struct field *field = &structure->fields[i];
+        const struct type_info *type = type_info(field->type);
+        if (type->scalar != DT_TYPE_INT && type->scalar != DT_TYPE_UINT)
+            return false;
+        least -= type->components * (field->array_count ? field->array_count : 1);
+    }
+    return least <= 0;
+}
+
 static void check_arguments(struct checker *c, const struct pass *pass)
 {
     const struct resource *used[2] = {pass->indirect_resource, pass->index_resource};
@@ -220,13 +232,18 @@ static void check_arguments(struct checker *c, const struct pass *pass)
     int64_t least = pass->kind == DT_PASS_DISPATCH        ? 3
                     : pass->kind == DT_PASS_DRAW_VERTICES ? 4
                                                           : 5;
+    const char *kind = pass->kind == DT_PASS_DISPATCH ? "dispatch" : "draw";
     int64_t count = least;
-    if (used[0] && !used[0]->structure && expr_eval(used[0]->count, 1, 1, &count) == EXPR_OK &&
-        count < least)
+    if (used[0] && used[0]->structure && !holds_integers(used[0]->structure, least))
+        diag_error(c->diag, pass->indirect_loc,
+                   "`%s` must begin with %" PRId64
+                   " numbers of type int or uint, the arguments of a %s",
+                   used[0]->structure->name, least, kind);
+    else if (used[0] && !used[0]->structure && expr_eval(used[0]->count, 1, 1, &count) == EXPR_OK &&
+             count < least)
         diag_error(c->diag, pass->indirect_loc,
                    "`%s` has %" PRId64 " elements; the arguments of a %s are %" PRId64,
-                   used[0]->name, count, pass->kind == DT_PASS_DISPATCH ? "dispatch" : "draw",
-                   least);
+                   used[0]->name, count, kind, least);
 }
 
 /* ---- Targets --------------------------------------------------------------------------------- */

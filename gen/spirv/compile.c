@@ -260,8 +260,10 @@ static void report_open(void *user, const struct open_operation *operation)
     if (!proving->model->prove && !operation->wrong)
         return;
     if (loc.source == proving->pass->shader_loc.source) {
-        diag_error(proving->diag, loc, "pass %s, in the generated GLSL: `%s` is not exact: %s",
-                   proving->pass->name, operation->word, operation->why);
+        const char *function = operation->function ? operation->function : "main";
+        diag_error(proving->diag, loc, "pass %s, in `%.*s`: `%s` is not exact: %s",
+                   proving->pass->name, (int)strcspn(function, "("), function, operation->word,
+                   operation->why);
         return;
     }
     while (!glsl_find_in_line(&loc, operation->word, strlen(operation->word)) && operation->wrong &&

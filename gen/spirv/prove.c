@@ -361,6 +361,7 @@ static const struct rule *find_rule(const struct rule *rules, size_t count, uint
 static void tell_finding(struct proof *proof, const char *word, const char *why,
                          enum verdict verdict)
 {
+    proof->at.function = spirv_name(proof->module, proof->function);
     proof->at.word = word;
     proof->at.why = why;
     proof->at.wrong = verdict == WRONG || verdict == ENDS;
