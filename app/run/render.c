@@ -253,7 +253,7 @@ static bool render_after_pass(void *user, uint32_t pass)
     const struct dt_pass *info = &render->pipeline.info->passes[pass];
     console_status(render->console, "%s: pass %s", render->side.label, info->name);
     for (uint32_t i = 0; i < info->write_count; i++) {
-        uint32_t mips = pass_mips(info, i);
+        uint32_t mips = resource_mips_before(render->pipeline.info, pass + 1, info->writes[i]);
         for (uint32_t mip = 0; mips >> mip; mip++)
             if ((mips >> mip & 1) && !take_frame_output(render, pass, info->writes[i], mip))
                 return false;
