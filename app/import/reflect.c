@@ -119,6 +119,40 @@ static bool is_stored(const struct spirv *module, uint32_t image)
     return stored && spirv_decoration(module, image, SpvDecorationNonWritable) == UINT32_MAX;
 }
 
+/* Whether a value comes from the variable: by a load or an atomic operation, of an image also by a read; what a function takes counts. */
+static bool gives_value(const struct spirv *module, uint32_t variable)
+{
+    bool *led = calloc(module->words[3], sizeof *led), found = !led; /* to the variable */
+    if (led)
+        led[variable] = true;
+    SPIRV_EACH(module, at, module->code, found ? 0 : module->count)
+    {
+        const uint32_t *i = module->words + at;
+        uint32_t opcode = spirv_opcode(i);
+        bool image = opcode == SpvOpLoad && led[i[3]] &&
+                     spirv_is(spirv_definition(module, i[1]), SpvOpTypeImage);
+        bool chain = opcode == SpvOpAccessChain || opcode == SpvOpInBoundsAccessChain ||
+                     opcode == SpvOpImageTexelPointer || image;
+        bool atomic = opcode >= SpvOpAtomicLoad && opcode <= SpvOpAtomicXor;
+        if (chain)
+            led[i[2]] = led[i[3]];
+        else if (opcode == SpvOpLoad || opcode == SpvOpImageRead ||
+                 (atomic && opcode != SpvOpAtomicStore))
+            found |= led[i[3]];
+        for (uint32_t word = 4; opcode == SpvOpFunctionCall && word < spirv_length(i); word++)
+            found |= led[i[word]];
+    }
+    free(led);
+    return found;
+}
+
+static void set_binding(const struct spirv *module, const uint32_t *variable,
+                        struct reflected *item)
+{
+    item->set = spirv_decoration(module, variable[2], SpvDecorationDescriptorSet);
+    item->binding = spirv_decoration(module, variable[2], SpvDecorationBinding);
+}
+
 static void add_image(struct reflecting *reader, const uint32_t *variable, enum reflected_kind kind)
 {
     const struct spirv *module = reader->module;
@@ -137,6 +171,8 @@ static void add_image(struct reflecting *reader, const uint32_t *variable, enum 
     item->depth = type[4] == 1;
     item->format = kind == REFLECTED_IMAGE ? storage_format(type[8]) : NULL;
     item->writes = kind == REFLECTED_IMAGE && is_stored(module, variable[2]);
+    item->reads = kind == REFLECTED_TEXTURE || gives_value(module, variable[2]);
+    set_binding(module, variable, item);
 }
 
 static void add_buffer(struct reflecting *reader, const uint32_t *variable)
@@ -152,6 +188,8 @@ static void add_buffer(struct reflecting *reader, const uint32_t *variable)
     for (uint32_t m = 0; read_only && m + 2 < spirv_length(type); m++)
         read_only = spirv_member_decoration(module, id, m, SpvDecorationNonWritable) != UINT32_MAX;
     item->bytes = least_bytes(module, id);
+    item->reads = gives_value(module, variable[2]);
+    set_binding(module, variable, item);
     item->writes =
         !read_only && spirv_decoration(module, variable[2], SpvDecorationNonWritable) == UINT32_MAX;
     uint32_t last = type[spirv_length(type) - 1];

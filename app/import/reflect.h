@@ -26,14 +26,15 @@ struct reflected {
     const char *format; /* image: a word of formats.def; NULL: none given */
     const char *
         shape; /* texture, image: "2D", "2D array", "3D", "cube", "cube array"; NULL: not in passes */
-    char scalar;       /* texture, image: f, i or u */
-    bool depth;        /* texture: sampled by comparison */
-    bool writes;       /* image, buffer */
-    uint32_t location; /* input, output; MOST_TARGETS: a second source of blending */
-    uint64_t bytes;    /* buffer: least size */
-    uint64_t stride;   /* buffer: of the elements of an open array of structs; 0: another */
-    double number;     /* constant */
-    char *initial;     /* value: a constructor; NULL: none */
+    char scalar;           /* texture, image: f, i or u */
+    bool depth;            /* texture: sampled by comparison */
+    bool reads, writes;    /* image, buffer */
+    uint32_t location;     /* input, output; MOST_TARGETS: a second source of blending */
+    uint32_t set, binding; /* image, buffer; UINT32_MAX: none */
+    uint64_t bytes;        /* buffer: least size */
+    uint64_t stride;       /* buffer: of the elements of an open array of structs; 0: another */
+    double number;         /* constant */
+    char *initial;         /* value: a constructor; NULL: none */
 };
 
 struct reflection {

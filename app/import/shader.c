@@ -376,6 +376,22 @@ static bool shape_fits(struct making *making, const struct reflected *item)
                               : "an array of more than 16, or by an index that is not constant");
 }
 
+/* Whether two names of the shader are no single resource that it writes. */
+static bool is_alone(struct making *making, const struct reflected *item)
+{
+    const struct reflection *reflection = &making->now->reflection;
+    const struct reflected *other = reflection->list;
+    for (; other < item; other++)
+        if (other->kind == item->kind && other->set == item->set && item->binding != UINT32_MAX &&
+            other->binding == item->binding && (other->writes || item->writes) &&
+            strcmp(other->name, item->name) != 0)
+            return REFUSE(making, item,
+                          "`%s` is the resource that `%s` is, by its binding: a pass of a spec has "
+                          "one name for each",
+                          *item->as ? item->as : item->name, *other->as ? other->as : other->name);
+    return true;
+}
+
 /* Plain textures hold the picture, others zeros. */
 static bool write_texture(struct making *making, const struct reflected *item)
 {
@@ -415,6 +431,9 @@ static bool write_image(struct making *making, const struct reflected *item)
                          : item->scalar == 'u' ? "r32ui"
                                                : "rgba32f";
     bool flat = !strcmp(item->shape, "2D");
+    if (!is_alone(making, item))
+        return false;
+    making->guesses |= item->reads;
     if (item->writes && making->now->stage != REFLECT_COMPUTE)
         return REFUSE(making, item,
                       "a fragment shader stores in `%s`; a draw of a spec writes targets "
@@ -445,6 +464,8 @@ static bool write_buffer(struct making *making, const struct reflected *item)
     uint64_t count = item->bytes / 4 / (uint64_t)(components == 3 ? 4 : components);
     uint64_t words = item->stride / 4 ? item->stride / 4 : 1; /* of an element of a struct */
     uint64_t least = ELEMENTS * (words < MOST_STRIDE ? words : MOST_STRIDE);
+    if (!is_alone(making, item))
+        return false;
     if (item->bytes > MOST_BUFFER)
         return REFUSE(making, item, "the buffer `%s` has more than 1 GiB", item->name);
     text_add(&making->buffers,
@@ -452,7 +473,7 @@ static bool write_buffer(struct making *making, const struct reflected *item)
              *item->type ? item->type : "uint", (unsigned)(count > least ? count : least),
              *item->type ? "" : "; the shader's struct, in words");
     list(item->writes ? &making->updates : &making->reads, item, NULL);
-    making->guesses = true;
+    making->guesses |= item->reads;
     return true;
 }
 

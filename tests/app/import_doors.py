@@ -72,7 +72,11 @@ case("a draw of depth alone", {"a.frag": "#version 450\nvoid main() { gl_FragDep
 case("an image that a fragment shader stores in", {"a.frag": fragment("layout(binding = 0, r32ui) uniform uimage2D i;", "vec4(imageAtomicAdd(i, ivec2(0), 1u))")}, 1, "a.frag:2:45: error: a fragment shader stores in `i`")
 case("an array of 17 textures", {"a.frag": fragment("layout(binding = 0) uniform sampler2D t[17];", "texture(t[int(gl_FragCoord.x)], vec2(0))")}, 1, "a.frag:2:39: error: `t` is an array of more than 16, or by an index")
 case("a constant of another type keeps its value", {"a.frag": fragment("layout(constant_id = 0) const double n = 3.0LF;", "vec4(float(n))")}, 0, "shown: {")
-case("a length by a constant", {"a.comp": "#version 450\nlayout(constant_id = 0) const int N = 5;\nlayout(binding = 0) buffer B { uint sums[N + 1]; };\nvoid main() { sums[0] = N; }\n"}, 0, "updates: [B]")
+case("a length by a constant", {"a.comp": "#version 450\nlayout(constant_id = 0) const int N = 5;\nlayout(binding = 0) buffer B { uint sums[N + 1]; };\nvoid main() { sums[0] = N; }\n"}, 0, "updates: [B]\n    shader:")
+case("two names of one buffer", {"a.comp": "#version 450\nlayout(binding = 1) buffer A { uint a[]; };\nlayout(binding = 1) readonly buffer B { uvec4 b[]; };\nvoid main() { a[0] = b[1].x; }\n"}, 1,
+     "a.comp:3:37: error: `B` is the resource that `A` is, by its binding")
+case("what a shader reads is a guess", {"a.comp": "#version 450\nlayout(binding = 0, r32ui) uniform uimage2D i;\nvoid main() { imageStore(i, ivec2(gl_GlobalInvocationID), imageLoad(i, ivec2(0))); }\n"}, 0,
+     "updates: [i]\n    allow: {content: ")
 for shape, words in (("samplerCubeArray", "size: [64, 64], cube: true, layers: 6"), ("sampler1D", "a.frag:2:19: error: `t` is sampler1D, which specs do not have"), ("samplerBuffer", "error: `t` is samplerBuffer")):
     case(f"a {shape}", {"a.frag": fragment(f"uniform {shape} t;", "vec4(textureSize(t" + ", 0" * (shape[7] != "B") + ").x)")}, int("error" in words), words)
 for name, lines in (("demotion of invocations", "GL_EXT_demote_to_helper_invocation : require\nvoid f() { demote; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
