@@ -26,7 +26,7 @@ static const struct verb verbs[] = {
      "the first pass that differs, lines before it say why.\nLines that begin with `elsewhere:` "
      "tell what other devices or runs may do.\nThe verdict `not finite`: both have NaN or infinity "
      "in the same places, which no contract accepts.\nExit status: 0 the backends agree, 1 they "
-     "differ, or leave NaN or infinity, or --sanitize or --repeat has found something, 2 it could "
+     "differ, or leave NaN or infinity,\nor --sanitize or --repeat has found something, 2 it could "
      "not run.",
      verb_compare, EXIT_USAGE},
     {"capture", VERB_CAPTURE, "capture a frame of any program that draws with OpenGL or Vulkan",
@@ -114,7 +114,7 @@ static const struct verb verbs[] = {
      "Tries other workgroups, and other storage and loops of ranges, which a spec leaves to the "
      "generator.\nA change is kept if it makes its pass faster in frames that take turns; passes "
      "below 1 % of the frame\nare left as they are. --gpu goes by the figures of a GPU's compiler, "
-     "as `cost` does, and leaves loops out. --set keeps a value. At the end, all resources of all "
+     "as `cost` does, and leaves loops out. --set keeps a value.\nAt the end, all resources of all "
      "passes must have the same bits.\nExit status: 0 done, 1 it failed, 2 wrong usage.",
      verb_tune, EXIT_FAILED},
     {"help", VERB_HELP, "list the verbs, or the options of one",

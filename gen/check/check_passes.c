@@ -192,8 +192,9 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
                    b->name);
     } else if (both(a, b, MODE_READ, MODE_WRITE)) {
         diag_error(c->diag, b->loc,
-                   "the pass `%s` both reads and writes `%s`; list it in `updates` alone",
-                   pass->name, b->name);
+                   "the pass `%s` both reads and writes `%s`; list it in `updates` alone%s",
+                   pass->name, b->name,
+                   image ? ", or read what it held a frame ago with `previous: 1`" : "");
     } else {
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` in %s and %s", pass->name, b->name,
                    keys[a->mode], a->mode == b->mode ? "again" : keys[b->mode]);
