@@ -481,7 +481,8 @@ def is_varied(e: Evidence) -> bool:
     if fault.at and (e.part or fault.names > 1) and e.varied[e.known].mean() < 0.5:
         return False
     is_map = any(fault.map and not fault.loses for fault, _ in e.trial.faults)
-    return not is_map or len(np.unique(rows_of(e.got[e.distinct]))) >= least_kinds(e)
+    moved = (e.pair.differing_from != e.got).any(0)  # what is equal in both copies proves nothing
+    return not is_map or len(np.unique(rows_of(e.got[e.distinct][:, moved]))) >= least_kinds(e)
 
 
 def least_kinds(e: Evidence) -> int:
