@@ -7,6 +7,7 @@
 #include <stdlib.h>
 
 #include "foreign.h"
+#include "spirv_check.h"
 
 struct combined {
     uint32_t texture, sampler; /* variables; sampler 0: fetched alone */
@@ -271,7 +272,8 @@ bool spirv_combine(struct spirv *module)
 {
     struct combining c = {.from = module};
     size_t uses = 1;
-    if (!spirv_spread(module))
+    if ((spirv_passes_textures(module) && !spirv_reread(module, SPIRV_INLINE)) ||
+        !spirv_spread(module))
         return false;
     SPIRV_EACH(module, at, module->code, module->count)
     uses +=

@@ -240,8 +240,7 @@ static bool lower_version(struct spirv *module)
     return true;
 }
 
-/* Whether a function takes a texture or a sampler, so that its loads name no variable. */
-static bool passes_textures(const struct spirv *module)
+bool spirv_passes_textures(const struct spirv *module)
 {
     SPIRV_EACH(module, at, module->code, module->count)
     {
@@ -509,7 +508,7 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
     if (good && !has_lines(&module))
         good = add_lines(&module, path);
     good = good && spirv_reread(&module, SPIRV_FLATTEN);
-    if (good && passes_textures(&module))
+    if (good && spirv_passes_textures(&module))
         good = spirv_reread(&module, SPIRV_INLINE);
     if (good)
         set_undefined(&module);

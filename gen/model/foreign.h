@@ -15,6 +15,8 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path);
 uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
                              uint32_t (*number)(void *user, const char *name, const char *text),
                              void *user);
+/* Whether a function takes a texture or a sampler, so that its loads name no variable. */
+bool spirv_passes_textures(const struct spirv *module);
 /* The module behind some passes of spirv-opt (spirv_check.h). False: out of memory. */
 bool spirv_reread(struct spirv *module, unsigned passes);
 /* Whether a module has an entry point for an execution model. */

@@ -149,6 +149,8 @@ static bool read_own(const struct pass *pass, const struct shader *shader, bool 
     const struct body_file *file = find_module(shader->files, models[shader->stage]);
     if (!file)
         return spirv_read_text(pass, shader, &shader->whole, lines, 0, module, log) &&
+               (!lines || !spirv_passes_textures(module) ||
+                (spirv_reread(module, SPIRV_INLINE) && spirv_lower_phis(module))) &&
                spirv_combine(module);
     return spirv_open(module, file->words, file->word_count) &&
            spirv_choose_entry(module, models[shader->stage]) &&
