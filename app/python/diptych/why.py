@@ -9,21 +9,21 @@ import itertools
 import json
 import math
 from copy import copy as copy_of
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Iterator, Sequence
 
 import numpy as np
 
 from .console import Console
-from .why_faults import (AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, SHOWN_FIRST, TRAITS, Array, Fault, Point, most_of, phrase, rows_of,
-                         usable)
+from .why_faults import (AFTER_TURN, CHANNELS, MAPS, PLACES, SHOWN, SHOWN_FIRST, SHOWN_LAST, TRAITS, TURNS, Array, Fault, Point, most_of,
+                         phrase, rows_of, ulp, usable)
 
 MOST_SAMPLES, MOST_COUNTED, CHUNK, FEW = 1500, 4 << 20, 1 << 16, 8
 NAME_BITS, NUMBER_BITS, DOUBT_BITS = 9, 20, 16  # of a fault's name, of a number that is measured; what must be earned above both
 BEYOND = 50  # times the range: errors that are larger, and NaN
-ULP_NOISE = {"float": 64, "half": 8}
-FRACTION = {"float": 23, "half": 10, "b10f": 5}  # bits, of other packed floats 6
+FLOATS = {"float": (23, -126, 64), "half": (10, -14, 8), "b10f": (5, -14, 4)}  # bits of fraction, least exponent, ulp of noise
+OTHER_FLOATS = 6, -14, 4
 KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bits, code of 1.0
     "unorm8": ("<u1", 0, 8, 255), "unorm16": ("<u2", 0, 16, 65535), "unorm24": ("<u4", 0, 24, (1 << 24) - 1),
     "snorm16": ("<i2", 0, 16, 32767),
@@ -33,7 +33,7 @@ KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bit
     "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
     "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}  # as enum number_kind
 
-Chosen = tuple[Fault, tuple[float, ...]]  # a fault and its parameters
+Chosen = tuple[Fault, tuple[Any, ...]]  # a fault and its parameters
 Side = tuple[int, int]  # from and to
 Box = tuple[Side, Side, Side]  # layers, rows, columns
 
@@ -56,9 +56,6 @@ class Copy:
         types = [KINDS[kind][0] for kind in kinds]
         self.table = np.frombuffer(raw, np.dtype({"names": [f"f{i}" for i in range(self.c)], "formats": types, "offsets": places,
                                                   "itemsize": stride}))
-        size = np.dtype(types[0]).itemsize
-        self.dense = len(set(kinds)) == 1 and places == list(range(0, stride, size)) and KINDS[kinds[0]][2] == 8 * size
-        self.flat = np.frombuffer(raw, types[0]).reshape(-1, self.c) if self.dense else None
 
     def column(self, at: Array, i: int) -> Array:
         _, shift, bits, one = KINDS[self.components[i]["kind"]]
@@ -69,19 +66,11 @@ class Copy:
             values = (values << 15 - bits).astype("<u2").view("<f2")
         return reals(values, one)
 
-    def values(self, at: Array) -> Array:
-        if self.flat is None:
-            return np.stack([self.column(at, i) for i in range(self.c)], -1)
-        return reals(self.flat[at][:, :self.c], KINDS[self.components[0]["kind"]][3])
-
     def get(self, z: Array, y: Array, x: Array) -> Array:
         """A row of numbers for each point; outside the copy NaN."""
         inside = (x >= 0) & (x < self.w) & (y >= 0) & (y < self.h) & (z >= 0) & (z < self.d)
-        if inside.all():
-            return self.values((z * self.h + y) * self.w + x)
-        out = np.full((len(inside), self.c), np.nan)
-        out[inside] = self.values(((z * self.h + y) * self.w + x)[inside])
-        return out
+        at = np.where(inside, (z * self.h + y) * self.w + x, 0)
+        return np.where(inside[:, None], np.stack([self.column(at, i) for i in range(self.c)], -1), np.nan)
 
 
 class Pair:
@@ -93,10 +82,8 @@ class Pair:
         self.relatives = {which: copy for (of, which), copy in question.relatives.items() if of == side}
         self.w, self.h, self.d, self.c, self.stride = self.target.w, self.target.h, self.target.d, self.target.c, self.target.stride
         self.image, self.kind, self.one, self.integer = question.image, question.kind, question.one, question.integer
-        self.turns: dict[tuple[float, ...], Pair] = {}
         self.step = 1.01 / self.one if self.one else 1e-6 * question.range if not self.integer else 0
-        self.range, self.share, self.get, self.told = question.range, question.share, self.source.get, ()
-        self.vague = 0.  # how much else may look like the fault that marks a place
+        self.range, self.share, self.get = question.range, question.share, self.source.get
         self.differing, self.all = differing, others
         self.differing_from, self.differing_to = self.get(*differing), self.target.get(*differing)
         self.all_from, self.all_to = self.get(*others), self.target.get(*others)
@@ -106,61 +93,45 @@ class Pair:
         self.hope = np.median(error) / 5 if len(error) else 0.  # the error that a promising fault leaves at a glance
         self.tenth = question.tenth(error)
 
-    def turned(self, turn: tuple[float, ...]) -> Pair:
-        """The same with its source turned."""
-        if turn not in self.turns:
-            pair = self.turns[turn] = copy_of(self)
-            pair.get = lambda z, y, x: self.get(z, self.h - 1 - y if turn[1] else y, self.w - 1 - x if turn[0] else x)
-            pair.__dict__.pop("closeness", None)
-        return self.turns[turn]
+    def after(self, fault: Fault, p: tuple[Any, ...]) -> Pair:
+        """The same with a fault of place in its source."""
+        pair = copy_of(self)
+        pair.get = lambda *points: fault.at(self, p, *points)  # type: ignore[misc]
+        pair.__dict__.pop("closeness", None)
+        return pair
 
     @cached_property
     def closeness(self) -> float:
         """How far `to` follows `from` in any order of channels."""
-        return related(self.get(*self.glance), self.glance_to)[0]
+        return related(self.get(*self.glance), self.glance_to)
 
     def has(self, trait: str) -> bool:
         return bool(TRAITS[trait](self))
-
-    def near(self, a: Array, b: Array) -> Array:
-        """Whether rows are the same but for noise in both."""
-        return ~self.question.loud(a, b) | (self.question.error(a, b).max(1) * self.one < 2.5 if self.one else False)
 
     def byte(self, x: Array) -> Array:
         return (x * self.stride)[:, None] + np.array([component["offset"] for component in self.target.components[:self.c]])
 
     def words(self, byte: Array) -> Array:
-        """Numbers of 32 bits at any byte; others and what lies outside are NaN."""
-        whole = np.frombuffer(self.source.raw[:len(self.source.raw) // 4 * 4], "<u4")
-        inside = (byte >= 0) & (byte + 4 <= 4 * len(whole)) & (byte % 4 == 0)
+        """Numbers at any byte; those of packed texels and what lies outside are NaN."""
         kinds = [KINDS[component["kind"]] for component in self.target.components[:self.c]]
-        bits = whole[np.where(inside, byte // 4, 0)].T
-        values = np.stack([own.view(kind[0] if kind[2] == 32 else "<f4") for kind, own in zip(kinds, bits)], -1).astype(np.float64)
-        return np.where(inside & [kind[2] == 32 for kind in kinds], values, np.nan)
+        size = np.dtype(kinds[0][0]).itemsize
+        whole = self.source.raw[:len(self.source.raw) // size * size]
+        inside = (byte >= 0) & (byte + size <= len(whole)) & (byte % size == 0) & [kind[2] == 8 * size for kind in kinds]
+        at = np.where(inside, byte // size, 0).T
+        return np.where(inside, np.stack([reals(whole.view(kind[0])[own], kind[3]) for kind, own in zip(kinds, at)], -1), np.nan)
 
     def transposed(self) -> Array:
         side = 4 if self.c % 16 == 0 else 3 if self.c % 9 == 0 else 1
-        return np.arange(self.c).reshape(-1, side, side).transpose(0, 2, 1).ravel() if side > 1 and not self.image else np.arange(self.c)
-
-    def raw_to(self) -> Array:
-        z, y, x = self.differing
-        whole = np.frombuffer(self.target.raw, np.uint8)
-        return whole[:len(whole) // self.stride * self.stride].reshape(-1, self.stride)[(z * self.h + y) * self.w + x]
-
-    def mask(self) -> Array:
-        """Which texels differ beyond the contract, of one layer."""
-        found, chosen = np.zeros(self.h * self.w, bool), self.question.chosen
-        found[slice(None) if chosen is None else chosen] = np.concatenate([
-            self.question.beyond(self.get(*points), self.target.get(*points)) for _, points in self.question.chunks(1)])
-        return found.reshape(self.h, self.w)
+        cells = np.arange(self.c)
+        return cells if self.image else cells.reshape(-1, side, side).transpose(0, 2, 1).ravel()
 
     def crops(self, most: int) -> tuple[Array, Array]:
-        """The middle of the box, in its first layer, of both."""
+        """The middle of the box, from a whole tile on, in its first layer, of both."""
         (z, _), *sides = self.question.box
-        h, w = (min(high - low, most) for low, high in sides)
-        y, x = (a.ravel() for a in np.mgrid[tuple(slice((low + high - n) // 2, (low + high - n) // 2 + n)
-                                                  for (low, high), n in zip(sides, (h, w)))])
-        a, b = (np.clip(np.nan_to_num(get(0 * x + z, y, x)), -1e6, 1e6).reshape(h, w, self.c) for get in (self.get, self.target.get))
+        y, x = np.mgrid[tuple(slice(low + (high - low - n) // 2 // 32 * 32, low + (high - low - n) // 2 // 32 * 32 + n)
+                              for low, high in sides for n in [min(high - low, most)])]
+        a, b = (np.clip(np.nan_to_num(get(0 * x.ravel() + z, y.ravel(), x.ravel())), -1e6, 1e6).reshape(*x.shape, self.c)
+                for get in (self.get, self.target.get))
         return a, b
 
     def peaks(self) -> list[tuple[float, float]]:
@@ -190,7 +161,7 @@ class Question:
         self.contract, self.labels, self.kind = request["contract"], request["labels"], components[0]["kind"]
         self.bound, self.outliers = request.get("tolerance", 0), request.get("outliers", 0)
         self.one, self.integers = KINDS[self.kind][3], np.array(["int" in component["kind"] for component in components])
-        self.integer = bool(self.integers[0])
+        self.integer, self.floats = bool(self.integers[0]), FLOATS.get(self.kind, OTHER_FLOATS)
         self.copies = [Copy(raw, request["extent"], stride, components, self.image) for raw in raws]
         w, h, d = self.extent = self.copies[0].w, self.copies[0].h, self.copies[0].d
         self.box, self.box_bits, self.range, self.most = ((0, d), (0, h), (0, w)), 0., 1., MOST_COUNTED
@@ -205,6 +176,7 @@ class Question:
         sizes = sizes[np.isfinite(sizes) & (sizes < 1e30)]
         self.range = float(sizes.mean()) if len(sizes) and sizes.any() else 1.
         self.look()
+        self.whole = self.counted  # of parts, too
 
     def look(self) -> None:
         """Samples what is in the box."""
@@ -215,7 +187,7 @@ class Question:
             self.chosen = np.flatnonzero(self.counts(self.points(np.arange(self.elements))))
             self.elements = len(self.chosen)
         others = self.some(random, self.elements)
-        self.before, self.counted, differing, self.errors = self.sample(random)
+        self.before, self.counted, differing = self.sample(random)
         self.glance = np.sort(random.permutation(len(differing))[:256])
         self.pairs = [Pair(self, side, self.points(differing), others) for side in (0, 1)]
         self.first_half = random.permutation(len(differing)) % 2 == 0
@@ -226,18 +198,9 @@ class Question:
                  for i in range(self.copies[0].c if self.image and len(differing) else 0)]
         self.touched = tuple(int(i) for i in np.flatnonzero(wrong)) if not all(wrong) else ()
 
-    @cached_property
-    def solid(self) -> float:
-        """How many neighbours of elements that differ do so, too."""
-        z, y, x = self.pairs[0].differing
-        beside = [(z, np.clip(y + j, 0, self.extent[1] - 1), np.clip(x + i, 0, self.extent[0] - 1))
-                  for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))]
-        return float(np.mean([self.beyond(*(copy.get(*points) for copy in self.copies)).mean() for points in beside]))
-
     def within(self, box: Box, most: int) -> Question:
         """The same of a part, of which so many elements are counted. A box costs bits, as many as it takes to tell it from others."""
         part = copy_of(self)
-        part.__dict__.pop("solid", None)
         part.box, part.most, part.box_bits = box, most, 2 * sum(math.log2(size) for size in self.extent) + math.log2(LOOKS)
         part.look()
         return part
@@ -272,39 +235,31 @@ class Question:
         apart, size = np.abs(want - got), np.fmax(np.abs(want), np.abs(got))
         fine = np.zeros(apart.shape, bool)
         if kind == "ulp":
-            fine = apart * self.one <= bound + 1e-3 if self.one else self.ulps(want, got) <= bound
+            fine = self.ulps(want, got) <= bound + 1e-3
             fine &= ~self.integers[:want.shape[1]] | (bound > 1)
         elif kind in ("abs", "image"):
             fine = apart <= bound * (1 + 1e-9)
         elif kind == "rel":
             fine = apart <= bound * size
         elif kind == "of_exact":  # a code or step of a small float is nothing
-            step = apart * self.one <= 1 + 1e-3 if self.one else (self.ulps(want, got) <= 1) & (self.kind != "float")
+            step = (self.ulps(want, got) <= 1 + 1e-3) & (self.kind != "float")
             fine = (apart <= 2 * bound * np.fmax(size, 1e-3)) | (step & ~self.integers[:want.shape[1]])
         return ~(fine | (want == got) | (np.isnan(want) & np.isnan(got))).all(1)
 
     def loud(self, want: Array, got: Array) -> Array:
         """Where noise lies on all, a fault of a part is still more than that."""
-        apart = self.error(want, got)
-        if self.one or self.integer:
-            return apart.max(1) * max(self.one, 1) > 1.5
-        return (apart > ULP_NOISE.get(self.kind, 4) * self.ulp(want, got)).any(1)
+        return (self.steps(want, got) > (1.5 if self.one or self.integer else self.floats[2])).any(1)
 
-    def ulp(self, want: Array, got: Array) -> Array:
-        """Of the larger one, or of a hundredth of the range."""
-        _, exponent = np.frexp(np.fmax(np.fmax(np.abs(want), np.abs(got)), 0.01 * self.range))
-        return np.ldexp(1., exponent - 1 - FRACTION.get(self.kind, 6))
+    def steps(self, want: Array, got: Array) -> Array:
+        """Errors in codes, of integers in ones, of floats in ulp: of the larger one, or of a hundredth of the range."""
+        size = np.fmax(np.fmax(np.abs(want), np.abs(got)), 0.01 * self.range)
+        return self.error(want, got) * max(self.one, 1) / (1 if self.one or self.integer else ulp(size, *self.floats[:2]))
 
     def ulps(self, want: Array, got: Array) -> Array:
-        """Floats between both; of integers, their distance."""
-        if self.integer:
-            return np.abs(want - got)
-        if self.kind in ("half", "float"):
-            float_type, integer, top = (np.float16, np.int16, 0x8000) if self.kind == "half" else (np.float32, np.int32, 1 << 31)
-            a, b = (v.astype(float_type).view(integer).astype(np.int64) for v in (want, got))
-            return np.abs(np.where(a < 0, -(a + top), a) - np.where(b < 0, -(b + top), b)).astype(float)
-        _, exponent = np.frexp(np.fmax(np.abs(want), np.abs(got)))
-        return np.abs(want - got) / np.ldexp(1., np.maximum(exponent - 1, -14) - FRACTION.get(self.kind, 6))
+        """Codes or floats between both, of integers their distance."""
+        apart = np.abs(want - got)
+        step = ulp(np.fmin(np.abs(want), np.abs(got)), *self.floats[:2])
+        return apart * self.one if self.one else apart if self.integer else apart / step
 
     def rounded(self, values: Array) -> Array:
         """As far as the format holds them."""
@@ -320,7 +275,7 @@ class Question:
     def bits(self, error: Array, got: Array) -> Array:
         """What it takes to write the errors of each row down, in the smallest steps of its numbers."""
         size = np.fmax(np.abs(np.nan_to_num(got)), 1e-3 * self.range)
-        unit = 1 / self.one if self.one else 1. if self.integer else size * 2. ** (-1 - FRACTION.get(self.kind, 6))
+        unit = 1 / self.one if self.one else 1. if self.integer else size * 2. ** (-1 - self.floats[0])
         return np.where(error <= 2 * unit, 0, np.log2(1 + error / unit)).sum(1)
 
     def chunks(self, step: int) -> Iterator[tuple[Array, Point]]:
@@ -332,8 +287,8 @@ class Question:
     def stride(self) -> int:
         return (self.elements // self.most + 1) | 1
 
-    def sample(self, random: Any) -> tuple[int, int, Array, Array]:
-        """How many elements are beyond, and beyond noise if these are not too few; a sample of them, and of the errors of all."""
+    def sample(self, random: Any) -> tuple[int, int, Array]:
+        """How many elements are beyond, and beyond noise if these are not too few; a sample of them."""
         kept, count, most = np.zeros((2, 0)), 0, 0  # with random numbers, of which the least are kept: those of noise last
         for at, points in self.chunks(self.stride()):
             both = [copy.get(*points) for copy in self.copies]
@@ -344,35 +299,20 @@ class Question:
         self.are_loud = most >= FEW
         counted = min((most if self.are_loud else count) * self.stride(), self.elements)
         self.share = counted / max(self.elements, 1)
-        at = np.arange(0, self.elements, max(1, self.elements // 20000))
-        points = self.points(at)
-        errors = self.error(*(copy.get(*points) for copy in self.copies)).max(1) if len(at) else np.zeros(1)
-        return min(count * self.stride(), self.elements), counted, np.sort(kept[1, kept[0] < 2 - self.are_loud].astype(int)), errors
+        return min(count * self.stride(), self.elements), counted, np.sort(kept[1, kept[0] < 2 - self.are_loud].astype(int))
 
 
 # ---- Rules of evidence ---------------------------------------------------------------------------
 
 
-def placed_values(faults: list[Chosen], pair: Pair, points: Point) -> Array:
-    """What a fault of place makes, if the first one is such. Outside a picture that was drawn smaller lies one colour."""
-    fault, p = faults[0] if faults else (None, ())
-    if not fault or not fault.at:
-        return pair.get(*points)
-    values = fault.at(pair, p, *points)
-    unknown = np.isnan(values).all(1)
-    if fault.fills and unknown.sum() > 8:
-        colour, share = most_of(pair.target.get(*points)[unknown])
-        values = np.where(unknown[:, None], colour, values) if share > 0.95 else values
-    return values
-
-
-@dataclass
+@dataclass(eq=False)
 class Trial:
     """Faults in a row that may explain the pair: of place, of channels, of numbers; and what they leave."""
+    pair: Pair
     faults: list[Chosen]
-    side: int
-    only: tuple[int, ...]  # channels that maps change; none: all
     choices: int = 1  # parameters that were tried
+    only: tuple[int, ...] = ()  # channels that maps change; none: all
+    values: dict[str, Array] = field(default_factory=dict)  # by the pair's samples, after the faults of place
     inside: bool = False  # it holds for the elements alone that differ
     left: float = 1.
     falls: bool = False
@@ -380,27 +320,63 @@ class Trial:
     errors: tuple[float, float] = (0., 0.)  # medians before and after
     after: int = 0
 
+    def plus(self, fault: Fault, p: tuple[Any, ...], only: tuple[int, ...] = ()) -> Trial:
+        """With a map more."""
+        return Trial(self.pair, [*self.faults, (fault, p)], self.choices, only, self.values)
+
+    def on(self, question: Question) -> Trial:
+        """The same of a part, or of the whole."""
+        return Trial(question.pairs[self.pair.side], self.faults, self.choices, self.only)
+
+    def share(self) -> float:
+        """Of all that differs, what it explains."""
+        return (1 if self.falls else 1 - self.left) * self.pair.question.counted / self.pair.question.whole
+
     def fitted(self) -> int:
         return sum(fault.found for fault, _ in self.faults)
 
     def model_bits(self) -> float:
-        bits = sum(NAME_BITS * fault.names + NUMBER_BITS * fault.found for fault, _ in self.faults)
-        return bits + math.log2(self.choices) + len(self.only)
+        return sum(NAME_BITS + NUMBER_BITS * fault.found for fault, _ in self.faults) + math.log2(self.choices) + len(self.only)
 
-    def predict(self, pair: Pair, points: Point) -> Array:
-        return self.rest(pair, placed_values(self.faults, pair, points), self.faults)
+    def steps(self) -> Iterator[tuple[Pair, Fault, tuple[Any, ...]]]:
+        """The faults, each with the pair that those before it leave."""
+        pair = self.pair
+        for fault, p in self.faults:
+            yield pair, fault, p
+            pair = pair.after(fault, p) if fault.at else pair
 
-    def rest(self, pair: Pair, values: Array, faults: list[Chosen]) -> Array:
+    def placed(self, points: Point) -> Array:
+        """Outside a picture that was drawn smaller lies one colour."""
+        last = [step for step in self.steps() if step[1].at][-1:]
+        if not last:
+            return self.pair.get(*points)
+        pair, fault, p = last[0]
+        values = fault.at(pair, p, *points)  # type: ignore[misc]
+        unknown = np.isnan(values).all(1)
+        if fault.name == "scale" and unknown.sum() > 8:
+            colour, share = most_of(pair.target.get(*points)[unknown])
+            values = np.where(unknown[:, None], colour, values) if share > 0.95 else values
+        return values
+
+    def at(self, samples: str) -> Array:
+        """What it makes of the pair's points of that name."""
+        if samples not in self.values:
+            self.values[samples] = self.placed(getattr(self.pair, samples))
+        return self.mapped(self.values[samples])
+
+    def predict(self, points: Point) -> Array:
+        return self.mapped(self.placed(points))
+
+    def mapped(self, values: Array) -> Array:
         known = np.isfinite(values).all(1)
-        for fault, p in faults:
-            if fault.map is None:
-                continue
-            new = fault.map(p, values)
-            if self.only and fault in MAPS:
-                kept = [i for i in range(pair.c) if i not in self.only]
-                new[:, kept] = values[:, kept]
-            values = new
-        values = pair.question.rounded(values)
+        for fault, p in self.faults:
+            if fault.map:
+                new = fault.map(p, values)
+                if self.only and fault in MAPS:
+                    kept = [i for i in range(self.pair.c) if i not in self.only]
+                    new[:, kept] = values[:, kept]
+                values = new
+        values = self.pair.question.rounded(values)
         values[known[:, None] & np.isnan(values)] = np.inf  # a map without a value there is wrong, not unknown
         return values
 
@@ -408,7 +384,8 @@ class Trial:
 class Evidence:
     """What a trial makes of samples: of elements that differ, and of any. Rows that it does not know are left out."""
 
-    def __init__(self, pair: Pair, trial: Trial, want: Array, want_all: Array):
+    def __init__(self, trial: Trial):
+        pair, want = trial.pair, trial.at("differing")
         question, got = pair.question, pair.differing_to
         self.pair, self.trial, self.question, self.got = pair, trial, question, got
         self.known = ~np.isnan(want).all(1)
@@ -419,7 +396,10 @@ class Evidence:
         middle = np.median(got, 0)
         self.constant = np.fmin(self.worst[0], question.error(middle, got).max(1))
         self.varied = question.loud(middle + 0 * got, got)
-        self.want_all, self.part = want_all, question.box_bits > 0
+        self.want_all, self.part = trial.at("all"), question.box_bits > 0
+        if self.part and trial.faults[0][0].at:  # where rows are flat, any texel fits
+            z, y, x = pair.differing
+            self.constant = np.fmin(self.constant, question.error(pair.target.get(z, y, np.maximum(x - 1, 0)), got).max(1))
         self.fitted = trial.fitted()
         self.is_fitted_map = any(fault.found and fault.map for fault, _ in trial.faults)
 
@@ -431,7 +411,8 @@ class Evidence:
         z, y, x = (axis[chosen] for axis in pair.differing)
         parts = [self.got[chosen]]
         if self.trial.faults[0][0].at and pair.image:
-            parts += [pair.target.get(z, *place) for place in ((y, np.minimum(x + 1, pair.w - 1)), (np.minimum(y + 1, pair.h - 1), x))]
+            right, below = np.minimum(x + 1, pair.w - 1), np.minimum(y + 1, pair.h - 1)
+            parts += [pair.target.get(z, y, right), pair.target.get(z, below, x)]
         elif any(fault.loses for fault, _ in self.trial.faults):
             parts.append(pair.get(z, y, x))
         rows = np.concatenate(parts, 1)
@@ -454,13 +435,13 @@ def explains(e: Evidence) -> bool:
 
 
 def falls(e: Evidence, rows: Array) -> bool:
-    """Median and 99th percentile of the errors fall by ten, against those of one value for all, too; where a number was fitted by
-    more, in a part by far more, and codes must be within the contract then. Integers are equal or not."""
+    """Median and 99th percentile of the errors fall by ten, against those of one value for all, too; by more for each number that was
+    fitted, in a part by far more, and codes must be within the contract then. Integers are equal or not."""
     if e.question.integer or not (rows & e.varied).any() or (e.is_fitted_map and e.question.one):
         return False
     before, after = (np.sort(errors)[[len(errors) // 2, int(0.99 * (len(errors) - 1))]]
                      for errors in (e.constant[rows & e.varied], e.worst[1][rows]))
-    return bool((after <= before / (30 if e.is_fitted_map else 10) / (20 if e.part else 1)).all())
+    return bool((after <= before / (30 ** e.fitted if e.is_fitted_map else 10) / (20 if e.part else 1)).all())
 
 
 def spoils_nothing(e: Evidence) -> bool:
@@ -477,8 +458,8 @@ def spoils_nothing(e: Evidence) -> bool:
 
 def is_varied(e: Evidence) -> bool:
     """One value in most of it: any place of the other copy may have it. A map is not proved by neighbourhoods."""
-    fault, _ = e.trial.faults[0]
-    if fault.at and (e.part or fault.names > 1) and e.varied[e.known].mean() < 0.5:
+    places = sum(bool(fault.at) for fault, _ in e.trial.faults)
+    if places > 1 - e.part and e.varied[e.known].mean() < 0.5:
         return False
     is_map = any(fault.map and not fault.loses for fault, _ in e.trial.faults)
     moved = (e.pair.differing_from != e.got).any(0)  # what is equal in both copies proves nothing
@@ -501,18 +482,22 @@ def is_no_luck(e: Evidence) -> bool:
 
 def loses_nothing(e: Evidence) -> bool:
     """What a fault throws away is what `to` truly lacks."""
-    return all(fault.loses is None or fault.loses(e.pair, p, e.pair.all_from, e.pair.all_to) for fault, p in e.trial.faults)
+    return all(fault.loses is None or fault.loses(pair, p, e.pair.all_from, e.pair.all_to) for pair, fault, p in e.trial.steps())
 
 
 def is_solid(e: Evidence) -> bool:
     """A fault that holds where they differ alone, as in one object: they lie side by side, and one number at most is measured. In a
     part it shows what to look for."""
-    return e.part or (e.fitted < 2 and e.question.solid > 0.85)
+    if e.part or e.fitted > 1:
+        return e.part
+    z, y, x = e.pair.differing
+    beside = [(z, np.clip(y + j, 0, e.pair.h - 1), np.clip(x + i, 0, e.pair.w - 1)) for i, j in ((1, 0), (-1, 0), (0, 1), (0, -1))]
+    return bool(np.mean([e.question.beyond(*(copy.get(*points) for copy in e.question.copies)) for points in beside]) > 0.85)
 
 
-def judge(pair: Pair, trial: Trial, want: Array, want_all: Array) -> bool:
+def judge(trial: Trial) -> bool:
     """All rules, on samples. Fills what the trial leaves."""
-    e = Evidence(pair, trial, want, want_all)
+    e, pair = Evidence(trial), trial.pair
     if not explains(e):
         return False
     residual = float(pair.question.bits(np.where(e.known[:, None], e.after, e.before), e.got).sum())
@@ -529,11 +514,9 @@ def noise_of(question: Question) -> str | None:
     if question.integer or len(a) < 2 or not np.isfinite(a).all() or not np.isfinite(b).all():
         return None
     error = b - a
-    up, sizes = float((error[error != 0] > 0).mean()), np.abs(error).max(1) * question.one
-    if not question.one:
-        sizes = np.sort((np.abs(error) / question.ulp(a, b)).max(1))[:math.ceil(0.99 * len(a))]
-    most, unit = float(sizes.max()), "code" if question.one else "ulp"
-    if most > (2.01 if question.one else ULP_NOISE.get(question.kind, 4)) or not (0.1 <= up <= 0.9 or most <= 4):
+    up, count = float((error[error != 0] > 0).mean()), len(a) if question.one else math.ceil(0.99 * len(a))
+    most, unit = float(np.sort(question.steps(a, b).max(1))[count - 1]), "code" if question.one else "ulp"
+    if most > (2.01 if question.one else question.floats[2]) or not (0.1 <= up <= 0.9 or most <= 4):
         return None
     count = max(1, round(most))
     return f"rounding noise of {count} {unit}{'s' if unit == 'code' and count > 1 else ''}; no systematic cause"
@@ -561,35 +544,19 @@ def follows(values: Array, target: Array) -> float:
     return abs(float(tie[varied].mean())) if varied.any() else 0.
 
 
-def related(values: Array, target: Array) -> tuple[float, tuple[float, ...]]:
-    """How far each channel of `to` follows some channel; and which ones, of equal ones its own."""
-    tie = np.abs(ties(values, target)) + 1e-6 * np.eye(target.shape[1], values.shape[1])
-    return float(tie.max(1).mean()), tuple(tie.argmax(1).astype(float))
+def related(values: Array, target: Array) -> float:
+    """How far each channel of `to` follows some channel."""
+    return float(np.abs(ties(values, target)).max(1).mean())
 
 
-class Placed:
-    """A fault of place, or none, with its numbers at samples: at a few of those that differ, at all of them, at others."""
-
-    def __init__(self, faults: list[Chosen], pair: Pair, choices: int = 1):
-        self.faults, self.pair, self.choices = faults, pair, choices
-        self.glance = placed_values(faults, pair, pair.glance)
-
-    @cached_property
-    def differing(self) -> Array:
-        return placed_values(self.faults, self.pair, self.pair.differing)
-
-    @cached_property
-    def others(self) -> Array:
-        return placed_values(self.faults, self.pair, self.pair.all)
-
-
-def places(question: Question, faults: list[Fault]) -> Iterator[Placed]:
-    for pair in question.pairs:
+def trials(pairs: Sequence[Pair], faults: list[Fault]) -> Iterator[Trial]:
+    """Each fault alone, with all its parameters."""
+    for pair in pairs:
         for fault in faults:
             if pair.has(fault.applies) and (fault.sided or pair.side == 0):
                 choices = fault.fit(pair, pair.differing, pair.differing_to) if fault.fit else [fault.p]
                 for p in choices:
-                    yield Placed([(fault, p)], pair, len(choices))
+                    yield Trial(pair, [(fault, p)], len(choices))
 
 
 class Search:
@@ -597,111 +564,102 @@ class Search:
         self.question = question
         self.best: Trial | None = None
         self.inside: Trial | None = None  # the best that holds where they differ alone
-        self.partial: list[tuple[int, int, Trial]] = []  # faults that explain a few
-        self.hits = 0  # of the last trial, at a glance
+        self.partial: list[tuple[int, Trial]] = []  # faults that explain a few
 
-    def attempt(self, placed: Placed, more: list[Chosen], only: tuple[int, ...] = ()) -> None:
-        pair, trial = placed.pair, Trial([*placed.faults, *more], placed.pair.side, only, placed.choices)
-        if not trial.faults:
-            return
-        glance = trial.rest(pair, placed.glance, more)
-        if self.is_promising(pair, glance):
-            want, want_all = trial.rest(pair, placed.differing, more), trial.rest(pair, placed.others, more)
-            if judge(pair, trial, want, want_all):
-                other = self.inside if trial.inside else self.best
-                if other is None or trial.bits < other.bits - 0.5:
-                    self.best, self.inside = (self.best, trial) if trial.inside else (trial, self.inside)
-                return
-        if self.hits >= 5 and not any(fault.found and fault.map for fault, _ in trial.faults):
-            self.partial.append((self.hits, -len(self.partial), trial))
+    def attempt(self, trial: Trial) -> None:
+        promising, hits = self.glance(trial)
+        if promising and judge(trial):
+            other = self.inside if trial.inside else self.best
+            if other is None or trial.bits < other.bits - 0.5:
+                self.best, self.inside = (self.best, trial) if trial.inside else (trial, self.inside)
+        elif hits >= 5 and not any(fault.found and fault.map for fault, _ in trial.faults):
+            self.partial.append((hits, trial))
 
-    def is_promising(self, pair: Pair, want: Array) -> bool:
-        """A glance at few elements: most faults are far off. Counts those whose error falls."""
-        question, got, self.hits = self.question, pair.glance_to, 0
+    def glance(self, trial: Trial) -> tuple[bool, int]:
+        """At few elements: most faults are far off. Counts those whose error falls."""
+        pair, question, got, want = trial.pair, self.question, trial.pair.glance_to, trial.at("glance")
         unknown = np.isnan(want)
         known = ~unknown.all(1)
         want = np.where(unknown, got, want)
         after = question.error(want, got).max(1)
-        self.hits = np.count_nonzero((after <= pair.tenth) & ~unknown.any(1))
+        hits = np.count_nonzero((after <= pair.tenth) & ~unknown.any(1))
         after = after[known]
         if known.mean() < 0.2 or 2 * np.count_nonzero(after <= 4 * pair.hope) < len(after):
-            return False
-        return bool(2 * np.count_nonzero(after <= pair.hope) >= len(after) or question.beyond(want, got)[known].mean() <= 0.25)
+            return False, hits
+        near = 2 * np.count_nonzero(after <= pair.hope) >= len(after)
+        return bool(near or question.beyond(want, got)[known].mean() <= 0.25), hits
 
     def fits(self) -> Trial | None:
         """Faults alone whose numbers are measured."""
         for pair in self.question.pairs:
-            self.maps_on(Placed([], pair), [], True)
-        for placed in places(self.question, [fault for fault in PLACES if fault.name in LOCAL]):
-            self.attempt(placed, [])
+            self.maps_on(Trial(pair, []), True)
+        for trial in trials(self.question.pairs, [fault for fault in PLACES if fault.name in LOCAL]):
+            self.attempt(trial)
         return self.best or self.inside
 
-    def maps_on(self, placed: Placed, before: list[Chosen], fitted: bool = False) -> None:
+    def maps_on(self, before: Trial, fitted: bool = False) -> None:
         """On all channels, on colours alone, on those alone that differ. Most maps keep the order of numbers."""
-        pair, question = placed.pair, self.question
-        values, rows = placed.differing, question.first_half
-        for fault, p in before:
-            values = fault.map(p, values)  # type: ignore[misc]
+        pair, question, values = before.pair, self.question, before.at("differing")
+        alone, rows = not (fitted or before.faults), question.first_half  # alone it may hold in a part
         for only in dict.fromkeys([(), (0, 1, 2) if pair.image and pair.c == 4 else (), question.touched]):
             count = list(only) or list(range(min(3, pair.c) if pair.image else pair.c))
             v, target = values[rows][:, count], pair.differing_to[rows][:, count]
             own = usable(pair, v.ravel(), target.ravel())
-            alone = not (fitted or before or placed.faults)  # then it may hold in a part
             ordered = alone or len(v) < 64 or follows(v[:256], target[:256]) > 0.4
             for fault in MAPS:
-                if pair.has(fault.applies) and (fault.fit if fitted else True) and (ordered or fault.loses or fault.name in UNORDERED):
+                fits = ordered or fault.loses or fault.name in UNORDERED
+                if fits and pair.has(fault.applies) and (fault.fit or not fitted):
                     for p in fault.fit(pair, *own) if fault.fit else [fault.p]:
-                        self.attempt(placed, [*before, (fault, p)], only)
+                        self.attempt(before.plus(fault, p, only))
 
     def run(self) -> Trial | None:
         """First one fault of each kind, then faults of numbers and channels where those of place come nearest."""
-        kept: list[tuple[float, tuple[float, ...], Placed]] = []
-        for placed in [*(Placed([], pair) for pair in self.question.pairs), *places(self.question, PLACES)]:
-            self.attempt(placed, [])
-            kept.append((*related(placed.glance, placed.pair.glance_to), placed))
-        plain = kept[:2]
-        for _, _, placed in plain:
-            self.maps_on(placed, [])
-            self.channels_on(placed)
+        plain = [Trial(pair, []) for pair in self.question.pairs]
+        near: list[tuple[float, int, Trial]] = []
+        closeness = related(plain[0].at("glance"), plain[0].pair.glance_to)
+        for trial in trials(self.question.pairs, PLACES):
+            self.attempt(trial)
+            closer = related(trial.at("glance"), trial.pair.glance_to)
+            if closer > max(0.7, 0.5 + 0.5 * closeness):  # than without a fault of place
+                near.append((-closer, len(near), trial))
+        more: list[Trial] = []
+        for before in plain:
+            self.maps_on(before)
+            more += self.channels_on(before)
         if self.best and self.best.left <= 0.1:
             return self.best
-        least = max(0.7, 0.5 + 0.5 * kept[0][0])  # closer than without a fault of place
-        near = [item for item in sorted(kept[2:], key=lambda item: -item[0]) if item[0] > least][:8]
-        for _, order, placed in [*plain, *near]:
-            if placed.faults:
-                self.channels_on(placed)
-                self.maps_on(placed, [])
-            for before in self.orders(placed, order):
-                self.maps_on(placed, before)
-        if not self.best and self.question.image:
-            for placed in places(self.question, AFTER_TURN):
-                self.attempt(placed, [])
+        for *_, before in sorted(near)[:8]:
+            self.maps_on(before)
+            more += self.channels_on(before)
+        for before in more:
+            self.maps_on(before)
+        for pair, turn in itertools.product(self.question.pairs, () if self.best else TURNS):
+            for trial in trials([pair.after(turn, turn.p)], AFTER_TURN) if pair.has(turn.applies) else ():
+                self.attempt(Trial(pair, [(turn, turn.p), *trial.faults], trial.choices))
         return self.best
 
-    def orders(self, placed: Placed, order: tuple[float, ...]) -> Iterator[list[Chosen]]:
-        """Faults of channels after which a map may hold."""
-        pair, target = placed.pair, placed.pair.glance_to
-        least = 0.1 + 0.9 * follows(placed.glance, target)
+    def channels_on(self, before: Trial) -> list[Trial]:
+        """Those after which a map may hold."""
+        pair, target, values = before.pair, before.pair.glance_to, before.at("glance")
+        least = 0.1 + 0.9 * follows(values, target)
+        more: list[tuple[float, int, Trial]] = []
         for fault in CHANNELS:
-            is_order = fault.map is CHANNELS[0].map
-            if pair.has(fault.applies) and (fault.p[:pair.c] == order if is_order else not placed.faults
-                                            and follows(fault.map(fault.p, placed.glance), target) > least):  # type: ignore[misc]
-                yield [(fault, fault.p)]
-
-    def channels_on(self, placed: Placed) -> None:
-        for fault in CHANNELS:
-            if placed.pair.has(fault.applies):
-                self.attempt(placed, [(fault, fault.p)])
+            if pair.has(fault.applies):
+                trial = before.plus(fault, fault.p)
+                self.attempt(trial)
+                more.append((-follows(trial.at("glance"), target), len(more), trial))
+        return [trial for closeness, _, trial in sorted(more)[:2] if -closeness > least]
 
 
 # ---- Answers -------------------------------------------------------------------------------------
 
 
-def holds(question: Question, trial: Trial) -> bool:
+def holds(trial: Trial) -> bool:
     """What the samples say is so of all elements: counts those left beyond the contract. Unknown ones stay as they were."""
-    pair, left, step = question.pairs[trial.side], 0, question.stride()
+    pair, question, left = trial.pair, trial.pair.question, 0
+    step = question.stride()
     for _, points in question.chunks(step):
-        want, got = trial.predict(pair, points), pair.target.get(*points)
+        want, got = trial.predict(points), pair.target.get(*points)
         unknown = np.isnan(want)
         wrong = question.beyond(np.where(unknown, got, want), got)
         left += int((wrong & question.beyond(pair.get(*points), got) if trial.inside else wrong).sum())
@@ -709,8 +667,10 @@ def holds(question: Question, trial: Trial) -> bool:
     return trial.after <= (1 if trial.falls else 0.1) * question.before
 
 
-def describe(question: Question, trial: Trial) -> dict[str, Any]:
-    words = ", and ".join(phrase(fault, p, question.pairs[trial.side].labels) for fault, p in trial.faults)
+def reason_of(trial: Trial) -> dict[str, Any]:
+    """In words, with what is left; of a part, with its share."""
+    question = trial.pair.question
+    words = ", and ".join(phrase(fault, p, trial.pair.labels) for fault, p in trial.faults)
     if trial.only and trial.only != (0, 1, 2):
         words += f", in {' and '.join(CHANNEL_NAMES[i] for i in trial.only)} alone"
     exact, outliers = question.contract in ("exact", "flips", "raster"), question.outliers * question.elements
@@ -724,31 +684,28 @@ def describe(question: Question, trial: Trial) -> dict[str, Any]:
     counts = f"{question.before} {'differs' if question.before == 1 else 'differ'} before, {trial.after} after"
     if head == "far nearer":
         counts += f"; median error {trial.errors[0]:.2g} before, {trial.errors[1]:.2g} after"
-    return {"name": name_of(trial), "text": f"{head} {words} ({counts})", "before": question.before, "after": trial.after}
+    reason = {"name": trial.faults[0][0].name, "text": f"{head} {words} ({counts})", "before": question.before,
+              "after": trial.after}
+    if trial.inside or question.box_bits:
+        names = [f"{name} {low}" + f" to {high - 1}" * (high - 1 > low)
+                 for name, (low, high), size in zip(("layer", "y", "x"), question.box, question.extent[::-1]) if size > 1]
+        place = "where they differ alone" if trial.inside else f"in {', '.join(names)}"
+        reason |= {"share": trial.share(), "text": f"{percent(trial.share())}, {place}: {reason['text']}"}
+    return reason
 
 
-def name_of(trial: Trial) -> str:
-    fault, p = trial.faults[0]
-    if fault.name != "shift":
-        return fault.name
-    x, y = abs(p[0]), abs(p[1])
-    return "shift_xy" if x and y else f"shift_{'2' if max(x, y) == 2 else ''}{'x' if x else 'y'}"
-
-
-def shown(question: Question, faults: list[Fault]) -> dict[str, Any] | None:
-    """A place where all differences are, or what both copies show together."""
-    best: tuple[float, dict[str, Any]] | None = None
+def shown(question: Question, faults: list[Fault]) -> list[dict[str, Any]]:
+    """The first place where all differences are, or what both copies show together."""
     for fault in faults:
-        for pair in question.pairs[:2 if fault.sided else 1]:
-            pair.told, pair.vague = (), VAGUE.get(fault.name, 0.05)
-            left = fault.mark(pair, fault.p) if pair.has(fault.applies) else None  # type: ignore[misc]
-            if left is not None and left <= fault.leaves and (best is None or left + pair.vague < best[0]):
+        for trial in trials(question.pairs, [fault]):
+            (_, p), pair = trial.faults[0], trial.pair
+            left = fault.mark(pair, p)  # type: ignore[misc]
+            if left is not None and left <= fault.leaves:
                 after = math.ceil(left * question.before)
                 counts = f"{question.before} {'breaks' if question.before == 1 else 'break'} the contract, {after} of them elsewhere"
-                words = phrase(fault, pair.told or fault.p, pair.labels)
-                reason = {"name": fault.name, "text": f"differs {words} ({counts})", "before": question.before, "after": after}
-                best = left + pair.vague, reason
-    return best[1] if best else None
+                return [{"name": fault.name, "text": f"differs {phrase(fault, p, pair.labels)} ({counts})", "before": question.before,
+                         "after": after}]
+    return []
 
 
 CHANNEL_NAMES = ("red", "green", "blue", "alpha")
@@ -756,7 +713,6 @@ LOOKS, LEAST_PIECE = 50, 32  # of pieces: boxes that are tried, and what is told
 LEAST_SHARE, PLAIN_SHARE, MEASURED_SHARE = 0.01, 0.03, 0.1  # if most is explained; else without and with numbers that are measured
 UNORDERED = ("byte_order", "reciprocal")  # maps that keep no order, and lose nothing
 LOCAL = ("shift", "depth_bias")  # faults of place whose numbers are measured in a part
-VAGUE = {"clear": 0.2, "tiles": 0.16, "edges": 0.16, "layer_alone": 0.05}  # places that fit much
 
 
 def percent(share: float) -> str:
@@ -769,7 +725,9 @@ def size_of(question: Question) -> str:
     values = values[np.isfinite(values)]
     span = 1. if question.one else float(np.quantile(values, 0.99) - np.quantile(values, 0.01)) if len(values) else 0.
     span = span or float(np.abs(values).max(initial=0)) or 1.
-    mean, large = (float(v) / span for v in (question.errors.mean(), np.quantile(question.errors, 0.99)))
+    points = question.points(np.arange(0, question.elements, max(1, question.elements // 20000)))
+    errors = question.error(*(copy.get(*points) for copy in question.copies)).max(1) if question.elements else np.zeros(1)
+    mean, large = (float(v) / span for v in (errors.mean(), np.quantile(errors, 0.99)))
     return f"mean {percent(mean)} of the range, {'visible' if large >= 1.5 / 255 else 'hardly visible'}"
 
 
@@ -780,12 +738,12 @@ def some_of(low: int, high: int, most: int = 256) -> range:
     return range(low, high, -(-(high - low) // most))
 
 
-def weights_of(question: Question, trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]) -> Array:
+def weights_of(trial: Trial, z: int, rows: Sequence[int], columns: Sequence[int]) -> Array:
     """Where a trial explains what differs, and where it does not, in these rows and columns of one layer."""
-    pair = question.pairs[trial.side]
+    pair, question = trial.pair, trial.pair.question
     y, x = (axis.ravel() for axis in np.meshgrid(rows, columns, indexing="ij"))
     points = np.full_like(x, z), y, x
-    source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(pair, points)
+    source, got, want = pair.get(*points), pair.target.get(*points), trial.predict(points)
     differs = question.counts(points) & question.beyond(source, got) & (~question.are_loud | question.loud(source, got))
     known = ~np.isnan(want).any(1)
     before, after = (question.error(values, got).max(1) for values in (source, want))
@@ -794,102 +752,79 @@ def weights_of(question: Question, trial: Trial, z: int, rows: Sequence[int], co
     return (np.where(good & differs, 1., 0) - 9 * misses).reshape(len(rows), len(columns))
 
 
-def best_runs(weights: Array) -> tuple[Array, Array, Array]:
-    """Of each row the run with the largest sum: its sum, start and end; of equal ones the shortest."""
-    sums = np.concatenate([np.zeros((len(weights), 1)), np.cumsum(weights, 1)], 1)
-    gains = sums - np.minimum.accumulate(sums, 1)
-    ends, rows = gains.argmax(1), np.arange(len(weights))
-    before = np.where(np.arange(sums.shape[1]) <= ends[:, None], sums, np.inf)
-    return gains[rows, ends], sums.shape[1] - 1 - before[:, ::-1].argmin(1), ends
+def best_run(weights: Array) -> slice:
+    """With the largest sum; of equal ones the shortest."""
+    sums = np.concatenate([[0], np.cumsum(weights)])
+    end = int((sums - np.minimum.accumulate(sums)).argmax())
+    return slice(end - int(sums[end::-1].argmin()), end)
 
 
-def best_box(question: Question, trial: Trial, z: int, *sides: Sequence[int]) -> tuple[float, Side, Side, int]:
-    """The rectangle of those rows and columns where the trial explains most; its rows first in cells."""
-    weights = weights_of(question, trial, z, *sides)
-    starts = np.arange(0, len(weights), -(-len(weights) // 32))
-    cells, gain, columns = np.cumsum(np.add.reduceat(weights, starts, 0), 0), 0., slice(0)
-    for top in range(len(starts)):
-        gains, firsts, ends = best_runs(cells[top:] - (cells[top - 1] if top else 0))
-        at = int(gains.argmax())
-        if gains[at] > gain:
-            gain, columns = float(gains[at]), slice(int(firsts[at]), int(ends[at]))
-    _, first, end = best_runs(weights[:, columns].sum(1)[None])
-    places = [(side[run.start], side[run.stop - 1] + 1) if gain else (0, 0)
-              for side, run in zip(sides, (slice(int(first[0]), int(end[0])), columns))]
+def best_box(trial: Trial, z: int, *sides: Sequence[int]) -> tuple[float, Side, Side, int]:
+    """The rectangle of those rows and columns where the trial explains most, grown from a cell where it does."""
+    weights = weights_of(trial, z, *sides)
+    starts = [np.arange(0, size, -(-size // 12)) for size in weights.shape]
+    cells = np.add.reduceat(np.add.reduceat(weights, starts[0], 0), starts[1], 1)
+    first = starts[0][cells.argmax() // len(starts[1])]
+    runs = [slice(first, first + -(-len(weights) // 12)), slice(0)]
+    for _ in range(3):
+        runs[1] = best_run(weights[runs[0]].sum(0))
+        runs[0] = best_run(weights[:, runs[1]].sum(1))
+    gain = float(weights[tuple(runs)].sum())
+    places = [(side[run.start], side[run.stop - 1] + 1) if gain > 0 else (0, 0) for side, run in zip(sides, runs)]
     return gain, places[0], places[1], z
 
 
-def has_sharp_sides(question: Question, trial: Trial, box: Box) -> bool:
+def has_sharp_sides(trial: Trial, box: Box) -> bool:
     """Right outside, the fault explains no more: a part of a surface that only looks so has no straight sides."""
     (z, _), *sides = box
-    for axis, ((low, high), size) in enumerate(zip(sides, question.extent[1::-1])):
+    for axis, ((low, high), size) in enumerate(zip(sides, trial.pair.question.extent[1::-1])):
         wide = max(2, (high - low) // 16)
         for strip in ((max(0, low - wide), low), (high, min(size, high + wide))):
             if strip[0] < strip[1]:
-                weights = weights_of(question, trial, z, *(some_of(*side) for side in sides[:axis] + [strip] + sides[axis + 1:]))
+                weights = weights_of(trial, z, *(some_of(*side) for side in sides[:axis] + [strip] + sides[axis + 1:]))
                 if (weights > 0).sum() > 0.5 * max(4, (weights != 0).sum()):
                     return False
     return True
 
 
-def piece_of(question: Question, trial: Trial) -> Piece | None:
+def piece_of(trial: Trial) -> Trial | None:
     """What the trial explains, if that is a box: judged there by all rules."""
+    question = trial.pair.question
     w, h, d = question.extent
-    gain, rows, columns, z = max(best_box(question, trial, z, some_of(0, h), some_of(0, w)) for z in some_of(0, d, 8))
+    gain, rows, columns, z = max(best_box(trial, z, some_of(0, h), some_of(0, w)) for z in some_of(0, d, 8))
     if gain < FEW:
         return None
     if max(h, w) > 256:  # to the texel
         few = [some_of(low, high, 64) for low, high in (rows, columns)]
         wide = [range(max(0, low - size // 128), min(size, high + size // 128)) for (low, high), size in ((rows, h), (columns, w))]
-        rows, columns = best_box(question, trial, z, wide[0], few[1])[1], best_box(question, trial, z, few[0], wide[1])[2]
+        rows, columns = best_box(trial, z, wide[0], few[1])[1], best_box(trial, z, few[0], wide[1])[2]
     box = ((z, z + 1), rows, columns)
     if any(high - low < min(FEW, size) for (low, high), size in ((rows, h), (columns, w))):  # a line looks like much
         return None
-    part = question.within(box, MOST_COUNTED >> 4)
-    pair = part.pairs[trial.side]
-    if part.before < LEAST_PIECE or not judge(pair, trial, *(trial.predict(pair, points) for points in (pair.differing, pair.all))) or (
-            trial.inside):
-        return None
-    return Piece(part, trial) if holds(part, trial) and has_sharp_sides(question, trial, box) else None
-
-
-@dataclass
-class Piece:
-    part: Question
-    trial: Trial
-
-    def share(self, whole: Question) -> float:
-        return (1 if self.trial.falls else 1 - self.trial.left) * self.part.counted / whole.counted
-
-    def told(self, whole: Question) -> dict[str, Any]:
-        names = [f"{name} {low}" + f" to {high - 1}" * (high - 1 > low)
-                 for name, (low, high), size in zip(("layer", "y", "x"), self.part.box, whole.extent[::-1]) if size > 1]
-        reason, share = describe(self.part, self.trial), self.share(whole)
-        place = "where they differ alone" if self.trial.inside else f"in {', '.join(names)}"
-        return {**reason, "share": share, "text": f"{percent(share)}, {place}: {reason['text']}"}
+    piece = trial.on(question.within(box, MOST_COUNTED >> 4))
+    found = piece.pair.question.before >= LEAST_PIECE and judge(piece) and not piece.inside and holds(piece)
+    return piece if found and has_sharp_sides(trial, box) else None
 
 
 def overlap(box: Box, other: Box) -> bool:
     return all(low < other_high and other_low < high for (low, high), (other_low, other_high) in zip(box, other))
 
 
-def pieces(question: Question, search: Search) -> list[Piece]:
+def pieces(question: Question, search: Search) -> list[Trial]:
     """Faults that explain a part, then fits in cells of the picture; of those that overlap, the largest."""
-    found: list[Piece] = []
-    trials = [trial for _, _, trial in sorted(search.partial, key=lambda item: item[:2])[:-11:-1]]
-    for box in [None, *cells(question)]:
-        if box:
+    found = [piece_of(trial) for _, trial in sorted(search.partial, key=lambda item: -item[0])[:10]]
+    for box in cells(question):
+        if not any(piece and overlap(piece.pair.question.box, box) for piece in found):
             part = question.within(box, MOST_COUNTED >> 8)
-            trial = Search(part).fits() if part.before >= 2 * FEW and not any(overlap(piece.part.box, box) for piece in found) else None
-            trials = [trial] if trial else []
-        found += [piece for piece in (piece_of(question, trial) for trial in trials) if piece]
-    chosen: list[Piece] = []
-    for piece in sorted(found, key=lambda piece: (-round(piece.share(question), 2), piece.trial.bits)):
-        if piece.share(question) >= LEAST_SHARE and not any(overlap(piece.part.box, other.part.box) for other in chosen):
+            trial = Search(part).fits() if part.before >= 2 * FEW else None
+            found.append(trial and piece_of(trial.on(question)))
+    chosen: list[Trial] = []
+    for piece in sorted(filter(None, found), key=lambda piece: (-round(piece.share(), 2), piece.bits)):
+        if piece.share() >= LEAST_SHARE and not any(overlap(piece.pair.question.box, other.pair.question.box) for other in chosen):
             chosen.append(piece)
-    told = sum(piece.share(question) for piece in chosen)
+    told = sum(piece.share() for piece in chosen)
     measured = 1. if question.one else MEASURED_SHARE  # any change of light nearly is a factor on few codes
-    return [piece for piece in chosen if told > 0.5 or piece.share(question) >= (measured if piece.trial.fitted() else PLAIN_SHARE)]
+    return [piece for piece in chosen if told > 0.5 or piece.share() >= (measured if piece.fitted() else PLAIN_SHARE)]
 
 
 def cells(question: Question) -> Iterator[Box]:
@@ -906,26 +841,22 @@ def answer(question: Question) -> dict[str, Any]:
     result: dict[str, Any] = {"why": [], "noise": False, "size": size_of(question)}
     if not question.before:
         return result
-    first = shown(question, SHOWN_FIRST)
-    noise = None if first else noise_of(question)
+    why, search = shown(question, SHOWN_FIRST), Search(question)
+    noise = None if why else noise_of(question)
     if noise and not question.one:
         return {**result, "why_not": noise, "noise": True}
-    search = Search(question)
-    trial = search.run() if not first and question.before >= FEW else None
-    reason = first or (describe(question, trial) if trial and holds(question, trial) else None) or shown(question, SHOWN)
-    if reason and reason["name"] not in VAGUE:
-        return {**result, "why": [reason]}
-    if search.inside and holds(question, search.inside):
-        parts = [Piece(question, search.inside)]
+    trial = search.run() if not why and question.before >= FEW else None
+    why = [reason_of(trial)] if trial and holds(trial) else why or shown(question, SHOWN)
+    if not why and search.inside and holds(search.inside):
+        parts = [search.inside]
     else:
-        parts = pieces(question, search) if question.before >= 2 * FEW and not noise else []
+        parts = pieces(question, search) if not why and not noise and question.before >= 2 * FEW else []
     if parts:
-        left = 1 - sum(piece.share(question) for piece in parts)
-        rest = {"why_not": "the rest has no simple cause"} if left > 0.01 else {}
-        return {**result, "why": [piece.told(question) for piece in parts], **rest}
-    if reason:
-        return {**result, "why": [reason]}
-    return {**result, "why_not": noise or "no simple cause", "noise": bool(noise)}
+        left = 1 - sum(piece.share() for piece in parts)
+        result["why"] = [reason_of(piece) for piece in parts]
+        return {**result, "why_not": "the rest has no simple cause"} if left > 0.01 else result
+    why = why or shown(question, SHOWN_LAST)
+    return {**result, "why": why, **({} if why else {"why_not": noise or "no simple cause", "noise": bool(noise)})}
 
 
 def ask(request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, int], tuple[Array, list[int]]],
