@@ -482,7 +482,7 @@ static void write_depth(struct making *making)
 {
     struct reflected depth = {.name = "depth"};
     if (!is_new(making, "depth"))
-        strcpy(depth.name, "depth_");
+        memcpy(depth.name, "depth_", sizeof "depth_");
     text_add(&making->images, "  %s: {format: d32f, size: frame}\n", depth.name);
     list(&making->writes, &depth, NULL);
 }
@@ -533,7 +533,7 @@ static void rename_resources(struct making *making, struct reflection *reflectio
         import_identifier(item->as, item->name, 64);
         for (size_t length = strlen(item->name);
              length < 200 && has_resource(making, item->name, item->as);)
-            strcpy(item->name + length++, "p");
+            memcpy(item->name + length++, "p", 2);
     }
 }
 
