@@ -537,13 +537,29 @@ static void rename_resources(struct making *making, struct reflection *reflectio
     }
 }
 
+/* Whether the uniforms of one name have one type, since a spec gives them one value. */
+static bool is_alike(struct making *making, const struct reflected *item)
+{
+    for (int f = 0; f < making->count; f++)
+        for (uint32_t i = 0; i < making->files[f].reflection.count; i++) {
+            const struct reflected *other = &making->files[f].reflection.list[i];
+            if (other->kind == REFLECTED_VALUE && !strcmp(other->name, item->name) &&
+                strcmp(other->type, item->type) != 0)
+                return REFUSE(making, item,
+                              "two uniforms have the name `%s`, and other types; a spec has one "
+                              "value for a name",
+                              item->name);
+        }
+    return true;
+}
+
 static bool write_item(struct making *making, const struct reflected *item, int stage)
 {
     bool between =
         (item->kind == REFLECTED_OUTPUT && stage == REFLECT_VERTEX) ||
         (item->kind == REFLECTED_INPUT && stage == REFLECT_FRAGMENT && making->count > 1);
     if (between || !is_new(making, item->name))
-        return true;
+        return between || item->kind != REFLECTED_VALUE || is_alike(making, item);
     switch (item->kind) {
     case REFLECTED_TEXTURE:
         return write_texture(making, item);
