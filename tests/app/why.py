@@ -197,12 +197,13 @@ def fighting(n): s = Scene(n); where = (abs(s.x - 30) < 15) & (abs(s.y - 24) < 1
 def culled_glass(n): s = Scene(n); hole = ((s.x - 30) ** 2 + (s.y - 20) ** 2 < 200)[:, :, None]; opaque = joined(s.picture, np.ones((H, W, 1))).astype(f32); return np.where(hole, f32(0.5) * opaque + f32(0.1), opaque), opaque
 def back_faces(n): face = np.array([[0, 0, 0], [0, 0, 0], [0, -0.8, 0.6], [0.8, 0.6, 0], [0, 1, 0]], f32)[Scene(n).ids // 17 % 5]; return face, -face
 def bars(n): x = Scene(n).x[:, :, None] * np.ones(3); a = 10 + n % 4 + 30 * (x // 10); return a.astype(u8), (a + x // 10 // 3).astype(u8)
+def constants(n): a = Scene(n).picture; return code(a), code(a + np.array([0.8, -0.7, 0.9]) / 255)
 def one_value(n): a = Scene(n).display.copy(); a[8:40, 9:50, 2] = 0; b = a.copy(); b[8:40, 9:50, 2] = 150 + 11 * n % 100; return a, b
 def chaos(n): r = np.random.default_rng(n); a = r.random((200, 3)); b = a + 1e-7 * r.normal(size=a.shape); return tuple(sum(np.sin(v * 3.9 ** i) for i in range(14)).astype(f32) for v in (a, b))
 
 
 DECOYS = [other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, shadow, shadow_map, thin_glass, zoomed, codes, rounding,
-          lod_bias, jittered, local_contrast, hinting, acne, compressed, grain, other_dither, objects_missing, fog, other_ids, fighting, culled_glass, back_faces, bars, one_value, chaos]
+          lod_bias, jittered, local_contrast, hinting, acne, compressed, grain, other_dither, objects_missing, fog, other_ids, fighting, culled_glass, back_faces, bars, one_value, chaos, constants]
 
 
 def shape_of(a):
@@ -242,7 +243,7 @@ def planted(number, k):
 
 def decoy(kind, number):
     result = ask(*DECOYS[kind](100 + number))
-    return not result["why"], f"decoy {DECOYS[kind].__name__} {number}: {[reason['text'] for reason in result['why']]}"
+    return not result["why"] and not (DECOYS[kind] in (constants, bars) and result["noise"]), f"decoy {DECOYS[kind].__name__} {number}: {[reason['text'] for reason in result['why']]}"
 
 
 def judged(job): return (planted if job[0] else decoy)(*job[1:])

@@ -507,6 +507,16 @@ def judge(trial: Trial) -> bool:
     return (not trial.inside or is_solid(e)) and is_varied(e) and is_no_luck(e) and loses_nothing(e)
 
 
+def is_one_way(question: Question, error: Array) -> bool:
+    """Whether codes of a channel err one way, by two or in most elements: rounding errs both ways, or keeps half of them."""
+    for channel in error.T * question.one:
+        wrong = channel[channel != 0]
+        most = question.share * len(wrong) > 0.6 * len(channel) or np.abs(wrong).max(initial=0) > 1.5
+        if len(wrong) >= 64 and most and max((wrong > 0).mean(), (wrong < 0).mean()) > 0.95:
+            return True
+    return False
+
+
 def noise_of(question: Question) -> str | None:
     """A few ulp or codes, of both signs: rounding, never a cause."""
     pair = question.pairs[0]
@@ -517,6 +527,8 @@ def noise_of(question: Question) -> str | None:
     up, count = float((error[error != 0] > 0).mean()), len(a) if question.one else math.ceil(0.99 * len(a))
     most, unit = float(np.sort(question.steps(a, b).max(1))[count - 1]), "code" if question.one else "ulp"
     if most > (2.01 if question.one else question.floats[2]) or not (0.1 <= up <= 0.9 or most <= 4):
+        return None
+    if question.one and is_one_way(question, error):
         return None
     count = max(1, round(most))
     return f"rounding noise of {count} {unit}{'s' if unit == 'code' and count > 1 else ''}; no systematic cause"
