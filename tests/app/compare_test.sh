@@ -67,7 +67,7 @@ fi
 for pipeline in rsm ${DIPTYCH_LONG:+ssvp}; do
     # shellcheck disable=SC2016
     check "$pipeline agrees in five ways: two forms of OpenGL, OSMesa, OpenGL over Vulkan, Vulkan" bash -c '"${@:2}" | grep -Fx "$1 pairs agree"' - $pairs \
-        "$diptych" compare --scene $scene --spec "templates/$pipeline.yaml" --size 37x23 --set rsm_size=128 --set first_vpls=64 \
+        "$diptych" compare --scene $scene --spec "templates/$pipeline.yaml" --size 37x23 --set rsm_size=128 \
         --backend gl,gl+glsl,osmesa$zink,vk
 done
 

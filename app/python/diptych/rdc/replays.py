@@ -44,8 +44,8 @@ def limit() -> None:
         resource.setrlimit(kind, (most if hard == resource.RLIM_INFINITY else min(most, hard), hard))
 
 
-def replay(console: Console, confined: bool, module: str, capture: str, folder: str, argument: str) -> str:
-    """Runs a module of this package on the capture. Why it failed, or nothing."""
+def replay(console: Console, confined: bool, module: str, capture: str, folder: str, argument: str, again: bool = True) -> str:
+    """Runs a module of this package on the capture. Why it failed, or nothing. A driver may crash by chance, so there is a second try."""
     path = os.path.realpath(capture)
     package = [os.path.dirname(HERE), *filter(None, os.environ.get("PYTHONPATH", "").split(":"))]
     words = ["/usr/bin/python3", "-m", f"diptych.rdc.{module}", path, folder, argument]
@@ -65,6 +65,8 @@ def replay(console: Console, confined: bool, module: str, capture: str, folder: 
         process.kill()
     if status in (-signal.SIGXCPU, 128 + signal.SIGXCPU):
         return "the replay took more than its time"
+    if (status < 0 or status > 128) and again:
+        return replay(console, confined, module, capture, folder, argument, False)
     if status < 0 or status > 128:
         return f"the replay was ended by signal {-status if status < 0 else status - 128}: the capture is damaged, or asks too much"
     done = not status and os.path.exists(os.path.join(folder, "frame.json"))
