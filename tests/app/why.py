@@ -2,7 +2,7 @@
 """Plants faults in pictures made with NumPy, and decoys without a simple cause; holds that `why` names the faults and stays silent about the decoys.
 
     why.py [SEED]      prints what is wrong, and "# counted: ..."; other seeds are other pictures. DIPTYCH_LONG: each fault at all
-                       three strengths and all decoys; else at one, and one of each kind
+                       three strengths and all decoys; else half of them at one, and a decoy of each kind
 """
 import multiprocessing, os, sys
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -249,7 +249,7 @@ def decoy(kind, number):
 def judged(job): return (planted if job[0] else decoy)(*job[1:])
 
 
-jobs = [(True, number, k) for number in range(len(FAULTS)) for k in (range(3) if LONG else [(number + seed) % 3])]
+jobs = [(True, number, k) for number in range(len(FAULTS)) for k in (range(3) if LONG else [(number + seed) % 3] * ((number + seed // 3) % 2))]
 jobs += [(False, kind, number) for kind in range(len(DECOYS)) for number in (range(11) if LONG else [(kind + seed) % 11])]
 with multiprocessing.Pool(os.cpu_count() if LONG else 1) as pool:
     results = pool.map(judged, jobs, 1)

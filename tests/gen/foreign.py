@@ -245,7 +245,7 @@ def large(tap):
     tap.result("28 loops behind each other compile", agrees([0.5] * 4))
     setting = {key: os.environ.pop(key) for key in ["GALLIVM_PERF"] if key in os.environ}
     for mode, words in ((1, "are not optimized"), (0, "of a branch that a global decides go")):
-        compute(f"float mode = {mode};\n" + LOOPS % (100 * "x = abs(x); ", "if (mode > 0.5) {" + 1000 * "idle(x); " + "} x += float(turns);"), head=head, kind="float")
+        compute(f"float mode = {mode};\n" + LOOPS % (1000 * "x = abs(x); ", "if (mode > 0.5) {" + 100 * "idle(x); " + "} x += float(turns);"), head=head, kind="float")
         done = diptych("render", "--spec", "a.yaml", "--backend", "vk", "--dump", "dump")
         tap.result(f"100,000 operations {words}", [] if ("GALLIVM_PERF=nopt" in done.stdout) == bool(mode) and not done.returncode else [done.stdout])
     os.environ.update(setting)
