@@ -233,7 +233,8 @@ static void put_offsets(struct spirv_edit *edit)
     SPIRV_EACH(m, at, m->annotations, edit->failed ? 0 : m->declarations)
     {
         const uint32_t *i = m->words + at;
-        bool block = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBufferBlock;
+        bool block = spirv_is(i, SpvOpDecorate) &&
+                     (i[2] == SpvDecorationBufferBlock || i[2] == SpvDecorationBlock);
         if (block && spirv_length(spirv_definition(m, i[1])) == 3 &&
             spirv_member_decoration(m, i[1], 0, SpvDecorationOffset) == UINT32_MAX)
             SPIRV_PUT(edit, &edit->annotations, SpvOpMemberDecorate, i[1], 0, SpvDecorationOffset,
