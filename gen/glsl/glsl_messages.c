@@ -633,9 +633,9 @@ static void add_near(struct text *out, struct model *model, const struct pass *p
             ending = *word;
     for (uint32_t i = 0; names && i < pass->access_count; i++)
         names[count++] = access_word(&pass->accesses[i]);
-    for (uint32_t i = 0; names && i < pipeline->param_count; i++)
+    for (uint32_t i = 0; names && !*ending && i < pipeline->param_count; i++)
         names[count++] = pipeline->params[i].name;
-    for (uint32_t i = 0; names && i < pipeline->constant_count; i++)
+    for (uint32_t i = 0; names && !*ending && i < pipeline->constant_count; i++)
         names[count++] = pipeline->constants[i].name;
     const char *stem = arena_strndup(model->arena, name, strlen(name) - strlen(ending));
     const char *near = stem && names ? nearest_name(stem, names, count) : NULL;

@@ -6,4 +6,5 @@ void main()
         picture_store(p, 1u);
     uint n = heigt + picture(p).r;
     n = picture(p).r;
+    p += heigt_size();
 }

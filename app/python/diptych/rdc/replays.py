@@ -65,7 +65,7 @@ def replay(console: Console, confined: bool, module: str, capture: str, folder: 
         process.kill()
     if status in (-signal.SIGXCPU, 128 + signal.SIGXCPU):
         return "the replay took more than its time"
-    if (status < 0 or status > 128) and again:
+    if status in (-signal.SIGSEGV, 128 + signal.SIGSEGV) and again:
         return replay(console, confined, module, capture, folder, argument, False)
     if status < 0 or status > 128:
         return f"the replay was ended by signal {-status if status < 0 else status - 128}: the capture is damaged, or asks too much"
