@@ -3,7 +3,6 @@
 #include "compare/compare.h"
 
 #include <cjson/cJSON.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -132,10 +131,7 @@ static bool keep_result(struct pair *pair, struct sheet_row *result, uint32_t fr
         pair->broken = result;
         pair->broken_frame = frame;
     }
-    if (!pair->odd && verdict == VERDICT_NOT_FINITE && !sheet_is_early(&pair->sheet, result)) {
-        pair->odd = result;
-        pair->odd_frame = frame;
-    }
+    sheet_note_odd(&pair->sheet, result, frame, found);
     if (!pair->broken || pair->broken_frame == frame) { /* for blame */
         result->differs = found->differing || found->size_differs;
         result->hash = hash;
@@ -417,11 +413,6 @@ static void add_region(const struct compare *compare, cJSON *event)
     cJSON_AddStringToObject(event, "case", compare->options.bisect);
 }
 
-static struct sheet_event new_event(const struct sheet_row *row, uint32_t frame)
-{
-    return (struct sheet_event){.row = row, .frame = frame, .more = cJSON_CreateObject()};
-}
-
 static void conclude_blame(struct compare *compare, struct pair *pair)
 {
     struct sheet *sheet = &pair->sheet;
@@ -429,12 +420,12 @@ static void conclude_blame(struct compare *compare, struct pair *pair)
     struct sheet_row *row = blame->row;
     sheet->blames = blame->outcome != BLAME_NOT_RUN && !sheet->on_equal_inputs;
     if (blame->outcome == BLAME_NOT_REPEATABLE) {
-        sheet->not_repeatable = new_event(row, blame->frame);
+        sheet->not_repeatable = sheet_event(row, blame->frame);
         cJSON_AddStringToObject(sheet->not_repeatable.more, "side", blame->side->label);
     }
     if (blame->outcome != BLAME_GUILTY)
         return;
-    sheet->guilty = new_event(row, blame->frame);
+    sheet->guilty = sheet_event(row, blame->frame);
     cJSON_AddStringToObject(sheet->guilty.more, "shader", row->body);
     if (compare->region && pair == compare->bisected)
         add_region(compare, sheet->guilty.more);
@@ -449,17 +440,12 @@ static void conclude(struct compare *compare)
         struct sheet *sheet = &pair->sheet;
         sheet->devices[0] = compare->devices[0];
         sheet->devices[1] = compare->devices[i + 1];
-        sheet->agree =
-            !pair->broken && !pair->odd && (sheet->on_equal_inputs || !measured_breaks(sheet));
+        sheet->agree = sheet_agrees(sheet, pair->broken) &&
+                       (sheet->on_equal_inputs || !measured_breaks(sheet));
         conclude_blame(compare, pair);
-        if (!pair->broken && pair->odd) {
-            bool nan = isnan(pair->odd->difference.worst.values[0]);
-            sheet->not_finite = new_event(pair->odd, pair->odd_frame);
-            cJSON_AddStringToObject(sheet->not_finite.more, "what", nan ? "NaN" : "infinity");
-        }
         if (!pair->broken)
             continue;
-        sheet->first_break = new_event(pair->broken, pair->broken_frame);
+        sheet->first_break = sheet_event(pair->broken, pair->broken_frame);
         pair->broken->text = pair->unwritten;
         cJSON_AddStringToObject(sheet->first_break.more, "unwritten", pair->unwritten);
     }

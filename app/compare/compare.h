@@ -33,8 +33,6 @@ struct pair {
     struct difference found;   /* of the row and frame being compared */
     struct sheet_row *broken;  /* the first that broke its contract, NULL: none, */
     uint32_t broken_frame;     /* in this frame */
-    struct sheet_row *odd;     /* the first with NaN or Inf in both, NULL: none, */
-    uint32_t odd_frame;        /* in this frame */
     struct blame blame;
     char *unwritten;   /* what unwritten_find tells of that row; NULL: nothing; owned */
     struct cJSON *why; /* why_ask of that row and frame, with all inputs as they were */

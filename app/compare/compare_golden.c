@@ -236,15 +236,16 @@ bool golden_end(struct compare *compare)
     if (!compare->golden.differing)
         return golden_out_of_memory(compare);
     for (uint32_t i = 0; i < compare->pair_count; i++)
-        differ |= compare->pairs[i].broken || compare->pairs[i].odd;
+        differ |= compare->pairs[i].broken || compare->pairs[i].sheet.not_finite.row;
     if (!compare->options.update)
         compare_all(compare);
     else if (!differ)
         return write_all(compare);
     else
-        report_message(&compare->console->log, DT_INFO,
-                       "--golden %s: the sides differ; nothing was written",
-                       compare->options.golden);
+        report_message(
+            &compare->console->log, DT_INFO,
+            "--golden %s: the sides differ, or leave NaN or infinity; nothing was written",
+            compare->options.golden);
     return true;
 }
 

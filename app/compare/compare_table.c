@@ -68,11 +68,8 @@ static void print_outcome(const struct compare *compare, const struct pair *pair
     const struct dt_pipeline *info = compare->pipeline.info;
     if (pair->sheet.on_equal_inputs && !compare->twins)
         print_edges(compare, pair);
-    if (pair->sheet.not_finite.row) {
-        printf("both agree; pass %s leaves %s\n", pair->odd->pass,
-               cJSON_GetStringValue(cJSON_GetObjectItem(pair->sheet.not_finite.more, "what")));
+    if (sheet_print_odd(&pair->sheet))
         return;
-    }
     if (!pair->broken && !pair->sheet.agree) {
         printf("the first runs agree, but not all do\n");
         return;

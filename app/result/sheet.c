@@ -32,6 +32,40 @@ void sheet_free(struct sheet *sheet)
     *sheet = (struct sheet){0};
 }
 
+struct sheet_event sheet_event(const struct sheet_row *row, uint32_t frame)
+{
+    return (struct sheet_event){.row = row, .frame = frame, .more = cJSON_CreateObject()};
+}
+
+void sheet_note_odd(struct sheet *sheet, const struct sheet_row *row, uint32_t frame,
+                    const struct difference *found)
+{
+    if (sheet->not_finite.row || difference_verdict(found) != VERDICT_NOT_FINITE ||
+        sheet_is_early(sheet, row))
+        return;
+    sheet->not_finite = sheet_event(row, frame);
+    cJSON_AddStringToObject(sheet->not_finite.more, "what",
+                            isnan(found->worst.values[0]) ? "NaN" : "infinity");
+}
+
+bool sheet_agrees(struct sheet *sheet, bool differs)
+{
+    if (differs) {
+        cJSON_Delete(sheet->not_finite.more);
+        sheet->not_finite = (struct sheet_event){0};
+    }
+    return !differs && !sheet->not_finite.row;
+}
+
+bool sheet_print_odd(const struct sheet *sheet)
+{
+    const struct sheet_event *event = &sheet->not_finite;
+    if (event->row)
+        printf("both agree; pass %s leaves %s\n", event->row->pass,
+               cJSON_GetStringValue(cJSON_GetObjectItem(event->more, "what")));
+    return event->row;
+}
+
 static const char *sheet_verdict(const struct sheet_row *row)
 {
     return row->compared ? verdict_name(difference_verdict(&row->difference)) : row->verdict;

@@ -43,8 +43,6 @@ struct sheet_row {
     const char *text;             /* in place of the largest error */
     const char *note;             /* one line below the row */
     const char *body;             /* file of the shader */
-    uint64_t
-        not_finite; /* numbers that are NaN or the same infinity in both copies: they count as equal */
     const char *inputs;           /* of the pass: "equal", "differ" */
     const struct difference *own; /* the pass's own error, on equal inputs */
     struct shown shown;           /* owned */
@@ -79,6 +77,16 @@ struct sheet {
 bool sheet_begin(struct sheet *sheet, uint32_t rows, const struct dt_log *log); /* false: logged */
 void sheet_free(struct sheet *sheet); /* takes a zeroed one */
 bool sheet_is_early(const struct sheet *sheet, const struct sheet_row *row);
+
+/* An event with an empty `more`. */
+struct sheet_event sheet_event(const struct sheet_row *row, uint32_t frame);
+/* Keeps the first of the results whose copies agree in that frame, but have NaN or Inf. */
+void sheet_note_odd(struct sheet *sheet, const struct sheet_row *row, uint32_t frame,
+                    const struct difference *found);
+/* Whether no contract is broken and no number odd. Where the sides differ, nothing is told of odd ones. */
+bool sheet_agrees(struct sheet *sheet, bool differs);
+/* Prints "both agree; pass NAME leaves NaN". False: no pass does, and nothing is printed. */
+bool sheet_print_odd(const struct sheet *sheet);
 
 void sheet_print(const struct sheet *sheet); /* the table, on stdout */
 

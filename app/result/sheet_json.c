@@ -50,8 +50,6 @@ void sheet_row_json(cJSON *root, const struct sheet *sheet, const struct sheet_r
     cJSON_AddNumberToObject(root, "frames_differing", row->frames_differing);
     if (row->note || (row->text && !row->compared))
         cJSON_AddStringToObject(root, "note", row->note ? row->note : row->text);
-    if (row->not_finite)
-        cJSON_AddNumberToObject(root, "not_finite_in_both", (double)row->not_finite);
     if (row->shown.strip)
         add_picture(root, row);
     cJSON_AddStringToObject(root, "inputs", row->inputs);
@@ -104,10 +102,9 @@ static void add_outcome(cJSON *root, const struct sheet *sheet)
         cJSON_AddItemToObject(root, "measured", measured_json(sheet));
     if (sheet->on_equal_inputs)
         cJSON_AddBoolToObject(root, "on_equal_inputs", true);
-    if (sheet->pipeline) {
+    if (sheet->pipeline)
         add_event(root, "first_break", sheet, &sheet->first_break);
-        add_event(root, "not_finite", sheet, &sheet->not_finite);
-    }
+    add_event(root, "not_finite", sheet, &sheet->not_finite);
     add_event(root, "guilty", sheet, &sheet->guilty);
     if (sheet->guilty.row)
         add_members(root, sheet->guilty.row->why);

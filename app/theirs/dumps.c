@@ -1,7 +1,6 @@
 /* Compares dumps of two renderers, no spec; see dumps.h. One resource of each is in memory at a time. */
 #include "theirs/dumps.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -100,9 +99,8 @@ bool dumps_match(struct dumps *dumps)
 
 /* ---- Loading ----------------------------------------------------------------------------------- */
 
-/* A number that is NaN in both copies, or the same infinity, becomes 0 in both; so does a zero of two signs, which is no
- * difference between two renderers. */
-static bool level(struct match *match, struct dt_bytes copies[2])
+/* Zeros of two signs become 0 in both: they are no difference between two renderers. */
+static bool level(const struct match *match, struct dt_bytes copies[2])
 {
     struct component *list = NULL;
     uint32_t count = resource_components(&match->what, &list);
@@ -112,13 +110,10 @@ static bool level(struct match *match, struct dt_bytes copies[2])
              number_is_float(list[c].kind) && at < copies[0].size && at < copies[1].size;
              at += stride) {
             uint8_t *a = copies[0].data + at, *b = copies[1].data + at;
-            double x = number_value(list[c].kind, a), y = number_value(list[c].kind, b);
-            bool finite = isfinite(x) || isfinite(y), same = x == y || (isnan(x) && isnan(y));
-            if (!same || (finite && x != 0))
+            if (number_value(list[c].kind, a) != 0 || number_value(list[c].kind, b) != 0)
                 continue;
             number_set_bits(list[c].kind, 0, a);
             number_set_bits(list[c].kind, 0, b);
-            match->not_finite += !finite;
         }
     free(list);
     return count;
@@ -134,7 +129,6 @@ static bool load_copies(struct theirs *const sides[2], struct match *match,
             return false;
     free(match->note);
     match->note = NULL;
-    match->not_finite = 0;
     *same = dumps_convert(match, copies);
     if (!*same && match->note)
         return true;
@@ -301,6 +295,7 @@ static bool compare_match(struct dumps *dumps, struct match *match)
                           match->name, copies, &dumps->console->log);
     free(copies[0].data);
     free(copies[1].data);
+    sheet_note_odd(&dumps->sheet, row, row->frame, &row->difference);
     if (good && !dumps->first &&
         (!row->compared || difference_verdict(&row->difference) == VERDICT_DIFFERS))
         dumps->first = match;

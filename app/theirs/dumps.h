@@ -14,7 +14,6 @@ struct match {
     char *name;                   /* of the resource, with mip and frame; owned */
     char *note; /* what was converted, or why nothing could be compared; owned; may be NULL */
     struct dt_resource what; /* both copies' common form; fields are borrowed of the first */
-    uint64_t not_finite;     /* see struct sheet_row */
     const struct kept_contract *kept; /* NULL: the default */
     struct sheet_row *row;            /* what is shown of it */
 };

@@ -1,6 +1,5 @@
 /* What `compare A B` tells of two dumps; see dumps.h. */
 #include <cjson/cJSON.h>
-#include <inttypes.h>
 #include <stdio.h>
 
 #include "theirs/dumps.h"
@@ -10,7 +9,6 @@ static void conclude_match(struct match *match)
 {
     struct sheet_row *row = match->row;
     row->kept = match->kept;
-    row->not_finite = match->not_finite;
     if (row->compared) {
         row->note = match->note;
         row->text = NULL;
@@ -26,11 +24,10 @@ void dumps_conclude(struct dumps *dumps)
     struct sheet *sheet = &dumps->sheet;
     for (uint32_t i = 0; i < dumps->count; i++)
         conclude_match(&dumps->matches[i]);
-    sheet->agree = !dumps->first && !measured_breaks(sheet);
+    sheet->agree = sheet_agrees(sheet, dumps->first) && !measured_breaks(sheet);
     if (!dumps->first)
         return;
-    sheet->guilty = (struct sheet_event){
-        .row = dumps->first->row, .frame = dumps->first->row->frame, .more = cJSON_CreateObject()};
+    sheet->guilty = sheet_event(dumps->first->row, dumps->first->row->frame);
     if (dumps->loud) {
         cJSON *loud = cJSON_AddObjectToObject(sheet->guilty.more, "beyond_noise");
         cJSON_AddStringToObject(loud, "pass", dumps->loud->sides[0]->pass);
@@ -47,6 +44,8 @@ static void print_outcome(const struct dumps *dumps)
     uint32_t both = dumps->sides[1]->count - dumps->sheet.alone;
     if (told && told->row->frame)
         snprintf(frame, sizeof frame, ", in frame %u", told->row->frame);
+    if (sheet_print_odd(&dumps->sheet))
+        return;
     if (!told && !dumps->sheet.agree)
         printf("the first runs agree, but not all do\n");
     else if (!told)
@@ -84,13 +83,8 @@ void dumps_print(const struct dumps *dumps)
     if (sheet->runs)
         measured_print(sheet);
     printf("\n");
-    for (uint32_t i = 0; i < dumps->count; i++) {
-        const struct match *match = &dumps->matches[i];
-        if (match->not_finite)
-            printf("%s: %" PRIu64 " numbers are NaN or infinite in both, and count as equal\n",
-                   match->place, match->not_finite);
-        print_reasons(match);
-    }
+    for (uint32_t i = 0; i < dumps->count; i++)
+        print_reasons(&dumps->matches[i]);
     measured_grown(sheet);
     if (dumps->count > both || sheet->alone)
         printf("without a partner: %u in the first dump, %u in the second\n", dumps->count - both,

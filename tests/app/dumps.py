@@ -61,14 +61,14 @@ manifest("bottom", rgba[::-1], entry(rgba), origin="bottom")
 # The same in formats that one side packs: codes, stencil behind 24 bits and behind a float, samples.
 codes = np.arange(48, dtype=np.uint32).reshape(6, 8) * 349000 + 5
 colour = np.rint((radiance - 1) * 255).astype(np.uint8)
-stencil = (codes % 7).astype(np.uint32)
+stencil, finite = (codes % 7).astype(np.uint32), codes & 0x7fdffbff  # no exponent of ones
 bgra = np.concatenate([colour[:, :, ::-1], np.full((6, 8, 1), 255, np.uint8)], 2)
 for side, more, other in ("dense", 0, 0), ("dense2", 0, 0), ("dense_depth", 2, 0), ("dense_stencil", 0, 1):
     os.makedirs(side)
     files = {"rgb": (colour, "rgb8"), "zs": (codes + more | stencil + other << 24, "d24s8"), "z": (codes, "d24"), "fs": (np.stack([depth.view(np.uint32), stencil], -1), "d32fs8"),
-             "d16": ((codes >> 8).astype(np.uint16), "d16"), "r11": (codes, "r11g11b10"), "ms": (np.stack([codes] * 4), "rgba8")}
+             "d16": ((codes >> 8).astype(np.uint16), "d16"), "r11": (finite, "r11g11b10"), "ms": (np.stack([codes] * 4), "rgba8")}
     if side != "dense":
-        files |= {"rgb": (bgra, "bgra8"), "z": ((codes / 16777215).astype(np.float32), "d32f"), "r11": (codes, "r11g11b10f")}
+        files |= {"rgb": (bgra, "bgra8"), "z": ((codes / 16777215).astype(np.float32), "d32f"), "r11": (finite, "r11g11b10f")}
     for name, (a, _) in files.items():
         np.ascontiguousarray(a).tofile(f"{side}/{name}.raw")
     json.dump({"entries": [{**entry(0), "resource": name, "file": name + ".raw", "format": format, **({"samples": 4} if name == "ms" else {})} for name, (_, format) in files.items()]},

@@ -39,7 +39,11 @@ check "row 0 at the top and at the bottom" says 0 'rows turned over' top bottom
 check "fields are matched by name" says 0 'fields matched by name: 16 and 12 bytes' std140 packed
 check "an integer in a buffer has no tolerance" says 1 'first pass that differs' integers other_integers
 check "one ulp of a float is nothing" says 0 'agree' plain ulp
-check "NaN in both is equal" says 0 '3 numbers are NaN or infinite in both' nan nan
+check "NaN in both is not finite" says 1 '^both agree; pass gbuffer leaves NaN$' nan nan --json json
+check "... in JSON as two backends have it" /usr/bin/python3 -c '
+import json
+j = json.load(open("json"))
+assert j["not_finite"]["what"] == "NaN" and j["guilty"] is None and not j["agree"] and j["results"][0]["verdict"] == "not finite", j'
 check "zeros of two signs are equal" says 0 '^a +b +48 +0 +equal' zeros minus
 check "NaN in one is not" says 1 'where nan2 is NaN|where second is NaN|NaN' nan nan2
 check "a contract allows a difference" says 0 'within' plain ulp9 --contracts loose.yaml
