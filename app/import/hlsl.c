@@ -278,7 +278,7 @@ uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int s
                                     .name = name,
                                     .include = texts_include,
                                     .user = texts};
-    uint32_t *words = spirv_init() ? glslang_compile(&job, count, why) : NULL;
+    uint32_t *words = spirv_init(true) ? glslang_compile(&job, count, why) : NULL;
     uint32_t *meant = put_all_meant(words, count, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
     char *said = NULL;

@@ -417,7 +417,7 @@ bool reflect(const char *text, int stage,
     size_t count = 0;
     *why = NULL;
     *reflection = (struct reflection){0};
-    uint32_t *words = code && spirv_init() ? glslang_compile(&job, &count, why) : NULL;
+    uint32_t *words = code && spirv_init(true) ? glslang_compile(&job, &count, why) : NULL;
     bool good = words && reflect_words(words, count, reflection);
     if (good)
         glsl_initials(&job, take_initial, reflection);

@@ -41,10 +41,13 @@ static char *preprocess(struct glsl *glsl)
 {
     struct text text = {0};
     glsl_own_text(glsl, &text);
-    const struct glslang_job job = {
-        .code = text.data, .stage = glsl->stage, .include = glsl_include, .user = glsl->files};
+    const struct glslang_job job = {.code = text.data,
+                                    .stage = glsl->stage,
+                                    .whole = glsl->whole,
+                                    .include = glsl_include,
+                                    .user = glsl->files};
     char *log = NULL,
-         *out = text.failed || !glslang_start() ? NULL : glslang_preprocess(&job, &log);
+         *out = text.failed || !glslang_start(glsl->whole) ? NULL : glslang_preprocess(&job, &log);
     if (out)
         drop_head(out);
     else if (log)

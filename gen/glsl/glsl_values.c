@@ -72,7 +72,7 @@ static void add_initials(struct glsl *glsl)
     glsl_own_text(glsl, &text);
     const struct glslang_job job = {
         .code = text.data, .stage = glsl->stage, .include = glsl_include, .user = glsl->files};
-    if (!text.failed && glslang_start())
+    if (!text.failed && glslang_start(true))
         glsl_initials(&job, add_initial, glsl);
     text_free(&text);
 }

@@ -133,11 +133,12 @@ void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
 /* glslang makes its tables of built-in functions with the first shader, under a lock that stays locked
  * when memory runs out there: every later call would wait for ever. So nothing else is called before a
  * first shader has succeeded. */
-bool start()
+bool start(bool whole)
 try {
     glslang_job job = {};
     size_t count;
     char *log = nullptr;
+    job.whole = whole;
     job.code = "#version 460\nlayout(local_size_x = 1) in;\nvoid main() {}\n";
     uint32_t *words = glslang::InitializeProcess() ? glslang_compile(&job, &count, &log) : nullptr;
     std::free(words);
@@ -149,9 +150,14 @@ try {
 
 } // namespace
 
-extern "C" bool glslang_start(void)
+/* glslang keeps its tables until the process ends. Each takes as long as reading some thousand lines. */
+extern "C" bool glslang_start(bool whole)
 {
-    static const bool started = start(); // glslang keeps its tables until the process ends
+    if (whole) {
+        static const bool started = start(true);
+        return started;
+    }
+    static const bool started = start(false);
     return started;
 }
 

@@ -6,9 +6,9 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* False: no memory to start glslang, which it then never does. Further calls do nothing; the first must have returned
- * before other threads compile. */
-bool glslang_start(void);
+/* False: no memory to start glslang, which it then never does. Jobs that are `whole` and those that are not have tables of
+ * their own. Further calls do nothing; the first must have returned before other threads compile. */
+bool glslang_start(bool whole);
 
 /* A file that glslang includes. Its number stands for its name in messages and in OpLine. */
 struct glslang_file {

@@ -25,12 +25,12 @@
 
 /* ---- Start ----------------------------------------------------------------------------------- */
 
-bool spirv_init(void)
+bool spirv_init(bool whole)
 {
-    static atomic_bool started;
-    if (!started)
-        started = spirv_library_start() && glslang_start();
-    return started;
+    static atomic_bool started[2];
+    if (!started[whole])
+        started[whole] = spirv_library_start() && glslang_start(whole);
+    return started[whole];
 }
 
 #define WORD(text)      #text
@@ -170,7 +170,7 @@ bool spirv_read_text(const struct pass *pass, const struct shader *shader, const
                                     .stage = shader->stage,
                                     .minor = minor_version(shader, least),
                                     .lines = lines,
-                                    .whole = text == &shader->whole,
+                                    .whole = shader->whole.length,
                                     .marked = !pass->fast,
                                     .include = glsl_include,
                                     .user = shader->files};
@@ -300,7 +300,7 @@ void spirv_prove(const struct model *model, const struct pass *pass, const struc
     bool good = prove_words(shader, count_open, &proving);
     if (good && (proving.open || model->prove)) {
         lined.words = NULL;
-        good = spirv_init() && compile(&plain, pass, &proving, &lined, &log) &&
+        good = spirv_init(shader->whole.length) && compile(&plain, pass, &proving, &lined, &log) &&
                prove_words(&lined, report_open, &proving);
     }
     if (!good)

@@ -4,9 +4,9 @@
 #include "glsl/shader.h"
 
 /* *log: the messages of glslang, for glsl_adapt and glsl_report; free(); log, and diag for other errors,
- * may be NULL. After spirv_init has returned true, spirv_compile may run on several threads, also beside
+ * may be NULL. After spirv_init has returned true for its kind of shader, spirv_compile may run on several threads, also beside
  * emit_glsl. */
-bool spirv_init(void);
+bool spirv_init(bool whole);
 const char *spirv_tools(void); /* names and versions of the compiler and its tools */
 bool spirv_compile(const struct model *model, const struct pass *pass, enum backend backend,
                    struct shader *shader, char **log, struct diag *diag);

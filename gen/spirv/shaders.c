@@ -86,7 +86,7 @@ static void start_threads(struct jobs *jobs)
 
 static bool add_job(struct jobs *jobs, struct job job)
 {
-    if (!spirv_init())
+    if (!spirv_init(job.shader->whole.length))
         return diag_error(job.plan->diag, (struct loc){0},
                           "the GLSL compiler could not be started: out of memory");
     pthread_mutex_lock(&jobs->lock);
@@ -249,8 +249,8 @@ static bool settle_codes(const struct shader_plan *plan, struct shader_cache *ca
             job.shader->words = NULL;
             job.shader->formats = spirv_formats(pass);
             shader_hash(job.backend, job.shader);
-            good = good &&
-                   (shader_cache_find(cache, job.shader) || (spirv_init() && compile_again(&job)));
+            good = good && (shader_cache_find(cache, job.shader) ||
+                            (spirv_init(job.shader->whole.length) && compile_again(&job)));
             if (good)
                 shader_cache_add(cache, job.shader);
         }

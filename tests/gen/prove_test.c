@@ -220,6 +220,6 @@ int main(void)
         cmocka_unit_test(test_fragment),
         cmocka_unit_test(test_library),
     };
-    glslang_start();
+    glslang_start(false);
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
