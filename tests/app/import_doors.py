@@ -252,10 +252,9 @@ def run(number: int, what: str, files: Files, status: int, words: str) -> bool:
     done = subprocess.run(["timeout", "60", *command], cwd=folder, capture_output=True, text=True, errors="replace")
     said = done.stderr + done.stdout
     spec = next((f"{WORK}/{number}/out/{name}" for name in os.listdir(f"{WORK}/{number}/out") if name.endswith(".yaml")), "") if not done.returncode and "a.yaml" not in files else ""
-    if spec:
-        check = subprocess.run([GEN, spec, "--check", "--templates", TEMPLATES], capture_output=True, text=True)
-        said += open(spec).read() + check.stderr
-    good = done.returncode == status and words in said and (not spec or not check.returncode) and sorted(os.listdir(folder)) == before and \
+    if spec:  # import has checked it
+        said += open(spec).read()
+    good = done.returncode == status and words in said and sorted(os.listdir(folder)) == before and \
         sorted(os.listdir(f"{WORK}/{number}")) == ["in"] + ["out"] * bool(spec)
     if not good:
         print(f"# status {done.returncode}, expected {status} and `{words}`\n# " + said[:1500].replace("\n", "\n# "))

@@ -394,7 +394,7 @@ class Forms(bodies.Bodies):
 
 def forms(tap):
     seed = int(os.environ.get("SEED", random.SystemRandom().randrange(1 << 20)))
-    count = int(os.environ.get("FORMS", "40"))
+    count = int(os.environ.get("FORMS", "60" if os.environ.get("DIPTYCH_LONG") else "20"))
     print(f"# seed {seed}")
     if not shutil.which("glslc"):
         tap.skip("forms by shaderc", "glslc is not installed")
