@@ -88,8 +88,10 @@ void undefined_text(const struct undefined *undefined, struct text *text)
 void undefined_print(const struct undefined *undefined, const char *const *labels,
                      uint32_t side_count)
 {
+    uint32_t lost = 0;
     for (uint32_t i = 0; i < undefined->count; i++) {
         const struct dt_finding *report = &undefined->list[i];
+        lost += report->lost;
         printf("%s:%d:%d: undefined: %s\n  pass %s, invocation (%u, %u, %u), ",
                typed(report->place->file), report->place->line, report->place->column, report->text,
                report->what->pass, report->invocation[0], report->invocation[1],
@@ -104,6 +106,8 @@ void undefined_print(const struct undefined *undefined, const char *const *label
             }
         printf("\n");
     }
+    if (lost)
+        printf(DT_LOST_TEXT "\n", lost);
 }
 
 static cJSON *sides_json(uint32_t mask, const char *const *labels, uint32_t side_count)

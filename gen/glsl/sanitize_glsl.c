@@ -55,16 +55,18 @@ bool sanitize_glsl(struct glsl *glsl)
     struct text nothing = {0};
     for (uint32_t i = 0; i < rooms; i++)
         text_add(&nothing, "%sDiptych_found(0u, 0u, 0u, 0u, 0u, 0u, 0u)", i ? ", " : "");
-    const char *const words[] = {"@layout@",  sanitize_layout(glsl, sanitize_buffer),
-                                 "@rooms@",   arena_printf(glsl->model->arena, "%u", rooms),
-                                 "@nothing@", nothing.failed ? NULL : nothing.data,
-                                 NULL};
+    const char *const words[] = {
+        "@layout@",  sanitize_layout(glsl, sanitize_buffer),
+        "@rooms@",   arena_printf(glsl->model->arena, "%u", rooms),
+        "@free@",    arena_printf(glsl->model->arena, "%d", SANITIZE_FREE_ROOMS),
+        "@nothing@", nothing.failed ? NULL : nothing.data,
+        NULL};
     text_add(&glsl->parts[PART_END],
              "%suint diptych_now()\n{\n    return frame.index + 1u;\n}\n\nuint "
              "diptych_frame_size()\n{\n    return frame.width | frame.height << 16;\n}\n\n",
              place_function(glsl));
-    bool good = words[1] && words[3] && words[5] && sanitize_library(glsl, "sanitize", words) &&
-                shadow_glsl(glsl);
+    bool good = words[1] && words[3] && words[5] && words[7] &&
+                sanitize_library(glsl, "sanitize", words) && shadow_glsl(glsl);
     if (glsl->model->sanitize & SANITIZE_FLOW && glsl->stage == STAGE_IS_FRAGMENT)
         good = good && sanitize_library(glsl, "quads", &(const char *const){NULL});
     text_free(&nothing);

@@ -31,8 +31,9 @@ struct sanitize_site {
     const struct resource *resource; /* of @0e; NULL: a shared variable */
     uint32_t words, first;           /* shared: of an element, 0: no array; the variable's first */
 };
-/* Findings that an invocation of a pass keeps: in this many rooms, and one for each kind that the pass allows. */
-enum { SANITIZE_FREE_ROOMS = 4, SANITIZE_ROOMS = 16 };
+/* Findings that an invocation of a pass keeps: in this many rooms, which its operations take in turn, and one for each kind
+ * that the pass allows. The number is a prime: lines that look alike do not take each other's rooms. */
+enum { SANITIZE_FREE_ROOMS = 5, SANITIZE_ROOMS = 32 };
 
 struct sanitize_sites;                    /* of a model; shared by the threads that compile */
 bool sanitize_begin(struct model *model); /* false: out of memory */

@@ -127,7 +127,9 @@ uint32_t sanitizer_add(struct sanitizer *s, struct sanitize_site *site)
     site->file = s->file;
     site->line = s->line;
     site->nth = count_word(s, *site->name ? site->name : site->word, kind);
-    return s->request->add(s->request->user, site);
+    uint32_t index = s->request->add(s->request->user, site);
+    spirv_append(&s->edit, &s->sites, &index, 1);
+    return index;
 }
 
 uint32_t sanitizer_site(struct sanitizer *s, const char *word, const char *name, const char *text)
@@ -171,12 +173,13 @@ static uint32_t allowed_number(const struct sanitizer *s, unsigned kind)
     return 0;
 }
 
-/* Findings of one kind that are allowed take no room from others: see templates/glsl/sanitize.glsl. Sites at regular distances, as
- * of lines that look alike, are spread over the others. */
+/* Findings of one kind that are allowed take no room from others: see templates/glsl/sanitize.glsl. */
 uint32_t sanitizer_what(struct sanitizer *s, uint32_t site)
 {
-    uint32_t allowed = allowed_number(s, s->kind), spread = site + (site / 6 ^ site / 9);
-    uint32_t room = allowed ? SANITIZE_FREE_ROOMS - 1 + allowed : spread % SANITIZE_FREE_ROOMS;
+    uint32_t allowed = allowed_number(s, s->kind), nth = s->sites.count;
+    while (nth-- && s->sites.data[nth] != site)
+        ;
+    uint32_t room = allowed ? SANITIZE_FREE_ROOMS - 1 + allowed : nth % SANITIZE_FREE_ROOMS;
     return sanitizer_number(s, site * SANITIZE_ROOMS + room % SANITIZE_ROOMS);
 }
 
@@ -256,10 +259,10 @@ static const struct check functions[] = {
 
 /* Functions without a check of operands whose results must be finite, as those of all arithmetic. */
 static const uint8_t finite_functions[] = {
-    GLSLstd450Exp,         GLSLstd450Exp2,          GLSLstd450Degrees,  GLSLstd450Sinh,
-    GLSLstd450Cosh,        GLSLstd450Length,        GLSLstd450Distance, GLSLstd450Cross,
-    GLSLstd450Reflect,     GLSLstd450Refract,       GLSLstd450Fma,      GLSLstd450Ldexp,
-    GLSLstd450Determinant, GLSLstd450MatrixInverse,
+    GLSLstd450Exp,         GLSLstd450Exp2,          GLSLstd450Degrees,     GLSLstd450Sinh,
+    GLSLstd450Cosh,        GLSLstd450Length,        GLSLstd450Distance,    GLSLstd450Cross,
+    GLSLstd450Reflect,     GLSLstd450Refract,       GLSLstd450Fma,         GLSLstd450Ldexp,
+    GLSLstd450Determinant, GLSLstd450MatrixInverse, GLSLstd450FaceForward,
 };
 
 /* The check of an operation; without a function where it has none of its operands. False: it has none. */
@@ -473,9 +476,9 @@ static bool has_floats(const struct spirv *from, const uint32_t *type)
     return spirv_letter(spirv_scalar(from, type)) == 'f';
 }
 
-/* Behind the operation: whether it made NaN or infinity of finite numbers. */
+/* Behind the operation: whether it made NaN or infinity of finite numbers, `where`: "" or on its way. */
 static void put_result(struct sanitizer *s, const struct check *check, const uint32_t *instruction,
-                       uint32_t bad)
+                       uint32_t bad, const char *where)
 {
     const uint32_t *type = spirv_definition(s->from, instruction[1]);
     uint32_t all = 0;
@@ -492,8 +495,41 @@ static void put_result(struct sanitizer *s, const struct check *check, const uin
     if (!all) /* all operands are constants, or integers */
         all = spirv_declare(&s->edit, SpvOpConstantTrue, sanitizer_bool(s), NULL, 0);
     s->kind = SANITIZE_ARITHMETIC;
-    snprintf(text, sizeof text, "`%s` of finite numbers makes @0f", check->word);
+    snprintf(text, sizeof text, "`%s` of finite numbers makes @0f%s", check->word, where);
     put_made(s, instruction[2], type, all, sanitizer_site(s, check->word, "", text));
+}
+
+/* Functions whose result is finite, though what they compute it from may not be: a difference of edges, or a dot product. */
+static void put_inner(struct sanitizer *s, const struct check *check, const uint32_t *instruction)
+{
+    const uint32_t *operands = instruction + 5;
+    const uint32_t *type = spirv_definition(s->from, instruction[1]);
+    bool vector = spirv_is(type, SpvOpTypeVector);
+    uint32_t dot = vector ? SpvOpDot : SpvOpFMul, scalar = vector ? type[2] : type[1];
+    uint32_t inner[5] = {dot | 5 << 16, scalar, 0, 0, 0};
+    if (!spirv_is(instruction, SpvOpExtInst) || instruction[3] != s->glsl)
+        return;
+    switch (instruction[4]) {
+    case GLSLstd450FaceForward:
+        inner[3] = operands[2];
+        inner[4] = operands[1];
+        break;
+    case GLSLstd450Normalize:
+        inner[3] = inner[4] = vector ? operands[0] : 0; /* of a scalar, its sign */
+        break;
+    case GLSLstd450SmoothStep:
+        inner[0] = SpvOpFSub | 5 << 16;
+        inner[1] = type[1];
+        inner[3] = operands[1];
+        inner[4] = operands[0];
+        break;
+    default:
+        break;
+    }
+    if (!inner[3] || (id_is_constant(s->from, inner[3]) && id_is_constant(s->from, inner[4])))
+        return;
+    inner[2] = PUT_VALUE(s, inner[0] & 0xffff, inner[1], inner[3], inner[4]);
+    put_result(s, check, inner, 0, " on its way");
 }
 
 /* ---- Indices --------------------------------------------------------------------------------- */
@@ -853,8 +889,10 @@ static uint32_t put_instruction(struct sanitizer *s, const struct spirv_function
         PUT(s, spirv_opcode(i), i[1], i[2], i[3], safe);
     else if (!written && !quads_discard(s, i))
         spirv_copy(&s->edit, &s->edit.code, i);
-    if (checked)
-        put_result(s, &check, i, bad);
+    if (checked) {
+        put_result(s, &check, i, bad, "");
+        put_inner(s, &check, i);
+    }
     if (s->request->kinds & SANITIZE_VARIABLE)
         assigned_after(s, i);
     content_after(s, i);
@@ -967,6 +1005,7 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
     content_free(&s);
     quads_free(&s);
     free(s.seen.data);
+    free(s.sites.data);
     free(s.ids);
     free(s.variables.data);
     free(s.handed_on.data);

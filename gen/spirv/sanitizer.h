@@ -15,7 +15,8 @@ struct sanitizer {
     uint32_t label;          /* of the block that is written; 0: none yet */
     bool begun;              /* the variables of the function are written */
     struct spirv_words seen; /* pairs of a hash of file, line and word, and the operations so far */
-    uint32_t *counters;      /* by label of a loop's header: its variable; 0: no loop */
+    struct spirv_words sites; /* of the module, in its order */
+    uint32_t *counters;       /* by label of a loop's header: its variable; 0: no loop */
     uint32_t *ends;       /* by label of a loop's header: the block that leaves it now; 0: itself */
     struct assigned *ids; /* by id */
     struct content *content;      /* of content.c */

@@ -21,7 +21,7 @@
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that the passes of gen/spirv write. */
-enum { REWRITING = 20 };
+enum { REWRITING = 21 };
 enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
 enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
 

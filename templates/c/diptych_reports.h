@@ -27,8 +27,12 @@ struct dt_finding {
     const struct dt_site *place, *what; /* where, and the operation there */
     uint32_t invocation[3], frame;      /* the least invocation in the first frame that was wrong */
     uint32_t count;                     /* in all frames */
+    uint32_t lost; /* findings of other operations that its invocations had no room for */
     char text[256];
 };
+
+#define DT_LOST_TEXT                                                                               \
+    "%" PRIu32 " findings of other operations had no room: mend these and run again"
 
 /* Words of a site in the buffer, and of its records; see templates/glsl/sanitize.glsl. */
 enum {
@@ -145,6 +149,7 @@ static inline bool dt_find_undefined(const struct dt_pipeline *pipeline,
     *finding = (struct dt_finding){.place = index ? &sites[index] : what,
                                    .what = what,
                                    .count = words[0],
+                                   .lost = words[6],
                                    .frame = words[3] - 1};
     dt_find_invocation(what->pairs ? record[2] : ~record[0], words + 4, finding->invocation);
     for (const char *at = what->text; *at && length + 1 < sizeof finding->text; at++) {
@@ -167,14 +172,15 @@ static inline uint32_t dt_report_undefined(const struct dt_pipeline *pipeline,
                                            const void *buffer, size_t size,
                                            const struct dt_log *log)
 {
-    uint32_t found = 0, count = (uint32_t)(size / (DT_SITE_WORDS * sizeof(uint32_t)));
+    uint32_t found = 0, lost = 0, count = (uint32_t)(size / (DT_SITE_WORDS * sizeof(uint32_t)));
+    char message[1024];
     for (uint32_t i = 0; i < count && i < site_count; i++) {
         struct dt_finding f;
-        char message[1024];
         if (!dt_find_undefined(pipeline, sites, site_count, (const uint32_t *)buffer, i, &f) ||
             f.what->allowed)
             continue;
         found++;
+        lost += f.lost;
         snprintf(message, sizeof message,
                  "%s:%d:%d: undefined: %s; pass %s, invocation (%" PRIu32 ", %" PRIu32 ", %" PRIu32
                  "), %" PRIu32 " times; first in frame %" PRIu32,
@@ -183,6 +189,9 @@ static inline uint32_t dt_report_undefined(const struct dt_pipeline *pipeline,
         if (log->message)
             log->message(log->user, DT_ERROR, message);
     }
+    snprintf(message, sizeof message, DT_LOST_TEXT, lost);
+    if (lost && log->message)
+        log->message(log->user, DT_ERROR, message);
     return found;
 }
 

@@ -102,7 +102,7 @@ void diptych_stores(const uint first_cell, const uint at, const uint words, cons
     for (uint k = 0u; k < words; k++) {
         uint cell = first_cell + 6u * k;
         atomicMax(diptych_cells[cell + 4u], diptych_upside_down(epoch | (site + 1u)));
-        atomicMax(diptych_cells[cell + 5u], diptych_upside_down(epoch | ((what >> 4) + 1u)));
+        atomicMax(diptych_cells[cell + 5u], diptych_upside_down(epoch | ((what >> 5) + 1u)));
         uint before = diptych_upside_down(atomicMax(diptych_cells[cell + 1u], diptych_upside_down(epoch | me)));
         uint first = diptych_upside_down(diptych_cells[cell + 2u]), last = diptych_cells[cell + 3u];
         diptych_tell_race(cell, min(diptych_meets(before, me), min(diptych_meets(first, me), diptych_meets(last, me))), me, at + k);

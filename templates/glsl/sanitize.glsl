@@ -13,14 +13,14 @@ uint diptych_frame_size(); /* width and height in half a word each */
 /* The call of a generated function that runs. */
 uint diptych_caller = 0u;
 
-/* Per site 200 words: count, ~(least invocation), records, frame + 1, two extents, 0, 0; then 16 records of 12 words:
+/* Per site 200 words: count, ~(least invocation), records, frame + 1, two extents, lost findings of others, 0; then 16 records of 12 words:
  * ~invocation, what, four values. */
 layout(std430, @layout@) coherent buffer Diptych_reports {
     uint diptych_reports[];
 };
 
-/* What an invocation has found: the first one of each room, and how often. Operations of a pass are spread over four rooms; those of
- * a kind that the pass allows have a room of their own. `what` of a check is the site times 16, and the room. Drivers inline every
+/* What an invocation has found: the first one of each room, and how often. Operations of a pass take @free@ rooms in turn; those of
+ * a kind that the pass allows have a room of their own. `what` of a check is the site times 32, and the room. Drivers inline every
  * check, so a check only selects; diptych_flush() reports, once, behind the body. */
 struct Diptych_found {
     uint site, what, times; /* site + 1; 0: nothing */
@@ -28,21 +28,25 @@ struct Diptych_found {
 };
 Diptych_found diptych_found[@rooms@] = Diptych_found[](@nothing@);
 
+/* All findings, but of kinds that are allowed. What is not in a room when the body ends had none. */
+uint diptych_lost = 0u;
+
 bool diptych_note(const bool bad, const uint site, const uint what)
 {
-    uint room = what & 15u;
+    uint room = what & 31u;
     bool fresh = all(bvec2(bad, diptych_found[room].site == 0u));
     diptych_found[room].site = mix(diptych_found[room].site, site + 1u, fresh);
     diptych_found[room].what = mix(diptych_found[room].what, what, fresh);
     diptych_found[room].times += uint(all(bvec2(bad, diptych_found[room].what == what)));
+    diptych_lost += uint(all(bvec2(bad, room < @free@u)));
     return fresh;
 }
 
 bool diptych_told(const bool bad, const uint a, const uint b, const uint site, const uint what)
 {
     bool fresh = diptych_note(bad, site, what);
-    diptych_found[what & 15u].a = mix(diptych_found[what & 15u].a, a, fresh);
-    diptych_found[what & 15u].b = mix(diptych_found[what & 15u].b, b, fresh);
+    diptych_found[what & 31u].a = mix(diptych_found[what & 31u].a, a, fresh);
+    diptych_found[what & 31u].b = mix(diptych_found[what & 31u].b, b, fresh);
     return bad;
 }
 
@@ -55,6 +59,8 @@ void diptych_report(const uint key, const Diptych_found found)
     if (found.site == 0u)
         return;
     atomicAdd(diptych_reports[slot], found.times);
+    atomicAdd(diptych_reports[slot + 6u], diptych_lost);
+    diptych_lost = 0u; /* told once */
     uint first = atomicCompSwap(diptych_reports[slot + 3u], 0u, now);
     if ((first != 0u && first != now) || key <= atomicMax(diptych_reports[slot + 1u], key))
         return;
@@ -76,8 +82,10 @@ void diptych_flush()
 {
     uvec3 place = diptych_place(), extent = diptych_extent();
     uint key = ~((place.z * extent.y + place.y) * extent.x + place.x);
+    for (int i = 0; i < @free@; i++)
+        diptych_lost -= diptych_found[i].times;
     for (int i = 0; i < @rooms@; i++) {
-        diptych_found[i].what >>= 4;
+        diptych_found[i].what >>= 5;
         diptych_report(key, diptych_found[i]);
     }
     diptych_finish(key);
@@ -111,10 +119,10 @@ int diptych_mip(const int i, const uint count, const uint site, const uint what)
 void diptych_texel(const ivec3 p, const ivec3 size, const uint site, const uint what)
 {
     bool fresh = diptych_note(any(greaterThanEqual(uvec3(p), uvec3(size))), site, what);
-    diptych_found[what & 15u].a = mix(diptych_found[what & 15u].a, uint(p.x), fresh);
-    diptych_found[what & 15u].b = mix(diptych_found[what & 15u].b, uint(p.y), fresh);
-    diptych_found[what & 15u].c = mix(diptych_found[what & 15u].c, uint(p.z), fresh);
-    diptych_found[what & 15u].d = mix(diptych_found[what & 15u].d, uint(size.x | size.y << 16), fresh);
+    diptych_found[what & 31u].a = mix(diptych_found[what & 31u].a, uint(p.x), fresh);
+    diptych_found[what & 31u].b = mix(diptych_found[what & 31u].b, uint(p.y), fresh);
+    diptych_found[what & 31u].c = mix(diptych_found[what & 31u].c, uint(p.z), fresh);
+    diptych_found[what & 31u].d = mix(diptych_found[what & 31u].d, uint(size.x | size.y << 16), fresh);
 }
 
 void diptych_texel(const ivec2 p, const ivec2 size, const uint site, const uint what)
