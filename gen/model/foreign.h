@@ -29,7 +29,8 @@ bool spirv_lower_memory(struct spirv *module);
 /* Phis become variables, as glslang has them: --sanitize puts branches between blocks. False: out of memory. */
 bool spirv_lower_phis(struct spirv *module);
 
-/* combine.c, for texts as well: textures and samplers as passes have them. spread.c: arrays of resources, which
- * combine.c calls. False: out of memory. */
+/* combine.c, for texts as well: textures and samplers as passes have them. split.c, textures in structs, and spread.c, arrays
+ * of resources, which combine.c calls. False: out of memory. */
 bool spirv_combine(struct spirv *module);
+bool spirv_split(struct spirv *module);
 bool spirv_spread(struct spirv *module);

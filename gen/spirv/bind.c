@@ -282,7 +282,7 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
         binder->bindings[variable[2]] = 1 + slot->binding;
     if (!spirv_mentions(module, binder->live, variable[2]))
         return true;
-    if (spirv_is(type, SpvOpTypeArray))
+    if (spirv_is_array(type))
         return refuse(
             binder,
             "`%s` is an array of more than 16 resources, or by an index that is not constant",

@@ -80,6 +80,15 @@ VERTEX = "{} void main() {{{{ {} {{}} }}}}\n".format("{}", CORNERS)
 FRAGMENT = "out vec4 color;\n{} void main() {{ color = {}; }}\n"
 
 
+STRUCTS = """out vec4 color;
+struct Light { vec3 at; float power; };
+struct Material { sampler2D a; float x; sampler2D b[2]; vec3 y; Light light; float z; };
+uniform Material m;
+uniform float last;
+void main() { color = vec4(m.x, m.y.y, m.light.power, m.z) + last + texture(m.a, vec2(0.5)) + texture(m.b[1], vec2(0.5)); }
+"""
+
+
 def stages(tap):
     draw(VERTEX.format("out vec2 far; out vec2 near;", "near = vec2(0.5, 0.25); far = vec2(2, 4);"),
          FRAGMENT.format("in vec2 near; in vec2 far;", "vec4(near, far)"))
@@ -111,6 +120,11 @@ def stages(tap):
     with open("a.yaml", "a", encoding="utf-8") as spec:
         spec.write("params: {width: {value: 2, type: float, live: true}}\nvalues: {size: \"vec2(frame.width, width)\"}\n")
     tap.result("what a shader leaves unwritten is zero; a parameter has the name of a frame's member", agrees([8, 2, 2, 0]))
+    draw(near, STRUCTS, 330)
+    put("a.yaml", DRAW.format(files="a.frag").replace("writes: [color]", "writes: [color], reads: [{name: m_a, sampler: s}, {name: m_b_1, sampler: s}]")
+        .replace("images: {", "samplers: {s: {kind: filter, filter: nearest, wrap: clamp}}\nimages: {m_a: {format: rgba8, size: [4, 4], history: true}, m_b_1: {format: rgba8, size: [4, 4], history: true}, ") +
+        'values: {m_x: "float(2)", m_y: "vec3(3, 4, 5)", m_light_power: "float(6)", m_z: "float(7)", last: "float(0.5)"}\n')
+    tap.result("textures in structs are textures, the rest of the struct numbers", agrees([2.5, 4.5, 6.5, 7.5]))
     draw(near, FRAGMENT.format("layout(location = 3) in vec2 near;", "near.xyxy"))
     tap.result("... or elsewhere", told("reads location 3, which the vertex stage does not write"))
 
@@ -125,9 +139,10 @@ def sanitized(tap):
             '[8, 1, 1], allow: {content: "the host fills the buffers"}')
     tap.result("... what is allowed of buffers is not allowed of shared variables", told("element 8 of `part` was never written", "--sanitize=content"))
     compute("layout(local_size_x = 8) in;\nlayout(std430) buffer Sums { uint sums[]; };\nvoid main()\n{\n" +
-            "".join(f"    sums[{k}] = {k + 1}u / gl_LocalInvocationIndex;\n" for k in range(4)) + "}\n")
-    found = diptych("compare", "--spec", "a.yaml", "--sanitize=arithmetic").stdout.count("undefined: ")
-    tap.result("lines that look alike take no room from each other", [] if found > 2 else [f"{found} of 4 findings"])
+            "".join(f"    sums[{k}] = {k + 1}u / gl_LocalInvocationIndex;\n" for k in range(8)) + "}\n")
+    found = diptych("compare", "--spec", "a.yaml", "--sanitize=arithmetic").stdout
+    good = found.count("undefined: ") == 5 and "\n3 findings of other operations had no room" in found
+    tap.result("lines that look alike take no room from each other; what had none is counted", [] if good else [found])
     for members, word in (("pair[1].a = pair[1].b = ", ""), ("pair[1].a = ", "`pair` is read before it has a value")):
         draw(VERTEX.format("out Pair { vec2 a; vec2 b; } pair[2]; layout(location = 9, component = 0) out vec2 low; layout(location = 9, component = 2) out float high;",
                            f"low = pair[0].a = pair[0].b = {members}vec2(high = 1);"),

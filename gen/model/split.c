@@ -1,0 +1,147 @@
+/* glslang puts all loose uniforms of OpenGL's GLSL into one block, also textures that are members of structs, which no block
+ * may hold. These become variables with joined names: material.diffuse is material_diffuse. Numbers that nobody reads stay in
+ * their places. */
+#include <spirv/unified1/spirv.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "foreign.h"
+#include "leaves.h"
+
+enum { MOST_TEXTURES = 32, NAME_SIZE = 256, FIRST_BINDING = 1000 };
+
+struct splitting {
+    const struct spirv *from;
+    struct spirv_edit edit;
+    const uint32_t *block;              /* its variable */
+    uint32_t *known;                    /* by id of a chain: the variable that it leads to */
+    uint32_t count, ids[MOST_TEXTURES]; /* new variables, and their names */
+    char names[MOST_TEXTURES][NAME_SIZE];
+};
+
+/* The image of a texture or of an array of them; NULL: of another type. */
+static const uint32_t *texture_of(const struct spirv *from, uint32_t type)
+{
+    const uint32_t *inner = spirv_definition(from, spirv_element_type(from, type));
+    inner = spirv_is(inner, SpvOpTypeSampledImage) ? spirv_definition(from, inner[2]) : inner;
+    return spirv_is(inner, SpvOpTypeImage) ? inner : NULL;
+}
+
+/* How many words of a chain into the block lead to a texture or an array of them, and its name and type; 0: to a number. */
+static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name[NAME_SIZE],
+                     uint32_t *type)
+{
+    const struct spirv *from = s->from;
+    size_t length = 0;
+    *type = spirv_pointee(from, s->block);
+    for (uint32_t word = 4; word < spirv_length(chain); word++) {
+        const uint32_t *outer = spirv_definition(from, *type);
+        const uint32_t *index = spirv_definition(from, chain[word]);
+        const char *member = NULL;
+        if (!spirv_is(index, SpvOpConstant) || length > NAME_SIZE - 64)
+            return 0;
+        if (spirv_is(outer, SpvOpTypeStruct))
+            member = spirv_member_name(from, *type, index[3]);
+        length += (size_t)(member ? snprintf(name + length, NAME_SIZE - length, "%s%.60s",
+                                             length ? "_" : "", member)
+                                  : snprintf(name + length, NAME_SIZE - length, "_%u", index[3]));
+        *type = outer[member ? 2 + index[3] : 2];
+        if (texture_of(from, *type))
+            return word + 1;
+    }
+    return 0;
+}
+
+/* The variable of that name, which is new if none has it; 0: there are too many. */
+static uint32_t variable_of(struct splitting *s, const char *name, uint32_t type)
+{
+    struct spirv_edit *edit = &s->edit;
+    for (uint32_t i = 0; i < s->count; i++)
+        if (!strcmp(s->names[i], name))
+            return s->ids[i];
+    if (s->count == MOST_TEXTURES)
+        return 0;
+    uint32_t pointer = spirv_declare(edit, SpvOpTypePointer, 0,
+                                     (uint32_t[]){SpvStorageClassUniformConstant, type}, 2);
+    uint32_t id = s->ids[s->count] = edit->bound++;
+    snprintf(s->names[s->count], NAME_SIZE, "%s", name);
+    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, id,
+              SpvStorageClassUniformConstant);
+    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationDescriptorSet, 0);
+    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationBinding,
+              FIRST_BINDING + s->count++);
+    spirv_put_name(edit, id, name);
+    return id;
+}
+
+/* The block's numbers are in a class that holds them, and members that are textures become numbers. */
+static void change_types(struct splitting *s)
+{
+    struct spirv_words *own = &s->edit.declarations;
+    for (size_t at = 0; !s->edit.failed && at < own->count; at += spirv_length(own->data + at)) {
+        uint32_t *i = own->data + at;
+        bool pointer = spirv_is(i, SpvOpTypePointer) && i[2] == SpvStorageClassUniformConstant;
+        if (pointer && i[1] < s->from->words[3] && !texture_of(s->from, i[3]))
+            i[2] = SpvStorageClassUniform;
+        if (spirv_is(i, SpvOpVariable) && i[2] == s->block[2])
+            i[3] = SpvStorageClassUniform;
+        for (uint32_t word = 2; spirv_is(i, SpvOpTypeStruct) && word < spirv_length(i); word++) {
+            const uint32_t *image = texture_of(s->from, i[word]);
+            i[word] = image ? image[2] : i[word];
+        }
+    }
+}
+
+static void put_split(struct splitting *s)
+{
+    const struct spirv *from = s->from;
+    struct spirv_edit *edit = &s->edit;
+    SPIRV_EACH(from, at, from->code, from->count)
+    {
+        const uint32_t *i = from->words + at;
+        size_t start = edit->code.count;
+        bool chain = spirv_is(i, SpvOpAccessChain) && i[3] == s->block[2];
+        char name[NAME_SIZE];
+        uint32_t type, words = chain ? lead(s, i, name, &type) : 0;
+        uint32_t variable = words ? variable_of(s, name, type) : 0;
+        if (variable && words == spirv_length(i)) {
+            s->known[i[2]] = variable;
+            continue;
+        }
+        if (variable) { /* of an element */
+            uint32_t head[] = {*i - ((words - 4) << 16), i[1], i[2], variable};
+            spirv_append(edit, &edit->code, head, 4);
+            spirv_append(edit, &edit->code, i + words, spirv_length(i) - words);
+            continue;
+        }
+        spirv_copy(edit, &edit->code, i);
+        for (uint32_t word = 1; word < spirv_length(i) && !edit->failed; word++)
+            if (!spirv_is_literal(i, word) && s->known[i[word]])
+                edit->code.data[start + word] = s->known[i[word]];
+    }
+}
+
+bool spirv_split(struct spirv *module)
+{
+    struct splitting s = {.from = module};
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        const uint32_t *i = module->words + at;
+        if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
+            spirv_is(spirv_definition(module, spirv_pointee(module, i)), SpvOpTypeStruct))
+            s.block = i;
+    }
+    if (!s.block)
+        return true;
+    s.known = calloc(module->words[3], sizeof *s.known);
+    spirv_edit_begin(&s.edit, module);
+    s.edit.failed |= !s.known;
+    if (!s.edit.failed) {
+        spirv_edit_annotations(&s.edit);
+        put_split(&s);
+        change_types(&s);
+    }
+    free(s.known);
+    return spirv_edit_end(&s.edit, module);
+}
