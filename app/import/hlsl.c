@@ -11,19 +11,20 @@
 #include "import/reflect.h"
 #include "base/text.h"
 #include "gen/glsl/glslang.h"
+#include "gen/model/leaves.h"
 #include "gen/model/module.h"
 #include "gen/model/spirv_check.h"
 #include "gen/read/body_files.h"
 #include "gen/spirv/compile.h"
 
-enum { ENTRY_SIZE = 128 };
+enum { ENTRY_SIZE = 128, REGISTERS_T = 1 << 16 };
 
 /* Entry points as people name them, by stage, in any case and with or without _; main() has the stage that the file's name says. */
-static const char *const entries[][7] = {
+static const char *const entries[][9] = {
     [REFLECT_COMPUTE] = {"csmain", "maincs", "cs", "computemain", "computeshaderfunction"},
     [REFLECT_VERTEX] = {"vsmain", "mainvs", "vs", "vertexmain", "vertmain", "vertexshaderfunction"},
     [REFLECT_FRAGMENT] = {"psmain", "mainps", "ps", "pixelmain", "fragmain", "fragmentmain",
-                          "pixelshaderfunction"}};
+                          "pixelshaderfunction", "fsmain", "mainfs"}};
 
 bool hlsl_is(const char *path, const char *text)
 {
@@ -135,6 +136,43 @@ unsigned hlsl_stages(const char *text)
     return !stages && strcasestr(text, "SV_Position") ? 1u << REFLECT_VERTEX : stages;
 }
 
+/* SPIR-V has no matrices of integers, which glslang writes nevertheless. False: *why has the line of the first in code. */
+static bool check_matrices(const struct spirv *m, char **why)
+{
+    uint32_t line = 0;
+    SPIRV_EACH(m, at, m->code, m->count)
+    {
+        const uint32_t *i = m->words + at;
+        line = spirv_is(i, SpvOpLine) ? i[2] : line;
+        const uint32_t *type = spirv_result(i) ? spirv_type(m, spirv_result(i)) : NULL;
+        type = type && spirv_is(type, SpvOpTypePointer) ? spirv_definition(m, type[3]) : type;
+        if (!type || !spirv_is(type, SpvOpTypeMatrix) ||
+            spirv_is(spirv_scalar(m, spirv_definition(m, type[2])), SpvOpTypeFloat))
+            continue;
+        *why = format_string("ERROR: HLSL:%u: a matrix of integers or bools, which SPIR-V has not: "
+                             "take vectors",
+                             line);
+        return false;
+    }
+    return true;
+}
+
+/* An instruction; operands of an atomic operation get the type of its result, as where a literal, an int, meets a uint. */
+static void put_operands(struct spirv_edit *edit, const uint32_t *i)
+{
+    bool atomic = spirv_opcode(i) >= SpvOpAtomicExchange && spirv_opcode(i) <= SpvOpAtomicXor;
+    uint32_t casts[9] = {0};
+    uint32_t first = spirv_length(i) == 9 ? 7 : 6; /* behind two semantics, or one */
+    for (uint32_t word = first; atomic && word < spirv_length(i); word++)
+        if (spirv_definition(edit->from, i[word])[1] != i[1])
+            casts[word] = SPIRV_VALUE(edit, &edit->code, SpvOpBitcast, i[1], i[word]);
+    size_t start = edit->code.count;
+    spirv_copy(edit, &edit->code, i);
+    for (uint32_t word = 6; word < 9 && !edit->failed; word++)
+        if (casts[word])
+            edit->code.data[start + word] = casts[word];
+}
+
 /* What HLSL means otherwise than glslang's module says: a remainder has the sign of its first operand, ldexp() takes a float. */
 static void put_meant(struct spirv_edit *edit, const uint32_t *i)
 {
@@ -148,7 +186,7 @@ static void put_meant(struct spirv_edit *edit, const uint32_t *i)
         uint32_t power = SPIRV_VALUE(edit, code, SpvOpExtInst, i[1], glsl, GLSLstd450Exp2, i[6]);
         SPIRV_PUT(edit, code, SpvOpFMul, i[1], i[2], i[5], power);
     } else {
-        spirv_copy(edit, code, i);
+        put_operands(edit, i);
     }
 }
 
@@ -226,6 +264,22 @@ static bool link_stage(struct spirv *m, int stage, struct hlsl_links *links, cha
     return good;
 }
 
+/* Buffers of registers t, which are only read, and u become of one class. Those of t get numbers behind all others. */
+static void part_registers(struct spirv *m)
+{
+    SPIRV_EACH(m, at, m->annotations, m->declarations)
+    {
+        uint32_t *i = m->words + at;
+        const uint32_t *variable = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBinding
+                                       ? spirv_definition(m, i[1])
+                                       : NULL;
+        uint32_t type = variable ? spirv_element_type(m, spirv_pointee(m, variable)) : 0;
+        if (type && spirv_is(spirv_definition(m, type), SpvOpTypeStruct) &&
+            spirv_member_decoration(m, type, 0, SpvDecorationNonWritable) != UINT32_MAX)
+            i[3] += REGISTERS_T;
+    }
+}
+
 /* The counter of a buffer, whose place glslang leaves out where a function takes the buffer. */
 static void put_offsets(struct spirv_edit *edit)
 {
@@ -249,10 +303,11 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
     struct spirv_edit edit;
     if (!words || !spirv_open(&module, words, *count))
         return NULL;
-    if (!link_stage(&module, stage, links, why)) {
+    if (!check_matrices(&module, why) || !link_stage(&module, stage, links, why)) {
         spirv_free(&module);
         return NULL;
     }
+    part_registers(&module);
     spirv_edit_begin(&edit, &module);
     spirv_edit_annotations(&edit);
     put_offsets(&edit);

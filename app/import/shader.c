@@ -29,6 +29,7 @@ struct shader_file {
     char name[1024];  /* in the folder */
     struct import_texts texts;
     int stage;
+    bool hlsl;
     struct reflection reflection;
 };
 
@@ -125,7 +126,8 @@ static bool read_shader(struct making *making, const char *path, int stage)
     const uint32_t *words = (const uint32_t *)own->text;
     size_t count = own->size / sizeof *words;
     char *why = NULL;
-    bool module = spirv_is_module(own->text, own->size), hlsl = !module && hlsl_is(path, own->text);
+    bool module = spirv_is_module(own->text, own->size);
+    bool hlsl = file->hlsl = !module && hlsl_is(path, own->text);
     bool good = !module || spirv_check(words, count, &why);
     file->stage = stage >= 0 ? stage
                   : !module  ? stage_of(path)
@@ -135,7 +137,10 @@ static bool read_shader(struct making *making, const char *path, int stage)
         return report_error(making_log(making), "%s: has a byte of 0: it is no text, and no SPIR-V",
                             path);
     if (file->stage < 0)
-        return report_error(making_log(making), "%s: name it .comp, .vert or .frag, by its stage",
+        return report_error(making_log(making),
+                            module ? "%s: its entry point is of another stage than compute, vertex "
+                                     "and fragment, which specs have"
+                                   : "%s: name it .comp, .vert or .frag, by its stage",
                             path);
     const struct source source = {.path = path, .text = own->text, .length = own->size};
     if (!module && !hlsl && !source_is_whole(&source)) {
@@ -298,7 +303,10 @@ static bool write_value(struct making *making, const struct reflected *item)
         for (int i = 0; !item->initial && i < components_of(type); i++)
             text_add(&making->params, "%s%s", i ? ", " : "", one);
         text_add(&making->params, "%s, type: %s, live: true}%s\n", vector ? "]" : "", type,
-                 item->initial ? "" : "  # its value is a guess");
+                 item->initial ? ""
+                 : making->now->hlsl
+                     ? "  # its value is a guess: glslang drops initializers of HLSL's uniforms"
+                     : "  # its value is a guess");
         return true;
     }
     text_add(&making->values, "  %s: \"", item->name);

@@ -182,6 +182,8 @@ case("a buffer of structs has one for each invocation", {"a.comp": "#version 450
 case("what OpenGL's SPIR-V has not", {"a.comp": "#version 450\n#extension GL_EXT_shared_memory_block : require\nlayout(local_size_x = 4) in;\nlayout(binding = 0) buffer B { uint w[]; };\n"
      "shared S { uint s[]; } s;\nvoid main() { s.s[0] = 1; w[0] = s.s[0]; }\n".replace("s[];", "s[4];")}, 1, "a.comp:5: `shared block` needs a later SPIR-V than OpenGL takes")
 case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
+case("a matrix of integers", {"a.hlsl": "RWStructuredBuffer<int> a;\n[numthreads(1, 1, 1)]\nvoid main() {\n    int2x2 m = 1;\n    a[0] = m[0][0];\n}\n"}, 1,
+     "a.hlsl:3:1: error: a matrix of integers or bools, which SPIR-V has not")
 case("a module that glslang makes wrong", {"a.hlsl": "RWStructuredBuffer<float2> a;\n[numthreads(1, 1, 1)]\nvoid main() { float2x2 m = 1; a[0] = m._m00_m11; }\n"}, 1,
      "a.hlsl:1:1: error: glslang makes no valid module of this HLSL: spirv-val says: ")
 for what, shader, words in (("... by the last function", "struct S { float2 a; };\nfloat half_of(float x) { return x / 2; }\nfloat4 Shade(S s : PLACE) : COLOR0\n{ return half_of(s.a.x); }\n", "shader: "),

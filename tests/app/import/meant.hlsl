@@ -1,5 +1,8 @@
-RWStructuredBuffer<float> meant;
-ByteAddressBuffer zeros;
+RWStructuredBuffer<float> meant : register(u0);
+ByteAddressBuffer zeros : register(t0); // another list
+static float begun = 2.5;
+static float twice = begun * 2.0;
+groupshared uint sum;
 [numthreads(1, 1, 1)]
 void main(uint i : SV_DispatchThreadID)
 {
@@ -8,5 +11,10 @@ void main(uint i : SV_DispatchThreadID)
         meant[0] = fmod(zero - 5.5, 2.0);
         meant[1] = (int(zero) - 7) % 3;
         meant[2] = ldexp(zero + 1.0, 3.0);
+        meant[3] = begun + twice;
+        sum = 4;
+        InterlockedMax(sum, 3);
+        InterlockedAdd(sum, 5);
+        meant[4] = sum;
     }
 }
