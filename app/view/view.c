@@ -389,6 +389,21 @@ static void measure_window(struct view *view)
     view->window_size[1] = height > 0 ? (uint32_t)height : 0;
 }
 
+/* Screens without a refresh to wait for, such as Xvfb's, would get frames that nobody sees. */
+static void wait_for_frame(const struct view *view)
+{
+    GLFWmonitor *screen = glfwGetPrimaryMonitor();
+    const GLFWvidmode *mode = screen ? glfwGetVideoMode(screen) : NULL;
+    int rate = mode && mode->refreshRate > 0 ? mode->refreshRate : 60;
+    double left = rests(view)                 ? 0.05
+                  : view->options->run_frames ? 0
+                                              : view->time + 1.0 / rate - glfwGetTime();
+    if (left > 0)
+        glfwWaitEventsTimeout(left);
+    else
+        glfwPollEvents();
+}
+
 static bool run_window(struct view *view)
 {
     view->time = glfwGetTime();
@@ -396,10 +411,7 @@ static bool run_window(struct view *view)
     if (!view_present(view, NULL)) /* the panes, while drivers compile for the first frame */
         return false;
     while (!is_over(view)) {
-        if (rests(view))
-            glfwWaitEventsTimeout(0.02);
-        else
-            glfwPollEvents();
+        wait_for_frame(view);
         measure_window(view);
         if (is_minimised(view)) { /* minimised: the camera stands still, too */
             glfwWaitEventsTimeout(0.2);
