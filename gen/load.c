@@ -56,11 +56,14 @@ static bool run_stages(struct spec *specs[2], const struct spec_request *request
         plans[count] =
             (struct shader_plan){&specs[count]->model, specs[count]->shaders, diags[count]};
     }
-    struct shader_cache *cache =
-        request->sanitize ? NULL
-                          : shader_cache_open(request->cache, diags[0]); /* it knows no sites */
+    struct cache *cache =
+        request->sanitize ? NULL : cache_open(request->cache, diags[0]); /* it knows no sites */
+    for (uint32_t i = 0; i < count; i++)
+        specs[i]->model.cache = cache;
     bool good = shaders_compile(plans, count, cache) && sanitize_count(&specs[0]->model, diags[0]);
-    shader_cache_close(cache);
+    for (uint32_t i = 0; i < count; i++)
+        specs[i]->model.cache = NULL;
+    cache_close(cache);
     for (uint32_t i = 0; good && tables && i < count; i++)
         good = make_tables(specs[i], diags[i]);
     return good;

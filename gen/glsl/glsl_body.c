@@ -2,9 +2,12 @@
  * #include and macros. Only the body of a pass with ranges goes through glslang's preprocessor
  * first, since glsl_range.c must see its loops. */
 #include "glsl.h"
+#include "model/cache.h"
 
+#include <glslang/build_info.h>
 #include <stdlib.h>
 #include <string.h>
+#include <xxhash.h>
 
 /* ---- The preprocessor ------------------------------------------------------------------------ */
 
@@ -36,6 +39,35 @@ void glsl_own_text(const struct glsl *glsl, struct text *out)
     text_add(out, "%s", glsl->parts[PART_BODY].data ? glsl->parts[PART_BODY].data : "");
 }
 
+/* Of all that the preprocessor reads; 0: out of memory. */
+static void hash_input(const struct glsl *glsl, const struct text *text, uint64_t hash[2])
+{
+    const uint32_t kind[] = {GLSLANG_VERSION_MAJOR, GLSLANG_VERSION_MINOR, GLSLANG_VERSION_PATCH,
+                             glsl->stage, glsl->whole};
+    XXH3_state_t *state = text->failed ? NULL : XXH3_createState();
+    hash[0] = hash[1] = 0;
+    if (!state)
+        return;
+    XXH3_128bits_reset(state);
+    XXH3_128bits_update(state, kind, sizeof kind);
+    XXH3_128bits_update(state, text->data, text->length + 1);
+    for (uint32_t i = 1; i < glsl->files->count; i++) {
+        const struct body_file *file = &glsl->files->list[i];
+        XXH3_128bits_update(state, &file->number, sizeof file->number);
+        XXH3_128bits_update(state, file->text, body_text_length(file));
+    }
+    for (uint32_t i = 0; i < glsl->files->include_count; i++) {
+        const struct body_include *include = &glsl->files->includes[i];
+        const uint32_t places[] = {include->from, include->file->number};
+        XXH3_128bits_update(state, places, sizeof places);
+        XXH3_128bits_update(state, include->name, strlen(include->name) + 1);
+    }
+    XXH128_hash_t digest = XXH3_128bits_digest(state);
+    XXH3_freeState(state);
+    hash[0] = digest.high64;
+    hash[1] = digest.low64;
+}
+
 /* The body behind the preprocessor; free(). NULL: reported. */
 static char *preprocess(struct glsl *glsl)
 {
@@ -46,8 +78,19 @@ static char *preprocess(struct glsl *glsl)
                                     .whole = glsl->whole,
                                     .include = glsl_include,
                                     .user = glsl->files};
-    char *log = NULL,
-         *out = text.failed || !glslang_start(glsl->whole) ? NULL : glslang_preprocess(&job, &log);
+    char *log = NULL, *out = NULL;
+    uint64_t hash[2];
+    uint32_t *words;
+    size_t count;
+    hash_input(glsl, &text, hash);
+    if (cache_find(glsl->model->cache, hash, "glsl", &words, &count)) {
+        out = (char *)words;
+    } else {
+        out = text.failed || !glslang_start(glsl->whole) ? NULL : glslang_preprocess(&job, &log);
+        if (out)
+            cache_add(glsl->model->cache, hash, "glsl", (uint32_t *)(void *)out,
+                      strlen(out) / 4 + 1);
+    }
     if (out)
         drop_head(out);
     else if (log)

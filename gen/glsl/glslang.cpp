@@ -213,7 +213,8 @@ try {
         *log = strdup(shader.getInfoLog());
         return nullptr;
     }
-    return strdup(out.c_str());
+    void *copy = std::calloc(out.size() / 4 + 1, 4);
+    return copy ? static_cast<char *>(std::memcpy(copy, out.data(), out.size())) : nullptr;
 } catch (const std::bad_alloc &) {
     return nullptr;
 } catch (const std::exception &exception) {

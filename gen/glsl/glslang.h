@@ -37,5 +37,5 @@ struct glslang_job {
  * NULL, too, when memory ran out. */
 uint32_t *glslang_compile(const struct glslang_job *job, size_t *count, char **log);
 
-/* The text behind the preprocessor, with #line; free(). NULL: *log as above. */
+/* The text behind the preprocessor, with #line, and zeros up to a multiple of four; free(). NULL: *log as above. */
 char *glslang_preprocess(const struct glslang_job *job, char **log);

@@ -386,6 +386,7 @@ struct model {
     bool text;                    /* also OpenGL's GLSL, which glslang does not compile */
     bool codes;                   /* exact passes read the codes of sRGB textures */
     bool exact_twin;              /* of every pass: none is fast */
+    struct cache *cache;          /* of what glslang's preprocessor made; NULL: none */
     bool gpu;                     /* what `target: auto` is: the choices for GPUs */
     struct diag *prove;           /* --prove: reports every open operation of exact passes, and
                                      here the forms of all; NULL: it does not */

@@ -1,42 +1,15 @@
-/* Compiled shaders in a folder; see shader_cache.h. A file NAME.spv holds the SPIR-V of one
- * shader. NAME is the hash of its inputs: GLSL, formats, backend, stage, exactness, versions of the compiler and
- * of our rewriting. The head of the file has a hash of the content, so a damaged,
- * truncated or foreign file is a miss, and is replaced. */
+/* What a compiled shader is found by in a cache: the hash of its inputs, which are GLSL, formats, backend, stage,
+ * exactness, versions of the compiler and of our rewriting. */
 #include "shader_cache.h"
-#include "base/temporary.h"
 #include "compile.h"
 
 #include "read/body_files.h"
 
-#include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
-#include <inttypes.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <time.h>
-#include <unistd.h>
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that the passes of gen/spirv write. */
 enum { REWRITING = 21 };
-enum { DEFAULT_MIB = 64, MOST_MIB = 1 << 20 };
-enum { NAME_SIZE = 40, MOST_WORDS = 16 << 20, STALE_SECONDS = 3600 };
-
-struct head {
-    char magic[8];
-    uint64_t hash; /* of the SPIR-V words and of the source text that they were compiled from */
-    uint64_t word_count;
-};
-static const char magic[8] = "dtspv 2";
-
-struct shader_cache {
-    int folder;
-    bool added;
-    unsigned number; /* of temporary files */
-};
 
 /* ---- Hashes ---------------------------------------------------------------------------------- */
 
@@ -119,184 +92,12 @@ const struct shader *shader_twin(const struct pass_shaders *shaders, uint32_t co
     return NULL;
 }
 
-/* ---- Entries --------------------------------------------------------------------------------- */
-
-static void name_entry(char name[NAME_SIZE], const struct shader *shader)
+bool shader_cache_find(struct cache *cache, struct shader *shader)
 {
-    snprintf(name, NAME_SIZE, "%016" PRIx64 "%016" PRIx64 ".spv", shader->hash[0], shader->hash[1]);
+    return cache_find(cache, shader->hash, "spv", &shader->words, &shader->word_count);
 }
 
-/* The name seeds the hash of the content, so a renamed file is a miss. */
-static bool read_entry(FILE *file, struct shader *shader)
+void shader_cache_add(struct cache *cache, const struct shader *shader)
 {
-    struct head head;
-    struct stat status;
-    if (fstat(fileno(file), &status) || !S_ISREG(status.st_mode) ||
-        fread(&head, sizeof head, 1, file) != 1 || memcmp(head.magic, magic, sizeof magic) != 0 ||
-        !head.word_count || head.word_count > MOST_WORDS ||
-        (uint64_t)status.st_size != sizeof head + head.word_count * sizeof *shader->words)
-        return false;
-    size_t size = head.word_count * sizeof *shader->words;
-    uint32_t *words = malloc(size);
-    if (!words || fread(words, size, 1, file) != 1 ||
-        XXH3_64bits_withSeed(words, size, shader->hash[0]) != head.hash) {
-        free(words);
-        return false;
-    }
-    shader->words = words;
-    shader->word_count = head.word_count;
-    return true;
-}
-
-bool shader_cache_find(struct shader_cache *cache, struct shader *shader)
-{
-    char name[NAME_SIZE];
-    if (!cache || !shader->hash[1])
-        return false;
-    name_entry(name, shader);
-    int number = openat(cache->folder, name, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
-    FILE *file = number >= 0 ? fdopen(number, "rb") : NULL;
-    bool found = file && read_entry(file, shader);
-    if (found)
-        futimens(number, NULL); /* the time of use; on failure the entry only looks older */
-    if (file)
-        fclose(file);
-    else if (number >= 0)
-        close(number);
-    return found;
-}
-
-void shader_cache_add(struct shader_cache *cache, const struct shader *shader)
-{
-    size_t size = shader->word_count * sizeof *shader->words;
-    struct head head = {.word_count = shader->word_count};
-    char name[NAME_SIZE], temporary[NAME_SIZE];
-    if (!cache || !shader->hash[1])
-        return;
-    name_entry(name, shader);
-    head.hash = XXH3_64bits_withSeed(shader->words, size, shader->hash[0]);
-    memcpy(head.magic, magic, sizeof magic);
-    snprintf(temporary, sizeof temporary, ".%ld-%u", (long)getpid(), cache->number++);
-    int file = openat(cache->folder, temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-    if (file < 0)
-        return;
-    bool good = write_all(file, &head, sizeof head) && write_all(file, shader->words, size);
-    good = !close(file) && good && !renameat(cache->folder, temporary, cache->folder, name);
-    if (!good)
-        unlinkat(cache->folder, temporary, 0);
-    cache->added |= good;
-}
-
-/* ---- Size ------------------------------------------------------------------------------------ */
-
-struct file {
-    char name[NAME_SIZE];
-    int64_t used; /* seconds */
-    uint64_t bytes;
-};
-
-static int oldest_first(const void *a, const void *b)
-{
-    const struct file *x = a, *y = b;
-    return (x->used > y->used) - (x->used < y->used);
-}
-
-/* Lists the entries, and removes temporary files of killed processes. free() the result. */
-static struct file *list_files(int folder, size_t *count, uint64_t *bytes)
-{
-    struct dirent **list = NULL;
-    int found = scandirat(folder, ".", &list, NULL, NULL);
-    struct file *files = found > 0 ? malloc((size_t)found * sizeof *files) : NULL;
-    for (int i = 0; i < found; i++) {
-        const char *name = list[i]->d_name;
-        struct stat status;
-        bool fits = files && strlen(name) < NAME_SIZE &&
-                    !fstatat(folder, name, &status, AT_SYMLINK_NOFOLLOW) && S_ISREG(status.st_mode);
-        if (fits && name[0] == '.' && time(NULL) - status.st_mtime > STALE_SECONDS)
-            unlinkat(folder, name, 0);
-        if (fits && name[0] != '.') {
-            files[*count] =
-                (struct file){.used = status.st_mtime, .bytes = (uint64_t)status.st_size};
-            memcpy(files[*count].name, name, strlen(name) + 1);
-            *bytes += files[(*count)++].bytes;
-        }
-        free(list[i]);
-    }
-    free(list);
-    return files;
-}
-
-static uint64_t most_bytes(void)
-{
-    const char *text = getenv("DIPTYCH_CACHE_MIB");
-    char *end = NULL;
-    unsigned long value = text ? strtoul(text, &end, 10) : 0;
-    bool valid = text && end > text && !*end && value <= MOST_MIB;
-    return (uint64_t)(valid ? value : DEFAULT_MIB) << 20;
-}
-
-/* Above the limit, removes least recently used entries down to three quarters of the limit: then
- * the next entries need no removal. */
-static void remove_old(const struct shader_cache *cache)
-{
-    size_t count = 0;
-    uint64_t bytes = 0, most = most_bytes();
-    struct file *files = list_files(cache->folder, &count, &bytes);
-    if (files && bytes > most) {
-        qsort(files, count, sizeof *files, oldest_first);
-        for (size_t i = 0; i < count && bytes > most / 4 * 3; i++)
-            if (!unlinkat(cache->folder, files[i].name, 0))
-                bytes -= files[i].bytes;
-    }
-    free(files);
-}
-
-/* ---- Open and close -------------------------------------------------------------------------- */
-
-static int open_folder(const char *folder, const char **problem)
-{
-    struct stat status;
-    if (mkdir(folder, 0700) && errno != EEXIST) {
-        *problem = strerror(errno);
-        return -1;
-    }
-    int file = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    if (file < 0 || fstat(file, &status))
-        *problem = strerror(errno);
-    else if (status.st_uid != geteuid())
-        *problem = "another user owns the folder";
-    else if (status.st_mode & (S_IWGRP | S_IWOTH))
-        *problem = "other users may write to the folder";
-    else
-        return file;
-    if (file >= 0)
-        close(file);
-    return -1;
-}
-
-struct shader_cache *shader_cache_open(const char *folder, struct diag *diag)
-{
-    static bool warned;
-    const char *problem = NULL;
-    struct shader_cache *cache = folder ? calloc(1, sizeof *cache) : NULL;
-    if (!cache)
-        return NULL;
-    cache->folder = open_folder(folder, &problem);
-    if (cache->folder >= 0)
-        return cache;
-    if (!warned)
-        diag_warning(diag, (struct loc){0}, "%s: not used as a cache: %s", folder, problem);
-    warned = true;
-    free(cache);
-    return NULL;
-}
-
-void shader_cache_close(struct shader_cache *cache)
-{
-    if (!cache)
-        return;
-    if (cache->added)
-        remove_old(cache);
-    close(cache->folder);
-    free(cache);
+    cache_add(cache, shader->hash, "spv", shader->words, shader->word_count);
 }

@@ -128,8 +128,8 @@ static const struct shader *twin_of(const struct shader_plan *first, const struc
 }
 
 /* Emits the GLSL of the pass `index`; adds jobs for shaders that are not in the cache. */
-static bool emit_pass_shaders(const struct shader_plan *first, uint32_t index,
-                              struct shader_cache *cache, struct job job, struct jobs *jobs)
+static bool emit_pass_shaders(const struct shader_plan *first, uint32_t index, struct cache *cache,
+                              struct job job, struct jobs *jobs)
 {
     struct model *model = job.plan->model;
     struct pass_shaders **shaders = job.plan->shaders;
@@ -198,7 +198,7 @@ static bool compile_again(const struct job *job)
 }
 
 /* Compiles failed shaders again on this thread, so that their messages come in order. */
-static bool compile(struct jobs *jobs, struct shader_cache *cache)
+static bool compile(struct jobs *jobs, struct cache *cache)
 {
     bool good = true;
     compile_rest(jobs);
@@ -230,7 +230,7 @@ static bool samples_codes(const struct shader_plan *plan, uint32_t index)
 }
 
 /* Compiles the shaders of such a pass again, for a view that decodes. */
-static bool settle_codes(const struct shader_plan *plan, struct shader_cache *cache)
+static bool settle_codes(const struct shader_plan *plan, struct cache *cache)
 {
     bool good = true;
     for (uint32_t index = 0; index < plan->model->pipeline.pass_count; index++) {
@@ -351,7 +351,7 @@ static void prove(const struct model *model, const struct pass_shaders *shaders,
 
 /* The GLSL of a plan, and jobs. */
 static bool emit(const struct shader_plan *plan, const struct shader_plan *first,
-                 struct shader_cache *cache, struct jobs *jobs)
+                 struct cache *cache, struct jobs *jobs)
 {
     uint32_t count = plan->model->pipeline.pass_count;
     bool good = true;
@@ -395,7 +395,7 @@ static bool begin_jobs(struct jobs *jobs, const struct shader_plan *plans, uint3
     return jobs->list;
 }
 
-bool shaders_compile(const struct shader_plan *plans, uint32_t count, struct shader_cache *cache)
+bool shaders_compile(const struct shader_plan *plans, uint32_t count, struct cache *cache)
 {
     struct jobs jobs, texts;
     if (!begin_jobs(&jobs, plans, count))

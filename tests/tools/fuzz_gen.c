@@ -76,7 +76,7 @@ void fuzz_cache(const char *bytes, size_t size)
     shader_hash(BACKEND_VK, &shader);
     found = shader;
     found.words = NULL;
-    struct shader_cache *cache = shader_cache_open(fuzz_folder, diag);
+    struct cache *cache = cache_open(fuzz_folder, diag);
     fuzz_insist(cache, "the folder is no cache");
     shader_cache_add(cache, &shader);
     DIR *listing = opendir(fuzz_folder);
@@ -93,7 +93,7 @@ void fuzz_cache(const char *bytes, size_t size)
                     "a damaged entry is taken");
     free(found.words);
     free(name);
-    shader_cache_close(cache);
+    cache_close(cache);
     text_free(&shader.glsl);
     diag_free(diag);
 }
