@@ -55,6 +55,9 @@ cp "$root/templates/shared/tonemap.glsl" "$body"
 generate before && cp "$work/before/vk/rsm.tonemap.comp.spv" "$work/before.spv"
 check "... which is other code" test "$(cmp -s "$work/edited.spv" "$work/before.spv" && echo same)" != same
 check "what was there before the edit is still there" is_as_without
+echo "#define max min" >>"$work/templates/shared/space.glsl"
+check "an edited file that a body with ranges includes is seen" is_as_without
+cp "$root/templates/shared/space.glsl" "$work/templates/shared"
 check "so is another value of a parameter" is_as_without --set samples=16
 check "and the other way to compile" is_as_without --set exactness=fast
 
