@@ -213,8 +213,11 @@ try {
         *log = strdup(shader.getInfoLog());
         return nullptr;
     }
-    void *copy = std::calloc(out.size() / 4 + 1, 4);
-    return copy ? static_cast<char *>(std::memcpy(copy, out.data(), out.size())) : nullptr;
+    out.resize((out.size() / 4 + 1) * 4);
+    char *copy = static_cast<char *>(std::malloc(out.size()));
+    if (copy)
+        out.copy(copy, out.size());
+    return copy;
 } catch (const std::bad_alloc &) {
     return nullptr;
 } catch (const std::exception &exception) {

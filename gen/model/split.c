@@ -70,7 +70,8 @@ static uint32_t variable_of(struct splitting *s, const char *name, uint32_t type
               SpvStorageClassUniformConstant);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationDescriptorSet, 0);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationBinding,
-              FIRST_BINDING + s->count++);
+              FIRST_BINDING + s->count);
+    s->count++;
     spirv_put_name(edit, id, name);
     return id;
 }
