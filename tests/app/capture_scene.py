@@ -131,11 +131,14 @@ class Scene:
     def frame(self, fault: str) -> None:
         use(self.solid, self.scene[0], self.still[fault == "levels"])
         switch(DEPTH_TEST, OFFSET, on=True)
-        gl.glDepthFunc(0x204 if fault == "depth" else 0x201)
+        gl.glDepthFunc(0x204 if fault in ("depth", "parts") else 0x201)
         gl.glBlendFunc(1, 1)
         gl.glPolygonOffset(*((0.0, 0.5) if fault == "offset" else (0.5, 0.0)))
-        gl.glClearColor(0.1, 0.4 if fault == "clear" else 0.2, 0.3, 1.0)
+        if fault != "before":
+            gl.glClearColor(0.1, 0.2, 0.3, 1.0)
         gl.glClear(0x4100)
+        if fault == "clear":
+            gl.glClearBufferfv(0x1800, 0, (ctypes.c_float * 4)(0.1, 0.4, 0.3, 1.0))
         switch(*(state for name, state in (("blend", BLEND), ("cull", CULL_FACE), ("scissor", SCISSOR)) if name == fault), on=True)
         gl.glScissor(0, 0, 50, SIDE)
         gl.glViewport(8 if fault == "viewport" else 0, 0, SIDE, SIDE)
@@ -143,7 +146,8 @@ class Scene:
             gl.glBindBuffer(kind, name)
         gl.glVertexAttribPointer(0, 2, 0x1406, 0, 0, None)
         gl.glEnableVertexAttribArray(0)
-        gl.glDrawElements(4, 6, 0x1403, None)
+        for start in (0, 3) if fault == "parts" else (0,):
+            gl.glDrawElements(4, 3 if fault == "parts" else 6, 0x1403, ctypes.c_void_p(2 * start))
         switch(DEPTH_TEST, CULL_FACE, OFFSET, SCISSOR, BLEND)
         if fault.startswith("cover"):
             self.cover(fault == "covered")
@@ -209,6 +213,7 @@ def main() -> None:
         name, begin, end = renderdoc() if fault else [lambda *_: 1] * 3
         name(fault.encode(), None)
         gl.glFinish()
+        gl.glClearColor(0.1, 0.4, 0.3, 1.0)
         begin(None, None)
         scene.frame(fault)
         gl.glFinish()

@@ -49,7 +49,7 @@ judged() { # folder of captures, both APIs, "condition|name of the fault"...
 }
 check "a program in OpenGL is captured" captured once.rdc 3 /usr/bin/python3 -B "$scene"
 check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
-    none cull offset uniform clock shader rows vertices channels clear levels cover covered
+    none cull offset uniform clock shader rows vertices channels clear before parts levels cover covered
 mv gl/*.rdc .
 faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"|cull'
     '"against factor 0, units 0.5: factor and units are swapped" in t|offset'
@@ -58,6 +58,7 @@ faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p[
     'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in w|rows'
     '"vertex data spot: 1 of 12 numbers differ, by up to 0.1" in t and "vertex data indices: 2 of 6 numbers" in t|vertices'
     '"clampedge/clampedge, channels green/green/blue/alpha" in t|channels' '"clear of colour: (0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|clear'
+    '"(0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|before' '"1 against 2 draws" in t and "less against greater (in all draws)" in t|parts'
     '{"00.still"} <= b and [r["mip"] for r in p["results"] if r["resource"] == "still"] == [0, 1]|levels')
 judged . "OpenGL against OpenGL" "${faults[@]}"
 check "another moment is told before the passes" grep -Pzq 'not the same moment: iTime: 0.22 .*\n.*\npass ' "$work/said"
@@ -90,7 +91,7 @@ across=('p["agree"] and t == "{}"|none' '"depth test: less against greater" in t
     '"cull: nocull against back" in t|cull' '"factor 0.5, units 0 against factor 0, units 1" in t|offset' '"scissor: whole against (0, 0, 50, 96)" in t|scissor'
     '"viewport: (0, 0, 96, 96) against (8" in t|viewport' '"clampedge/clampedge against linear/linear, wrap" in t|wrap'
     '"8 bits unorm against 16 bits float" in t|format' '"shift of 2 texels" in w|shader'
-    '"flip in y" in w|rows' 'len(p["captures"]["matched"]) == 3|pass')
+    '"flip in y" in w|rows' '"exposure: 1 against 1.25" in t|uniform' '"(0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|clear' 'len(p["captures"]["matched"]) == 3|pass')
 seed=${SEED:-$RANDOM} most=${DIPTYCH_LONG:+99} # the first two are always drawn, four others by the seed, all in long runs
 mapfile -t drawn < <(RANDOM=$seed; for i in "${!across[@]}"; do echo "$((i < 2 ? 0 : RANDOM)) ${across[i]}"; done | sort -n | head -n "${most:-6}" | cut -d' ' -f2-)
 if frames vk ENABLE_VULKAN_RENDERDOC_CAPTURE=1 GALLIUM_DRIVER=zink /usr/bin/python3 -B "$scene" "${drawn[@]##*|}" cover covered; then
@@ -151,9 +152,15 @@ with redirect_stderr(io.StringIO()) as told:
 raise SystemExit(not (status == 2 and "Traceback" in told.getvalue() and "internal error: TypeError" in told.getvalue()))'
 
 check "a replay that shows another picture proves nothing; one backend alone is blamed" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
+import io
 import numpy as np
+from contextlib import redirect_stdout
 from types import SimpleNamespace
-from diptych.rdc.differ import aligned, common, uniform_differences
+from unittest import mock
+from diptych.rdc import replays
+from diptych.rdc.replay import FLAGS, Grouping
+from diptych.rdc.state import sampler, sampler_of
+from diptych.rdc.differ import aligned, common, uniform_differences, worded
 from diptych.rdc.compare import Matched, drop_alpha
 from diptych.rdc.guilty import modern, verdict
 from diptych.rdc.match import Matcher, Side
@@ -168,9 +175,40 @@ row = [1, 2, 3, 4, 5, 6, 7, 8]
 turned, matrices = [*row[:4], *(-number for number in row[4:])], {"HLSL": [[1, 5, 2, 6, 3, 7, 4, 8], 2]}
 assert uniform_differences({"HLSL": row, "flat": row}, {**matrices, "flat": turned}) == []
 assert [name for name, _ in uniform_differences({"HLSL": row, "flat": row}, {"HLSL": matrices["HLSL"][0], "flat": row[::-1]})] == ["HLSL", "flat"]
+def words(*numbers):  # that Zink leaves
+    return {"uniforms": {f"pixel uniform_0[{at}]": [number] for at, number in enumerate(numbers)}}
+loose = {"uniforms": {"a": [1.0], "b": [2.5, 3.0], "c": [-7], "d": [1]}, "loose": {"pixel": ["a", "b", "c", "d"]}}
+for own, changed, lost in ((words(1.0, 2.5, 3.0, 2**32 - 7, 2**32 - 1, 1.0), [], []), (words(2.5, 3.0, 2**32 - 7, 1.0, 1), [], []),
+                           (words(1.0, 2.5, 4.0, 2**32 - 7, 1), ["b"], []), (words(2.5, 3.0, 2**32 - 7, 5.0, 1), [], ["a"])):
+    found, gone = worded(loose, own)
+    assert ([name for name, _ in uniform_differences({name: loose["uniforms"][name] for name in found}, found)], gone) == (changed, lost), own
 assert common({"s_tex": 1}, {"s_texTexture": 2}) == [("s_tex", 1, 2)]
 assert modern("#version 120\nvarying vec2 p; x(texture2DProj); gl_FragColor") == (
     "#version 330\nout vec4 alone_color;\n\nin vec2 p; x(textureProj); alone_color")
+place = [SimpleNamespace(bind=at, bindset=0, used=True) for at in range(2)]
+reads = SimpleNamespace(GetBindpointMapping=lambda _: SimpleNamespace(samplers=place), GetShaderReflection=lambda _: SimpleNamespace(
+    samplers=[SimpleNamespace(name=name, bindPoint=at) for at, name in enumerate(("noise", "s_tex_sampler"))]))
+assert sampler_of(reads, None, [SimpleNamespace(bindings=[SimpleNamespace(binds=[at]) for at in "ab"])], "s_tex") == "b"
+item = SimpleNamespace(filter=SimpleNamespace(minify="Anisotropic", magnify="Linear", mip="Linear", filter="Normal"), minLOD=0, maxLOD=9, maxAnisotropy=4)
+seen = SimpleNamespace(firstMip=0, numMips=1, swizzle=SimpleNamespace(red="Red", green="Green", blue="Blue", alpha="Alpha"))
+assert sampler(item, seen, ["repeat"], None, None) == "linear/linear, repeat, anisotropy 4"
+kinds, textures = [], {at: SimpleNamespace(mips=1, msSamp=at) for at in (1, 4, 9)}
+copies = SimpleNamespace(untold={}, textures=textures, buffers={}, current=None, alone=lambda kind, *_: kinds.append(kind))
+for source in (1, 4):
+    Grouping.copy(copies, SimpleNamespace(copyDestination=9, copySource=source, flags=FLAGS.Resolve, eventId=0), [])
+assert kinds == ["blit", "resolve"], kinds
+alone = [{"index": at, "kind": "draw", "where": [], "entries": []} for at in range(12)]
+many = SimpleNamespace(clocks={}, state={}, labels="ab", sides="ab", pairs=[], doubled=False, both=lambda: iter(()), alone=lambda _: alone)
+with redirect_stdout(io.StringIO()) as told:
+    Matched.tell(many)
+assert told.getvalue().count("only in a") == 9 and "only in b: 4 more passes" in told.getvalue(), told.getvalue()
+open("frame.json", "w").close()
+for statuses, tries, words in (((-11, 0), 2, ""), ((-9, 0), 1, "signal 9"), ((139, 139), 2, "signal 11")):
+    ends = iter(statuses)
+    process = SimpleNamespace(stderr=[], wait=lambda: next(ends), kill=str, send_signal=str)
+    with mock.patch.object(replays.subprocess, "Popen", return_value=process) as started:
+        why = replays.replay(None, False, "replay", "x.rdc", ".", "")
+    assert words in why and bool(why) == bool(words) and started.call_count == tries, (statuses, why)
 chains = [{"kind": "mips", "where": "", "draws": 1, "counts": [], "entries": [{"kind": "image", "mip": mip, "width": side >> mip, "height": side >> mip,
     "layers": 1, "screen": False, "resource": "color0", "file": "", "turned": ""} for mip in range(3)]} for side in (8, 8, 4)]
 empty = Side("", "", "", {"passes": []})

@@ -46,7 +46,7 @@ def normal(state: Json, turned: bool, mirrored: bool) -> Json:
 def other_front(state: Json) -> Json:
     """The same state, of a program that calls the other side of triangles the front."""
     found = dict(state)
-    if "front" in state:
+    if {"front", "cull", "stencil front", "stencil back"} <= state.keys():
         cull = {"front": "back", "back": "front"}.get(state["cull"], state["cull"])
         found.update(front={"ccw": "cw", "cw": "ccw"}[state["front"]], cull=cull)
         found.update({"stencil front": state["stencil back"], "stencil back": state["stencil front"]})
@@ -131,6 +131,37 @@ def same_uniform(one: np.ndarray, other: np.ndarray) -> bool:
         len(one) in SHAPES and one.shape == other.shape and clip_space(one.reshape(SHAPES[len(one)]), other.reshape(SHAPES[len(one)])))
 
 
+def worded(named: Json, words: Json) -> tuple[dict[str, Any], list[str]]:
+    """Of uniforms that the first side names, the values that Zink keeps as words; and names of those whose values are nowhere there,
+    where its order is not that of locations: a stage before has uniforms of this one, too."""
+    found, lost = {}, []  # type: dict[str, Any], list[str]
+    for stage, names in named["loose"].items():
+        there = [value[0] for name, value in words["uniforms"].items() if name.startswith(f"{stage} uniform_0[")]
+        bits = np.array([np.float32(value).view("u4") if isinstance(value, float) else value for value in there], "u4")
+        own, at = {}, 0  # type: dict[str, tuple[np.ndarray, np.ndarray, list[Any]]], int
+        for name in names:
+            values = named["uniforms"][name]
+            whole = not isinstance(values[0], float)
+            wanted = np.array([value & 0xffffffff for value in values], "u4") if whole else np.array(values, "f4").view("u4")
+            theirs = bits[at:at + len(values)]
+            if whole and set(values) <= {0, 1} and set(theirs.tolist()) <= {0, 0x3f800000, 0xffffffff}:  # how Mesa has booleans
+                theirs = (theirs != 0).astype("u4")
+            same = np.array_equal(wanted, theirs)
+            own[name] = (wanted, theirs, values if same else theirs.view("i4" if whole else "f4").tolist())
+            at += len(values)
+        both = [np.sort(np.concatenate([pair[side] for pair in own.values()] or [bits])) for side in (0, 1)]
+        if at > len(bits):
+            continue
+        if np.array_equal(both[0], both[1]):  # equal, or in another order
+            found.update({name: named["uniforms"][name] for name in own})
+        elif 2 * sum(np.array_equal(*pair[:2]) for pair in own.values()) >= len(own) - (len(own) == 1):
+            found.update({name: theirs for name, (*_, theirs) in own.items()})
+        else:
+            lost += [name for name, (wanted, *_) in own.items()
+                     if not any(np.array_equal(wanted, bits[start:start + len(wanted)]) for start in range(len(bits)))]
+    return found, lost
+
+
 def uniform_differences(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, str]]:
     """Names and values."""
     found = []
@@ -165,6 +196,11 @@ def stream_differences(first: Json, second: Json, folders: list[str], across: bo
 # ---- A pass --------------------------------------------------------------------------------------
 
 
+def shared(items: list[Json]) -> Json:
+    """What all have alike."""
+    return {key: value for key, value in items[0].items() if all(key in item and same_value(item[key], value) for item in items)}
+
+
 def aligned(first: list[list[int]], second: list[list[int]]) -> list[tuple[int, int]]:
     """Draws that belong together. Where one side draws several parts at once, those that begin after as many vertices, up to where the
     sides are out of step. Quads are too alike to tell."""
@@ -181,17 +217,26 @@ def aligned(first: list[list[int]], second: list[list[int]]) -> list[tuple[int, 
     return found
 
 
-def steps(first: Json, second: Json) -> Iterator[tuple[int, Json, Json, bool]]:
-    """Draws with their state on both sides, and whether both were looked at, so that uniforms and samplers are theirs."""
-    sides = [{item["draw"]: item for item in side["states"]} for side in (first, second)]
+def steps(first: Json, second: Json, *how: bool) -> Iterator[tuple[int, Json, Json, bool]]:
+    """Draws with their state on both sides, as `how` has the second's normal, and whether both were looked at, so that uniforms and
+    samplers are theirs. Of draw -1: what all draws of each side share, where they are parted otherwise."""
+    sides = [{item["draw"]: {**item, "state": normal(item["state"], *turns)} for item in side["states"]}
+             for side, turns in ((first, (False, False)), (second, how))]
     if not all(sides):
         return
-    for at, other in aligned(first["counts"], second["counts"]):
-        one, two = first["chosen"][at], second["chosen"][other]
-        if min(one, two) < 0:  # too many states
+    pairs = aligned(first["counts"], second["counts"])
+    if not pairs:
+        merged: list[Json] = [{key: shared([item[key] for item in side.values()]) for key in ("state", "uniforms", "samplers")}
+                              for side in sides]
+        for item in merged:  # words have no order without their neighbours, and draws that are parted have other vertices
+            item.update(loose={}, streams={})
+        yield -1, merged[0], merged[1], True
+    for at, other in pairs:
+        looked = first["chosen"][at], second["chosen"][other]
+        if min(looked) < 0:  # too many states
             continue
-        both = (one, two) == (at, other) and (first["counts"][at] == second["counts"][other] or first["kind"] == "dispatch")
-        yield at, sides[0][one], sides[1][two], both
+        both = looked == (at, other) and (first["counts"][at] == second["counts"][other] or first["kind"] == "dispatch")
+        yield at, sides[0][looked[0]], sides[1][looked[1]], both
 
 
 def differences(first: Json, second: Json, turned: bool, folders: list[str], across: bool) -> tuple[list[str], list[str], int]:
@@ -215,16 +260,22 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
     told: set[str] = set()
     looked, compared = 0, 0
     details: dict[str, str] = {}
-    for compared, (at, one, other, both) in enumerate(steps(first, second), 1):
-        own, state = normal(one["state"], False, False), normal(other["state"], turned, across and not turned)
-        found = min(state_texts(own, state), state_texts(own, other_front(state)), key=len)
+    for at, one, other, both in steps(first, second, turned, across and not turned):
+        compared += at >= 0
+        found = min((state_texts(one["state"], state) for state in (other["state"], other_front(other["state"]))), key=len)
         if both:
             looked += 1
-            for name, values in uniform_differences(one["uniforms"], other["uniforms"]):
+            named = [one["uniforms"], other["uniforms"]]
+            lost: list[str] = []
+            for side, (a, b) in enumerate(((one, other), (other, one))):
+                if a["loose"] and any(" uniform_0[" in name for name in b["uniforms"]):
+                    theirs, lost = worded(a, b)
+                    named = [{name: a["uniforms"][name] for name in theirs}, theirs][::1 - 2 * side] if theirs or lost else named
+            found += [f"{name}: no such value on the other side" for name in lost]
+            for name, values in uniform_differences(*named):
                 told.add(f"{name}: {values}")
                 found.append(f"{name}: {values}" if len(told) <= MOST_TOLD else "more uniforms")
                 clocks |= {found[-1]} if CLOCK.search(name) else set()
-            named = [one["uniforms"], other["uniforms"]]
             if all(named) and not common(*named) and not any(map(made_up, named)):
                 sides = (", ".join(f"{name} {text_of(plain(values)[0])}" for name, values in [*uniforms.items()][:MOST_TOLD])
                          for uniforms in named)
@@ -237,7 +288,7 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
             draws.setdefault(text, []).append(at)
     for text, places in draws.items():
         more = f" and {len(places) - 1} more" if len(places) > 1 else ""
-        part = f" (draw {places[0] + 1}{more} of {first['draws']})" if len(places) < looked else ""
+        part = f" (draw {places[0] + 1}{more} of {first['draws']})" if len(places) < looked else " (in all draws)" if places[0] < 0 else ""
         detail = f": {details[text]}" if text in details else ""
         (moved if text in clocks else texts).append(text + detail + part)
     for one, other in zip(first["shaders"], second["shaders"]) if not across else ():

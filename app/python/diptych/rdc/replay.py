@@ -37,6 +37,7 @@ MOST_LOOKS = 64        # draws of a frame at which state is read, beside the las
 MOST_STOPS = 8         # with contents that are discarded
 SECONDS_OF_LOOKS = 4.0  # of a processor, above which a child looks
 LARGE = 64 << 20       # bytes of a capture, above which a child looks, too
+GL_COLOR = 0x1800
 VK_CLEARS, VK_DEPTHS = 1, range(124, 131)  # VK_ATTACHMENT_LOAD_OP_CLEAR, formats
 NEVER, OPENED = 1 << 62, (1 << 62) - 1  # events: none; the end of the frame, as opening leaves it
 SECONDS_OF_PROGRESS = 5.0
@@ -155,22 +156,39 @@ def child(chunk: Any, *names: str) -> Any:
     return chunk
 
 
+def floats(chunk: Any) -> list[float]:
+    return [item.data.basic.d for item in children(chunk) if item.type.basetype == rd.SDBasic.Float]
+
+
 class Clears:
     """What a frame's calls clear to, as far as they tell: of colours, that of the first."""
 
     def __init__(self, file: Any):
-        self.own: dict[str, list[float]] = {}  # in OpenGL's state
+        self.own: dict[str, list[float]] = {}  # in OpenGL's state, first that before the frame
+        for begin in [chunk.FindChild("state") for chunk in file.chunks if chunk.name == "Internal::Beginning of Capture"]:
+            for key, name in (("colour", "GL_COLOR_CLEAR_VALUE"), ("depth", "GL_DEPTH_CLEAR_VALUE")) if begin else ():
+                item = child(begin, name)
+                self.own[key] = floats(item) or [item.data.basic.d]
         self.now: dict[str, list[float]] = {}  # by the current action
         self.attachments = {int(child(chunk, "RenderPass").AsResourceId()): child(chunk, "CreateInfo", "pAttachments")
                             for chunk in file.chunks if chunk.name.startswith("vkCreateRenderPass")}
 
     def add(self, chunk: Any) -> None:
         if chunk.name in ("glClearColor", "glClearDepth", "glClearDepthf"):
-            key = "colour" if chunk.name == "glClearColor" else "depth"
-            self.own[key] = [item.data.basic.d for item in children(chunk) if item.type.basetype == rd.SDBasic.Float]
+            self.own["colour" if chunk.name == "glClearColor" else "depth"] = floats(chunk)
         elif chunk.name == "glClear":
             mask = child(chunk, "mask").data.basic.u
             self.now |= {key: self.own[key] for key, bit in (("colour", 0x4000), ("depth", 0x100)) if mask & bit and key in self.own}
+        elif chunk.name in ("glClearBufferfv", "glClearNamedFramebufferfv", "glClearBufferfi", "glClearNamedFramebufferfi"):
+            if not child(chunk, "drawbuffer").data.basic.u:
+                values = chunk.FindChild("value")
+                found = floats(values) if values and values.NumChildren() else floats(chunk)
+                self.now["colour" if child(chunk, "buffer").data.basic.u == GL_COLOR else "depth"] = found
+        elif chunk.name.startswith("vkCmdBeginRendering"):
+            begin = child(chunk, "pRenderingInfo")
+            for item in (child(begin, "pDepthAttachment"), *children(child(begin, "pColorAttachments"))[:1]):
+                if item.NumChildren() and child(item, "loadOp").data.basic.u == VK_CLEARS:
+                    self.vulkan(item.name == "pDepthAttachment", child(item, "clearValue"))
         elif chunk.name.startswith("vkCmdBeginRenderPass"):
             begin = child(chunk, "RenderPassBegin")
             values, attachments = child(begin, "pClearValues"), self.attachments.get(int(child(begin, "renderPass").AsResourceId()))

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from typing import Any, Iterator
 
 import numpy as np
@@ -13,7 +14,8 @@ from .texels import texels_of, values_of
 Json = dict[str, Any]
 STAGES = {"dispatch": [rd.ShaderStage.Compute], "draw": [rd.ShaderStage.Vertex, rd.ShaderStage.Geometry, rd.ShaderStage.Pixel]}
 CHANNELS = ["red", "green", "blue", "alpha"]
-MOST_UNIFORMS = 1024  # of a draw
+MOST_UNIFORMS = 1024  # of a block
+ZINK = re.compile(r"(uniform_\d+)@\d+|(?:gfx|cs)_pushconst")  # blocks that Mesa makes
 MOST_VERTICES = 1 << 28  # bytes of an attribute
 
 
@@ -121,14 +123,31 @@ def blocks(control: Any, state: Any, kind: str, stage: Any, reflection: Any) -> 
                                                             bound.resourceId, bound.byteOffset, bound.byteSize)
 
 
-def uniforms(control: Any, state: Any, kind: str) -> dict[str, list[Any]]:
-    """By name, without those of the blocks."""
+def uniforms(control: Any, state: Any, kind: str) -> Json:
+    """By name, without those of the blocks; `loose`: of each stage of OpenGL, those without a block, in the order of their locations.
+    Of OpenGL's, Zink keeps words, in that order and without gaps, but no names."""
     found: dict[str, list[Any]] = {}
+    loose: dict[str, list[str]] = {}
     for stage, reflection in stages(state, kind):
         for block, values in blocks(control, state, kind, stage, reflection):
+            own: dict[str, list[Any]] = {}
+            zink = ZINK.fullmatch(block.name)
             if not block.compileConstants:
-                flatten(values, block.variables, "", found)
-    return found
+                flatten(values, block.variables, "", own)
+            if zink:
+                words = np.array([value[0] for value in own.values()], "u4")
+                own = {f"{word(stage)} {zink[1]}[{at}]": [number] for at, number in enumerate(numbers(words))} if zink[1] else {}
+            elif block.name == "$Globals" and not block.bufferBacked and not any(word(value.type) == "double" for value in values):
+                loose[word(stage)] = [*own]
+            found.update(own)
+    return {"uniforms": found, "loose": loose}
+
+
+def numbers(words: np.ndarray) -> list[Any]:
+    """Words as floats, where these are of a usual size."""
+    reals = words.view("f4")
+    usual = (np.abs(reals) > 1e-15) & (np.abs(reals) < 1e15)
+    return [float(real) if is_usual else int(whole) for real, whole, is_usual in zip(reals, words, usual)]
 
 
 # ---- State ---------------------------------------------------------------------------------------
@@ -302,7 +321,7 @@ def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Jso
 def state_of(control: Any, gl: bool, kind: str, textures: dict[int, Any]) -> Json:
     state = control.GetPipelineState()
     return {"state": drawing(control, state, gl, textures) if kind == "draw" else {},
-            "samplers": samplers(control, state, kind, gl, textures), "uniforms": uniforms(control, state, kind)}
+            "samplers": samplers(control, state, kind, gl, textures), **uniforms(control, state, kind)}
 
 
 def device_of(file: Any) -> str:
