@@ -248,9 +248,12 @@ bool spirv_passes_textures(const struct spirv *module)
         if (!spirv_is(i, SpvOpFunctionParameter))
             continue;
         type = spirv_type(module, i[2]);
+        bool uniform =
+            spirv_is(type, SpvOpTypePointer) && type[2] == SpvStorageClassUniformConstant;
         if (spirv_is(type, SpvOpTypePointer))
             type = spirv_definition(module, type[3]);
-        if (spirv_is(type, SpvOpTypeImage) || spirv_is(type, SpvOpTypeSampler))
+        if (spirv_is(type, SpvOpTypeImage) || spirv_is(type, SpvOpTypeSampler) ||
+            (uniform && spirv_is(type, SpvOpTypeStruct)))
             return true;
     }
     return false;

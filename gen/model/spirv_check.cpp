@@ -68,6 +68,10 @@ try {
     if (passes & SPIRV_INLINE)
         optimizer.RegisterPass(spvtools::CreateMergeReturnPass())
             .RegisterPass(spvtools::CreateInlineExhaustivePass());
+    if (passes & SPIRV_CHAINS)
+        optimizer.RegisterPass(spvtools::CreateEliminateDeadFunctionsPass())
+            .RegisterPass(spvtools::CreateCombineAccessChainsPass())
+            .RegisterPass(spvtools::CreateAggressiveDCEPass());
     if (passes & SPIRV_FREEZE)
         optimizer.RegisterPass(spvtools::CreateFreezeSpecConstantValuePass())
             .RegisterPass(spvtools::CreateFoldSpecConstantOpAndCompositePass());

@@ -16,7 +16,9 @@ enum spirv_passes {
     SPIRV_INLINE = 2,   /* no functions but the entry points */
     SPIRV_LEGALIZE = 8, /* what glslang makes of HLSL becomes a valid module */
     SPIRV_PRUNE = 16,   /* no branches that constants decide */
-    SPIRV_FREEZE = 4    /* no specialization constants, and what is computed of them is constant */
+    SPIRV_CHAINS =
+        32, /* a chain into memory begins at a variable, and no function is there in vain */
+    SPIRV_FREEZE = 4 /* no specialization constants, and what is computed of them is constant */
 };
 /* The module behind some passes of spirv-opt, *count words; free(). NULL: out of memory. */
 uint32_t *spirv_optimize(const uint32_t *words, size_t *count, unsigned passes);

@@ -1,6 +1,7 @@
 /* glslang puts all loose uniforms of OpenGL's GLSL into one block, also textures that are members of structs, which no block
- * may hold. These become variables with joined names: material.diffuse is material_diffuse. Numbers that nobody reads stay in
- * their places. */
+ * may hold. These become variables with joined names: material.diffuse is material_diffuse, lights[1].map lights_1_map. Where an
+ * index of an array of structs is no constant, the textures of all become one array, lights_map, which spread.c parts. Numbers
+ * that nobody reads stay in their places. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,6 +16,7 @@ struct splitting {
     const struct spirv *from;
     struct spirv_edit edit;
     const uint32_t *block;              /* its variable */
+    bool arrays;                        /* a struct of an array is chosen by no constant */
     uint32_t *known;                    /* by id of a chain: the variable that it leads to */
     uint32_t count, ids[MOST_TEXTURES]; /* new variables, and their names */
     char names[MOST_TEXTURES][NAME_SIZE];
@@ -28,19 +30,26 @@ static const uint32_t *texture_of(const struct spirv *from, uint32_t type)
     return spirv_is(inner, SpvOpTypeImage) ? inner : NULL;
 }
 
-/* How many words of a chain into the block lead to a texture or an array of them, and its name and type; 0: to a number. */
+/* How many words of a chain into the block lead to a texture or an array of them, and its name and type; 0: to a number, or by
+ * indices that are no constants. around: the array of structs that it is in, and its index; 0: it is a texture of its own. */
 static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name[NAME_SIZE],
-                     uint32_t *type)
+                     uint32_t *type, uint32_t around[2])
 {
     const struct spirv *from = s->from;
     size_t length = 0;
     *type = spirv_pointee(from, s->block);
+    around[0] = 0;
     for (uint32_t word = 4; word < spirv_length(chain); word++) {
         const uint32_t *outer = spirv_definition(from, *type);
         const uint32_t *index = spirv_definition(from, chain[word]);
         const char *member = NULL;
-        if (!spirv_is(index, SpvOpConstant) || length > NAME_SIZE - 64)
+        bool chosen = s->arrays && spirv_is_array(outer);
+        if ((chosen ? around[0] : !spirv_is(index, SpvOpConstant)) || length > NAME_SIZE - 64)
             return 0;
+        if (chosen) {
+            around[0] = *type, around[1] = chain[word], *type = outer[2];
+            continue;
+        }
         if (spirv_is(outer, SpvOpTypeStruct))
             member = spirv_member_name(from, *type, index[3]);
         length += (size_t)(member ? snprintf(name + length, NAME_SIZE - length, "%s%.60s",
@@ -48,7 +57,7 @@ static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name
                                   : snprintf(name + length, NAME_SIZE - length, "_%u", index[3]));
         *type = outer[member ? 2 + index[3] : 2];
         if (texture_of(from, *type))
-            return word + 1;
+            return around[0] && spirv_is_array(spirv_definition(from, *type)) ? 0 : word + 1;
     }
     return 0;
 }
@@ -104,8 +113,15 @@ static void put_split(struct splitting *s)
         size_t start = edit->code.count;
         bool chain = spirv_is(i, SpvOpAccessChain) && i[3] == s->block[2];
         char name[NAME_SIZE];
-        uint32_t type, words = chain ? lead(s, i, name, &type) : 0;
+        uint32_t type, around[2], words = chain ? lead(s, i, name, &type, around) : 0;
+        if (words && around[0])
+            type = spirv_declare(edit, SpvOpTypeArray, 0,
+                                 (uint32_t[]){type, spirv_definition(from, around[0])[3]}, 2);
         uint32_t variable = words ? variable_of(s, name, type) : 0;
+        if (variable && around[0]) {
+            SPIRV_PUT(edit, &edit->code, SpvOpAccessChain, i[1], i[2], variable, around[1]);
+            continue;
+        }
         if (variable && words == spirv_length(i)) {
             s->known[i[2]] = variable;
             continue;
@@ -123,6 +139,22 @@ static void put_split(struct splitting *s)
     }
 }
 
+/* Whether all chains to textures can be had; a module where one cannot is refused when it is bound. */
+static bool can_split(const struct splitting *s)
+{
+    const struct spirv *from = s->from;
+    SPIRV_EACH(from, at, from->code, from->count)
+    {
+        const uint32_t *i = from->words + at;
+        char name[NAME_SIZE];
+        uint32_t type, around[2];
+        bool chain = spirv_is(i, SpvOpAccessChain) && i[3] == s->block[2];
+        if (chain && texture_of(from, spirv_pointee(from, i)) && !lead(s, i, name, &type, around))
+            return false;
+    }
+    return true;
+}
+
 bool spirv_split(struct spirv *module)
 {
     struct splitting s = {.from = module};
@@ -133,7 +165,8 @@ bool spirv_split(struct spirv *module)
             spirv_is(spirv_definition(module, spirv_pointee(module, i)), SpvOpTypeStruct))
             s.block = i;
     }
-    if (!s.block)
+    s.arrays = s.block && !can_split(&s);
+    if (!s.block || (s.arrays && !can_split(&s)))
         return true;
     s.known = calloc(module->words[3], sizeof *s.known);
     spirv_edit_begin(&s.edit, module);

@@ -128,6 +128,8 @@ static void copy_sections(struct spreading *s)
             spirv_copy(&s->edit, to, i);
             if (!s->edit.failed)
                 to->data[start + 1] = s->elements[k];
+            if (!s->edit.failed && i[2] == SpvDecorationBinding)
+                to->data[start + 3] += k << 20; /* another resource than its neighbours */
         }
     }
 }

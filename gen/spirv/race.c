@@ -59,6 +59,11 @@ static void put_race(struct sanitizer *s, const uint32_t *i)
         put_access(s, &memory, memory_texel(s, &memory, use.place, use.lod), 1, site);
         return;
     }
+    uint32_t pointee = spirv_pointee(s->from, spirv_definition(s->from, pointer));
+    const uint32_t *number = spirv_scalar(s->from, spirv_definition(s->from, pointee));
+    bool part = spirv_is(number, SpvOpTypeInt) || spirv_is(number, SpvOpTypeFloat);
+    if (memory.access && part && number[2] < 32)
+        return; /* a cell is of a word, of which others may store the rest */
     uint32_t words, word = memory_range(s, &memory, pointer, &words);
     put_access(s, &memory, memory.access ? memory_at(s, &memory, word) : word, words, site);
 }

@@ -60,6 +60,19 @@ check "lines of HLSL" bash -c '"$0" import both.hlsl -o nine && ! "$0" compare -
     grep -q "both.hlsl:12:.*index 9 of an array of 4 elements" told' "$diptych"
 check "HLSL of main() alone becomes a spec" "$diptych" import in/meant.hlsl -o meant
 check "it computes what HLSL means" holds meant meant/meant.yaml 8x6 1
+cat >parts.comp <<'END'
+#version 450
+#extension GL_EXT_nonuniform_qualifier : require
+layout(local_size_x = 8) in;
+layout(binding = 0) buffer Part { uint part[]; } parts[];
+layout(binding = 1) buffer Sums { uint sums[]; };
+void main() { sums[gl_LocalInvocationIndex] = parts[0].part[0] + parts[3].part[1]; }
+END
+check "buffers of an array without a length" bash -c '"$0" import parts.comp -o parts && grep "updates: .*parts_0, parts_3" parts/parts.yaml' "$diptych"
+echo '#version 450
+layout(points) in; layout(points, max_vertices = 1) out; void main() { EmitVertex(); }' >point.geom
+check "a module of another stage" bash -c 'glslangValidator -V point.geom -o in/point.spv'
+check "... is refused" refused point.spv "its entry point is of another stage than compute, vertex and fragment"
 check "doors that are held" /usr/bin/python3 "$root/tests/app/import_doors.py" "$diptych" "$build/diptych-gen" "$root/templates" "$work/doors"
 check "a missing shader" refused missing.slangp "in/missing.slangp:2: shader0 = nowhere.slang: this shader cannot be used"
 check "a scale of another kind" refused scale.slangp "in/scale.slangp:3: scale_type0 = golden: a scale is of source, viewport or absolute"

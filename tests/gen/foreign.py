@@ -89,6 +89,17 @@ void main() { color = vec4(m.x, m.y.y, m.light.power, m.z) + last + texture(m.a,
 """
 
 
+CHOSEN = """out vec4 color;
+struct Near { sampler2D c; float g; };
+struct Material { Near n; float x; };
+uniform Material m[3];
+uniform int k;
+float near(Near n) { return textureSize(n.c, 0).x + texture(n.c, vec2(0.5)).x + n.g; }
+float whole(Material one) { return near(one.n) + one.x; }
+void main() { color = vec4(whole(m[1]) + whole(m[k])); }
+"""
+
+
 def stages(tap):
     draw(VERTEX.format("out vec2 far; out vec2 near;", "near = vec2(0.5, 0.25); far = vec2(2, 4);"),
          FRAGMENT.format("in vec2 near; in vec2 far;", "vec4(near, far)"))
@@ -125,6 +136,15 @@ def stages(tap):
         .replace("images: {", "samplers: {s: {kind: filter, filter: nearest, wrap: clamp}}\nimages: {m_a: {format: rgba8, size: [4, 4], history: true}, m_b_1: {format: rgba8, size: [4, 4], history: true}, ") +
         'values: {m_x: "float(2)", m_y: "vec3(3, 4, 5)", m_light_power: "float(6)", m_z: "float(7)", last: "float(0.5)"}\n')
     tap.result("textures in structs are textures, the rest of the struct numbers", agrees([2.5, 4.5, 6.5, 7.5]))
+    draw(near, CHOSEN, 330)
+    names = [f"m_n_c_{at}" for at in range(3)]
+    put("a.yaml", DRAW.format(files="a.frag").replace("writes: [color]", f"writes: [color], reads: [{', '.join(f'{{name: {name}, sampler: s}}' for name in names)}]")
+        .replace("images: {", "samplers: {s: {kind: filter, filter: nearest, wrap: clamp}}\nimages: {" + "".join(
+            f"{name}: {{format: rgba8, size: [{2 << at}, 2], history: true}}, " for at, name in enumerate(names))) +
+        'values: {m_n_g: "float[3](1, 2, 4)", m_x: "float[3](16, 32, 64)", k: "int(2)"}\n')
+    tap.result("... passed to functions, chosen by an index", agrees([114, 114, 114, 114]))
+    put("a.frag", "#version 330\n" + CHOSEN.replace("sampler2D c", "sampler2D c[2]").replace("n.c", "n.c[1]"))
+    tap.result("... but not in arrays of both", told("a texture is in arrays of arrays of structs"))
     draw(near, FRAGMENT.format("layout(location = 3) in vec2 near;", "near.xyxy"))
     tap.result("... or elsewhere", told("reads location 3, which the vertex stage does not write"))
 
@@ -242,6 +262,13 @@ def widths(tap):
     tap.result("... sanitized", [] if not done.returncode else [done.stdout])
     if "vk@SwiftShader" in sys.argv:
         tap.result("... of a device that has not all of them", told("missing shaderFloat16", "--backend", "gl,vk@SwiftShader"))
+    compute("#extension GL_EXT_shader_explicit_arithmetic_types : require\n#extension GL_EXT_shader_16bit_storage : require\n"
+            "layout(local_size_x = 8) in; buffer Sums { i16vec2 sums[]; };\n"
+            "void main() { uint i = gl_GlobalInvocationID.x; sums[i / 2][i % 2] = int16_t(i + 1); }\n")
+    put("a.yaml", COMPUTE.format(local=8, head="", kind="uint", file="a.comp").replace("count: 8", "count: 4"))
+    tap.result("halves of words", agrees([0x20001, 0x40003, 0x60005, 0x80007], "I"))
+    done = diptych("compare", "--spec", "a.yaml", "--sanitize=race")
+    tap.result("... are no race", [] if not done.returncode else [done.stdout])
 
 
 LOOPS = """layout(local_size_x = 8) in;
