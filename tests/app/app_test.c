@@ -3,9 +3,6 @@
 #include <fcntl.h>
 #include <math.h>
 #include <pthread.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,8 +10,7 @@
 #include <unistd.h>
 
 #include <OpenEXR/ImfCRgbaFile.h>
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "app/console/console.h"
 #include "base/files.h"
 #include "app/picture/hdr.h"
@@ -55,9 +51,8 @@ static bool parse(struct options *options, struct ear *ear, int count, const cha
     return options_parse(options, &render, count, (char **)words, &log);
 }
 
-static void options_are_read(void **state)
+TEST(options_are_read)
 {
-    (void)state;
     const char *words[] = {"--scene", "a.yaml",     "--backend=vk", "-o",  "x.png",
                            "--size",  "640x480",    "--set",        "a=1", "--set",
                            "b=x=y",   "--frames=7", "--debug"};
@@ -76,9 +71,8 @@ static void options_are_read(void **state)
     options_free(&options);
 }
 
-static void wrong_options_are_refused(void **state)
+TEST(wrong_options_are_refused)
 {
-    (void)state;
     static const struct {
         const char *words[4];
         const char *said;
@@ -115,9 +109,8 @@ static void wrong_options_are_refused(void **state)
 /* ---- Files ----------------------------------------------------------------------------------- */
 
 /* Values of xxHash's own xxhsum -H3. */
-static void hash_is_xxh3(void **state)
+TEST(hash_is_xxh3)
 {
-    (void)state;
     uint64_t hash = FILE_HASH_START;
     hash_bytes(&hash, "", 0);
     assert_true(hash == UINT64_C(0x2d06800538d394c2));
@@ -128,9 +121,8 @@ static void hash_is_xxh3(void **state)
 
 /* hash_file and hash_bytes give the same hash, also after earlier input, and for a file that takes
  * several reads. */
-static void a_file_hashes_as_its_bytes(void **state)
+TEST(a_file_hashes_as_its_bytes)
 {
-    (void)state;
     enum { SIZE = 200000 };
     static uint8_t bytes[SIZE];
     char path[] = "/tmp/diptych-XXXXXX";
@@ -149,9 +141,8 @@ static void a_file_hashes_as_its_bytes(void **state)
     assert_false(hash_file(&of_file, path));
 }
 
-static void files_appear_whole(void **state)
+TEST(files_appear_whole)
 {
-    (void)state;
     char folder[] = "/tmp/diptych-XXXXXX";
     assert_non_null(mkdtemp(folder));
     struct ear ear;
@@ -177,9 +168,8 @@ static void files_appear_whole(void **state)
 
 /* Writing follows a link into another folder, keeps the mode of a file, and writes into a pipe.
  * Users link scenes, protect files, and send --json into a pipe. */
-static void files_keep_their_place(void **state)
+TEST(files_keep_their_place)
 {
-    (void)state;
     char folder[] = "/tmp/diptych-XXXXXX", got[8] = "";
     assert_non_null(mkdtemp(folder));
     char *file = format_string("%s/file", folder), *link = format_string("%s/link", folder);
@@ -211,9 +201,8 @@ static void files_keep_their_place(void **state)
     free(file);
 }
 
-static void drafts_become_files_whole(void **state)
+TEST(drafts_become_files_whole)
 {
-    (void)state;
     char folder[] = "/tmp/diptych-XXXXXX";
     assert_non_null(mkdtemp(folder));
     struct ear ear;
@@ -243,9 +232,8 @@ static void drafts_become_files_whole(void **state)
 
 /* ---- Numbers --------------------------------------------------------------------------------- */
 
-static void medians_leave_out_gaps(void **state)
+TEST(medians_leave_out_gaps)
 {
-    (void)state;
     static const double odd[] = {5, 1, 3}, even[] = {4, 1, 3, 2}, gaps[] = {NAN, NAN},
                         table[] = {7, 100, NAN, 200, 9, 300, 8, 400};
     assert_float_equal(median_of(odd, 3, 1), 3, 0);
@@ -256,9 +244,8 @@ static void medians_leave_out_gaps(void **state)
 }
 
 /* Letters before the bits are channels; packed formats have bits behind each letter. */
-static void formats_are_what_their_names_say(void **state)
+TEST(formats_are_what_their_names_say)
 {
-    (void)state;
     for (int i = 0; i < DT_FORMAT_COUNT; i++) {
         const struct format_info *info = format_info((enum dt_format)i);
         size_t letters = strspn(info->name, "rgbad");
@@ -279,9 +266,8 @@ static void formats_are_what_their_names_say(void **state)
     }
 }
 
-static void halves_are_ieee(void **state)
+TEST(halves_are_ieee)
 {
-    (void)state;
     static const struct {
         uint16_t bits;
         double value;
@@ -334,9 +320,8 @@ static void halves_are_ieee(void **state)
 }
 
 /* A number is stored as the nearest half or code. A tie goes to the even half. */
-static void numbers_are_stored_to_the_nearest(void **state)
+TEST(numbers_are_stored_to_the_nearest)
 {
-    (void)state;
     uint16_t stored;
     uint8_t code;
     for (uint32_t bits = 0; bits < 0x7bff; bits++) {
@@ -359,9 +344,8 @@ static void numbers_are_stored_to_the_nearest(void **state)
     assert_false(number_store(NUMBER_UNORM8, -0.0001, &code));
 }
 
-static void components_are_named(void **state)
+TEST(components_are_named)
 {
-    (void)state;
     static const struct dt_field fields[] = {{"flux", DT_TYPE_VEC3, 0, 0, 0},
                                              {"cluster", DT_TYPE_UINT, 12, 0, 0},
                                              {"table", DT_TYPE_VEC2, 16, 2, 8}};
@@ -379,9 +363,8 @@ static void components_are_named(void **state)
 
 /* ---- Live parameters ------------------------------------------------------------------------- */
 
-static void live_parameters_are_checked(void **state)
+TEST(live_parameters_are_checked)
 {
-    (void)state;
     static const struct dt_param params[] = {
         {.name = "bounces", .type = DT_TYPE_UINT, .live = true, .offset = 4, .min = 0, .max = 2},
         {.name = "tint", .type = DT_TYPE_VEC2, .live = true, .offset = 8, .min = -1, .max = 1},
@@ -418,9 +401,8 @@ static void live_parameters_are_checked(void **state)
 /* ---- Pictures -------------------------------------------------------------------------------- */
 
 /* Every texel of a layered image has its own place in the sheet, which leads back to it. */
-static void places_lead_to_texels(void **state)
+TEST(places_lead_to_texels)
 {
-    (void)state;
     static const uint32_t extent[3] = {3, 2, 5}; /* a sheet of 3 x 2 layers */
     bool seen[9 * 4] = {false};
     for (uint64_t texel = 0; texel < 30; texel++) {
@@ -438,9 +420,8 @@ static void places_lead_to_texels(void **state)
 }
 
 /* A range makes its ends black and white, whatever the channel; NaN stays magenta in false colour. */
-static void looks_have_ranges(void **state)
+TEST(looks_have_ranges)
 {
-    (void)state;
     const struct dt_resource resource = {
         .name = "r", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA32F, .mips = 1};
     float texels[3][4] = {{0, 0, 0, 10}, {0, 0, 0, 30}, {0, 0, 0, 20}};
@@ -463,9 +444,8 @@ static void looks_have_ranges(void **state)
     picture_free(&picture);
 }
 
-static void pictures_are_upright(void **state)
+TEST(pictures_are_upright)
 {
-    (void)state;
     uint8_t texels[2][2][4] = {{{1, 2, 3, 4}, {5, 6, 7, 8}}, {{9, 10, 11, 12}, {13, 14, 15, 16}}};
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
     const struct dt_bytes bytes = {.data = &texels[0][0][0], .size = 16, .extent = {2, 2, 1}};
@@ -479,9 +459,8 @@ static void pictures_are_upright(void **state)
     picture_free(&picture);
 }
 
-static void normals_become_colours(void **state)
+TEST(normals_become_colours)
 {
-    (void)state;
     float texels[2][4] = {{-1, 0, 1, 0}, {NAN, 0, 0, 0}};
     const struct dt_resource resource = {
         .name = "n", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA32F};
@@ -496,9 +475,8 @@ static void normals_become_colours(void **state)
     picture_free(&picture);
 }
 
-static void layers_make_a_sheet(void **state)
+TEST(layers_make_a_sheet)
 {
-    (void)state;
     float texels[5] = {1, 2, 3, 4, 5};
     const struct dt_resource resource = {
         .name = "l", .kind = DT_IMAGE, .format = DT_FORMAT_R32F, .layered = true};
@@ -520,9 +498,8 @@ static void layers_make_a_sheet(void **state)
 
 /* ---- Dumps ----------------------------------------------------------------------------------- */
 
-static void dumps_replace_only_dumps(void **state)
+TEST(dumps_replace_only_dumps)
 {
-    (void)state;
     static const uint16_t writes[] = {0};
     static const struct dt_resource resource = {
         .name = "r", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
@@ -559,9 +536,8 @@ static void dumps_replace_only_dumps(void **state)
     free(place);
 }
 
-static void mips_hold_something_once_written(void **state)
+TEST(mips_hold_something_once_written)
 {
-    (void)state;
     static const uint16_t first[] = {0, 1}, second[] = {0}, before[] = {2};
     static const uint16_t mips_1_and_2[] = {2 | 4};
     static const struct dt_resource resources[] = {
@@ -601,9 +577,8 @@ static void *speak(void *user)
     return NULL;
 }
 
-static void threads_capture_beside_each_other(void **state)
+TEST(threads_capture_beside_each_other)
 {
-    (void)state;
     struct console console;
     pthread_barrier_t meeting;
     pthread_t thread;
@@ -628,9 +603,8 @@ static void threads_capture_beside_each_other(void **state)
 
 /* ---- Pictures of light ----------------------------------------------------------------------- */
 
-static void light_survives_the_round_trip(void **state)
+TEST(light_survives_the_round_trip)
 {
-    (void)state;
     struct ear ear = {"", 0};
     const struct dt_log log = {hear, &ear};
     enum { WIDTH = 5, HEIGHT = 3, MOST = 4096 };
@@ -673,9 +647,8 @@ static void light_survives_the_round_trip(void **state)
 }
 
 /* Half floats with alpha in a window that does not start at zero, and grey, which OpenImageIO reads. */
-static void light_of_other_programs_is_read(void **state)
+TEST(light_of_other_programs_is_read)
 {
-    (void)state;
     struct ear ear = {"", 0};
     const struct dt_log log = {hear, &ear};
     enum { WIDTH = 2, HEIGHT = 2, X = 10, Y = -7 };
@@ -720,32 +693,4 @@ static void light_of_other_programs_is_read(void **state)
     assert_int_equal(ear.errors, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(options_are_read),
-        cmocka_unit_test(wrong_options_are_refused),
-        cmocka_unit_test(hash_is_xxh3),
-        cmocka_unit_test(a_file_hashes_as_its_bytes),
-        cmocka_unit_test(files_appear_whole),
-        cmocka_unit_test(files_keep_their_place),
-        cmocka_unit_test(drafts_become_files_whole),
-        cmocka_unit_test(medians_leave_out_gaps),
-        cmocka_unit_test(formats_are_what_their_names_say),
-        cmocka_unit_test(halves_are_ieee),
-        cmocka_unit_test(numbers_are_stored_to_the_nearest),
-        cmocka_unit_test(components_are_named),
-        cmocka_unit_test(live_parameters_are_checked),
-        cmocka_unit_test(pictures_are_upright),
-        cmocka_unit_test(places_lead_to_texels),
-        cmocka_unit_test(looks_have_ranges),
-        cmocka_unit_test(normals_become_colours),
-        cmocka_unit_test(layers_make_a_sheet),
-        cmocka_unit_test(dumps_replace_only_dumps),
-        cmocka_unit_test(mips_hold_something_once_written),
-        cmocka_unit_test(threads_capture_beside_each_other),
-        cmocka_unit_test(light_survives_the_round_trip),
-        cmocka_unit_test(light_of_other_programs_is_read),
-    };
-    return cmocka_run_group_tests_name("app", tests, NULL, NULL);
-}
+RUN_TESTS("app", NULL, NULL)

@@ -1,15 +1,12 @@
 /* The camera of the window: its movements, and its file after a save. Expected directions are those
  * of a right-handed room; libfyaml reads the file. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
+#include "tests/lib/unit.h"
 #include <libfyaml.h>
 
 #include "base/files.h"
@@ -24,9 +21,8 @@ static void assert_at(const float found[3], double x, double y, double z)
         assert_true(fabs(found[i] - wanted[i]) < 1e-5);
 }
 
-static void it_moves_along_its_axes(void **state)
+TEST(it_moves_along_its_axes)
 {
-    (void)state;
     struct scene_camera camera = ahead; /* looks along -z: right is +x, up +y */
     camera_move(&camera, 0.5f, 0, 0);
     assert_at(camera.eye, 1.5, 2, 3);
@@ -36,9 +32,8 @@ static void it_moves_along_its_axes(void **state)
     assert_at(camera.target, 1.5, 2.25, -3);
 }
 
-static void it_turns_about_its_eye(void **state)
+TEST(it_turns_about_its_eye)
 {
-    (void)state;
     struct scene_camera camera = ahead;
     camera_turn(&camera, (float)M_PI / 2, 0);
     assert_at(camera.eye, 1, 2, 3);
@@ -47,9 +42,8 @@ static void it_turns_about_its_eye(void **state)
     assert_at(camera.target, 1, 4, 3 - 4 * cos(M_PI / 6));
 }
 
-static void it_never_tips_over(void **state)
+TEST(it_never_tips_over)
 {
-    (void)state;
     struct scene_camera camera = ahead;
     for (int i = 0; i < 50; i++)
         camera_turn(&camera, 0.01f, 0.3f);
@@ -127,9 +121,8 @@ static void check_saved(const char *before, const char *camera, const char *afte
     free(content);
 }
 
-static void nothing_else_changes(void **state)
+TEST(nothing_else_changes)
 {
-    (void)state;
     const char *flow = "{eye: [9.5, 9.5, 9.5], target: [0, 0, 9.5], fov_y: 9.5}";
     const char *block = "eye: [9.5, 9.5, 9.5]\n  target: [0, 0, 9.5]\n  fov_y: 9.5";
     check_saved("# Ein Würfel aus Glas\nmesh: a.obj\ncamera: ", flow,
@@ -139,9 +132,8 @@ static void nothing_else_changes(void **state)
     check_saved("camera: ", flow, "");
 }
 
-static void a_file_without_camera_stays(void **state)
+TEST(a_file_without_camera_stays)
 {
-    (void)state;
     static const char *const contents[] = {"mesh: a.obj\nnote: {camera: {eye: [1, 2, 3]}}\n",
                                            "mesh: camera\n", "camera: none\n",
                                            "camera: {eye: [1,\n", ""};
@@ -152,12 +144,4 @@ static void a_file_without_camera_stays(void **state)
     }
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(it_moves_along_its_axes),     cmocka_unit_test(it_turns_about_its_eye),
-        cmocka_unit_test(it_never_tips_over),          cmocka_unit_test(nothing_else_changes),
-        cmocka_unit_test(a_file_without_camera_stays),
-    };
-    return cmocka_run_group_tests_name("camera", tests, NULL, NULL);
-}
+RUN_TESTS("camera", NULL, NULL)

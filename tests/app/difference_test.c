@@ -1,15 +1,11 @@
 /* Differences under a contract, and their descriptions. Expected values come from IEEE 754 and the
  * contracts' definitions. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include <cjson/cJSON.h>
 
 #include "app/result/difference.h"
@@ -55,9 +51,8 @@ static struct difference compare(struct dt_contract contract, float left[ELEMENT
     return difference;
 }
 
-static void padding_is_nobodys(void **state)
+TEST(padding_is_nobodys)
 {
-    (void)state;
     float left[ELEMENTS][4] = {{1, 2, 3, 4}};
     float right[ELEMENTS][4] = {{1, 2, 3, NAN}};
     struct difference difference = compare(EXACT, left, right);
@@ -67,9 +62,8 @@ static void padding_is_nobodys(void **state)
     assert_told(difference_describe_worst(&difference, &resource, labels), "-");
 }
 
-static void exact_sees_the_last_bit(void **state)
+TEST(exact_sees_the_last_bit)
 {
-    (void)state;
     float left[ELEMENTS][4] = {{1, 2, 3}, {1, 1, 1}, {0, 0, 0}};
     float right[ELEMENTS][4] = {{1, 2, 3}, {1, nextafterf(1, 2), 1}, {0, 0, -0.0f}};
     struct difference difference = compare(EXACT, left, right);
@@ -86,9 +80,8 @@ static void exact_sees_the_last_bit(void **state)
                 "1.19e-07 at [1].v.y, frame 4: gl 1 (0x3f800000), vk 1.0000001 (0x3f800001)");
 }
 
-static void zeros_of_either_sign_differ_exactly(void **state)
+TEST(zeros_of_either_sign_differ_exactly)
 {
-    (void)state;
     float left[ELEMENTS][4] = {{0, 0, 0}};
     float right[ELEMENTS][4] = {{0, 0, -0.0f}};
     struct difference difference = compare(EXACT, left, right);
@@ -100,9 +93,8 @@ static void zeros_of_either_sign_differ_exactly(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_WITHIN);
 }
 
-static void denormals_count_as_zero(void **state)
+TEST(denormals_count_as_zero)
 {
-    (void)state;
     float left[ELEMENTS][4] = {{0x1p-127f, -0x1p-149f, 0}};
     float right[ELEMENTS][4] = {{0, -0.0f, 0x1p-130f}};
     float other[ELEMENTS][4] = {{0, 0x1p-149f, 0}};
@@ -115,9 +107,8 @@ static void denormals_count_as_zero(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
 }
 
-static void tolerances_are_kept(void **state)
+TEST(tolerances_are_kept)
 {
-    (void)state;
     float left[ELEMENTS][4] = {{100, 0, 0}};
     float right[ELEMENTS][4] = {{101, 0, 0}};
     float near[ELEMENTS][4] = {{nextafterf(nextafterf(100, 200), 200), 0, 0}};
@@ -145,9 +136,8 @@ static void tolerances_are_kept(void **state)
     assert_int_equal(difference_verdict(&difference), VERDICT_DIFFERS);
 }
 
-static void ulps_go_through_zero(void **state)
+TEST(ulps_go_through_zero)
 {
-    (void)state;
     float left[ELEMENTS][4] = {{0x1p-149f, 0, 0}};
     float right[ELEMENTS][4] = {{-0x1p-149f, -0.0f, 0}};
     struct difference difference = compare(TOLERANCE(ULP, 2), left, right);
@@ -156,9 +146,8 @@ static void ulps_go_through_zero(void **state)
 }
 
 /* Distances in ulp count steps of nextafterf. */
-static void histograms_count_ulps(void **state)
+TEST(histograms_count_ulps)
 {
-    (void)state;
     const float next = nextafterf(1, 2);
     float left[ELEMENTS][4] = {{1, 1, 0}, {1, 0x1p-149f, INFINITY}, {-1, 5, -3.4e38f}};
     float right[ELEMENTS][4] = {{next, nextafterf(next, 2), -0.0f}, {2, 0, 1}, {-next, 5, 3.4e38f}};
@@ -178,9 +167,8 @@ static void histograms_count_ulps(void **state)
         assert_int_equal(bins[i], expected[i]);
 }
 
-static void nan_never_passes(void **state)
+TEST(nan_never_passes)
 {
-    (void)state;
     float both[ELEMENTS][4] = {{1, NAN, INFINITY}};
     float one[ELEMENTS][4] = {{1, 0, INFINITY}};
     const struct dt_contract contracts[] = {
@@ -222,9 +210,8 @@ static struct difference compare_texels(const struct dt_resource *resource, cons
 
 /* NaN and infinity are found in every texel, also in the last, odd ones. The largest finite number
  * passes, and so do the bits of a NaN in an integer. */
-static void nan_is_found_anywhere(void **state)
+TEST(nan_is_found_anywhere)
 {
-    (void)state;
     enum { TEXELS = 7 };
     static const struct {
         enum dt_format format;
@@ -259,9 +246,8 @@ static void nan_is_found_anywhere(void **state)
 
 /* Differences of 5 codes keep the bound 5/255; those of 6 codes do not. A share of outliers counts
  * texels, in each frame. */
-static void outliers_are_counted(void **state)
+TEST(outliers_are_counted)
 {
-    (void)state;
     enum { TEXELS = 100, ALLOWED = 29 };
     uint8_t left[TEXELS][4] = {{0}}, right[TEXELS][4] = {{0}};
     const struct dt_resource resource = {
@@ -318,9 +304,8 @@ static struct difference compare_draws(enum dt_format format, const void *left, 
 }
 
 /* Layer 0 has triangle 1 on the left and 2 on the right of x = 3.5; layer 1 has one triangle. */
-static void draws_may_differ_at_edges(void **state)
+TEST(draws_may_differ_at_edges)
 {
-    (void)state;
     uint32_t left[DRAWN], right[DRAWN];
     for (int i = 0; i < DRAWN; i++)
         left[i] = i >= SIDE * SIDE ? 7 : i % SIDE < 4 ? 1 : 2;
@@ -366,9 +351,8 @@ static void draws_may_differ_at_edges(void **state)
 }
 
 /* A triangle of 5x5 texels lies on another, in one copy before it and in the other behind it. */
-static void coincident_surfaces_may_change_places(void **state)
+TEST(coincident_surfaces_may_change_places)
 {
-    (void)state;
     uint32_t numbers[2][DRAWN];
     float depths[2][DRAWN];
     const struct dt_resource resource = {.kind = DT_IMAGE, .format = DT_FORMAT_R32UI};
@@ -395,9 +379,8 @@ static void coincident_surfaces_may_change_places(void **state)
     }
 }
 
-static void of_depth_only_coverage_counts(void **state)
+TEST(of_depth_only_coverage_counts)
 {
-    (void)state;
     float left[DRAWN], right[DRAWN];
     for (int i = 0; i < DRAWN; i++)
         left[i] = i % SIDE < 4 ? 1.0f : 0.5f;
@@ -414,9 +397,8 @@ static void of_depth_only_coverage_counts(void **state)
     }
 }
 
-static void sizes_must_match(void **state)
+TEST(sizes_must_match)
 {
-    (void)state;
     static uint8_t bytes[16];
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
     const struct dt_bytes copies[2] = {{.data = bytes, .size = 16, .extent = {4, 1, 1}},
@@ -427,9 +409,8 @@ static void sizes_must_match(void **state)
     assert_told(difference_describe_worst(&difference, &resource, labels), "the sizes differ");
 }
 
-static void layers_are_named(void **state)
+TEST(layers_are_named)
 {
-    (void)state;
     uint32_t left[2 * 3 * 2] = {0}, right[2 * 3 * 2] = {0};
     right[9] = 7; /* of 2x3 texels, two layers: the second layer's fourth texel */
     const struct dt_resource resource = {
@@ -456,9 +437,8 @@ static uint16_t half_bits(double value)
 
 /* The description of every finite half has a decimal that reads back as this half. The decimal is
  * not longer than the shortest one of printf. */
-static void halves_read_back(void **state)
+TEST(halves_read_back)
 {
-    (void)state;
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R16F};
     for (uint32_t i = 0; i < 0x10000; i++) {
         const uint16_t bits = (uint16_t)i, other = bits ^ 1;
@@ -482,9 +462,8 @@ static void halves_read_back(void **state)
     }
 }
 
-static void decimals_are_short(void **state)
+TEST(decimals_are_short)
 {
-    (void)state;
     static const struct {
         float value;
         const char *told;
@@ -540,9 +519,8 @@ static struct difference compare_labels(const struct dt_resource *resource,
     return difference;
 }
 
-static void flips_are_allowed_and_listed(void **state)
+TEST(flips_are_allowed_and_listed)
 {
-    (void)state;
     static const int32_t left[LABELS] = {-1, 5, 2};
     static const int32_t right[LABELS] = {-1, 2, 6};
     static const float margins[2][LABELS][2] = {{{0, 0}, {9, 0x1p-24f}, {9, 0.25f}},
@@ -566,9 +544,8 @@ static void flips_are_allowed_and_listed(void **state)
                 "(0x3e800000), vk 0.5 (0x3f000000)\n");
 }
 
-static void flips_without_margins(void **state)
+TEST(flips_without_margins)
 {
-    (void)state;
     int32_t left[LABELS], right[LABELS];
     const struct dt_resource resource = label_buffer(LABELS, -1);
     for (int i = 0; i < LABELS; i++) {
@@ -590,9 +567,8 @@ static void flips_without_margins(void **state)
 
 /* ---- JSON ------------------------------------------------------------------------------------ */
 
-static void json_has_what_was_told(void **state)
+TEST(json_has_what_was_told)
 {
-    (void)state;
     static const int32_t left[LABELS] = {0, 5}, right[LABELS] = {0, 2};
     static const float margins[LABELS][2] = {{0, 0}, {9, 0.25f}};
     const struct dt_bytes copy = {
@@ -620,29 +596,4 @@ static void json_has_what_was_told(void **state)
     cJSON_Delete(root);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(padding_is_nobodys),
-        cmocka_unit_test(exact_sees_the_last_bit),
-        cmocka_unit_test(zeros_of_either_sign_differ_exactly),
-        cmocka_unit_test(tolerances_are_kept),
-        cmocka_unit_test(denormals_count_as_zero),
-        cmocka_unit_test(ulps_go_through_zero),
-        cmocka_unit_test(histograms_count_ulps),
-        cmocka_unit_test(nan_never_passes),
-        cmocka_unit_test(nan_is_found_anywhere),
-        cmocka_unit_test(outliers_are_counted),
-        cmocka_unit_test(draws_may_differ_at_edges),
-        cmocka_unit_test(coincident_surfaces_may_change_places),
-        cmocka_unit_test(of_depth_only_coverage_counts),
-        cmocka_unit_test(sizes_must_match),
-        cmocka_unit_test(layers_are_named),
-        cmocka_unit_test(halves_read_back),
-        cmocka_unit_test(decimals_are_short),
-        cmocka_unit_test(flips_are_allowed_and_listed),
-        cmocka_unit_test(flips_without_margins),
-        cmocka_unit_test(json_has_what_was_told),
-    };
-    return cmocka_run_group_tests_name("difference", tests, NULL, NULL);
-}
+RUN_TESTS("difference", NULL, NULL)

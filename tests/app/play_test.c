@@ -3,15 +3,11 @@
  * here with those of the generated C. It also compares its frame with the generated record, call by
  * call with arguments. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "spec/play.h"
 #include "gen/load.h"
 #include "gen/lower/members.h"
@@ -149,9 +145,8 @@ static void check_complete(const struct members *members)
             check_complete(members->list[i].rows);
 }
 
-static void members_are_complete(void **state)
+TEST(members_are_complete)
 {
-    (void)state;
     check_complete(&storage_members);
     check_complete(&sampler_members);
     check_complete(&program_members);
@@ -187,9 +182,8 @@ static void same_code(const struct dt_code *a, const struct dt_code *b)
     free(words);
 }
 
-static void tables_are_the_same(void **state)
+TEST(tables_are_the_same)
 {
-    (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
         const struct pair *pair = &pairs[i];
         same_pipelines(pair);
@@ -238,9 +232,8 @@ static void same_frame(const struct pair *pair, const uint32_t size[2], const vo
         assert_int_equal(a->jitter(a, live), b->jitter(b, live));
 }
 
-static void frames_are_the_same(void **state)
+TEST(frames_are_the_same)
 {
-    (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
         const struct pair *pair = &pairs[i];
         for (size_t s = 0; s < DT_ARRAY_COUNT(sizes); s++)
@@ -256,9 +249,8 @@ static void set_live(char *live, const struct dt_param *param, double value)
     memcpy(live + param->offset, param->type <= DT_TYPE_VEC4 ? (void *)&number : (void *)&whole, 4);
 }
 
-static void frames_are_the_same_with_other_live_parameters(void **state)
+TEST(frames_are_the_same_with_other_live_parameters)
 {
-    (void)state;
     int tried = 0;
     for (size_t i = 0; i < DT_ARRAY_COUNT(subjects); i++) {
         const struct pair *pair = &pairs[i];
@@ -300,13 +292,4 @@ static int free_pairs(void **state)
     return 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(members_are_complete),
-        cmocka_unit_test(tables_are_the_same),
-        cmocka_unit_test(frames_are_the_same),
-        cmocka_unit_test(frames_are_the_same_with_other_live_parameters),
-    };
-    return cmocka_run_group_tests(tests, open_pairs, free_pairs);
-}
+RUN_TESTS("play", open_pairs, free_pairs)

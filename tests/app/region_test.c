@@ -1,14 +1,9 @@
 /* The box around failing elements, and the one element that halving finds, against maps drawn
  * here. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "app/result/region.h"
 
 enum { WIDTH = 7, HEIGHT = 5, LAYERS = 3, TEXELS = WIDTH * HEIGHT * LAYERS };
@@ -51,9 +46,8 @@ static uint64_t place(uint32_t x, uint32_t y, uint32_t layer)
     return ((uint64_t)layer * HEIGHT + y) * WIDTH + x;
 }
 
-static void test_one_texel(void **state)
+TEST(test_one_texel)
 {
-    (void)state;
     float a[TEXELS][2] = {0}, b[TEXELS][2] = {0};
     b[place(4, 2, 1)][1] = 1e-30f;
     struct region region = find(&image, a, b, sizeof a, WIDTH, HEIGHT, LAYERS);
@@ -61,9 +55,8 @@ static void test_one_texel(void **state)
                 "1 element differs within x 4, y 2, layer 1; smallest: (4, 2, layer 1)");
 }
 
-static void test_two_texels(void **state)
+TEST(test_two_texels)
 {
-    (void)state;
     float a[TEXELS][2] = {0}, b[TEXELS][2] = {0};
     b[place(6, 0, 0)][0] = b[place(6, 0, 0)][1] = 3;
     b[place(1, 4, 2)][0] = -0.0f; /* another bit, and exact means bits */
@@ -77,9 +70,8 @@ static void test_two_texels(void **state)
     free(text);
 }
 
-static void test_random_maps(void **state)
+TEST(test_random_maps)
 {
-    (void)state;
     uint32_t random = 1;
     for (int round = 0; round < 300; round++) {
         static float a[TEXELS][2], b[TEXELS][2];
@@ -109,9 +101,8 @@ static void test_random_maps(void **state)
     }
 }
 
-static void test_buffers_and_their_padding(void **state)
+TEST(test_buffers_and_their_padding)
 {
-    (void)state;
     float a[6][4] = {0}, b[6][4] = {0};
     b[5][3] = 1; /* padding */
     struct region region = find(&buffer, a, b, sizeof a, 6, 0, 0);
@@ -126,9 +117,8 @@ static void test_buffers_and_their_padding(void **state)
     expect_text(&region, &buffer, "2 elements differ within [2..4]; smallest: [4]");
 }
 
-static void test_only_what_breaks_the_contract(void **state)
+TEST(test_only_what_breaks_the_contract)
 {
-    (void)state;
     float a[TEXELS][2] = {0}, b[TEXELS][2] = {0};
     struct dt_resource lenient = image;
     lenient.contract = (struct dt_contract){.kind = DT_CONTRACT_ABS, .tolerance = 0.1};
@@ -140,14 +130,4 @@ static void test_only_what_breaks_the_contract(void **state)
                 "1 element differs within x 3, y 3, layer 2; smallest: (3, 3, layer 2)");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_one_texel),
-        cmocka_unit_test(test_two_texels),
-        cmocka_unit_test(test_random_maps),
-        cmocka_unit_test(test_buffers_and_their_padding),
-        cmocka_unit_test(test_only_what_breaks_the_contract),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS("region", NULL, NULL)

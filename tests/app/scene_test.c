@@ -6,12 +6,7 @@
 #include "image.h"
 #include "base/log.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
+#include "tests/lib/unit.h"
 #include <png.h>
 
 #include <signal.h>
@@ -82,9 +77,8 @@ static void put(const char *name, const char *text)
 }
 
 /* The closed box of 8 vertices and 12 triangles needs 4 more vertices; winding and corners stay. */
-static void triangles_are_numbered_by_their_first_vertex(void **state)
+TEST_WITH(triangles_are_numbered_by_their_first_vertex, NULL, forget)
 {
-    (void)state;
     static const uint32_t box[36] = {0, 3, 2, 0, 2, 1, 4, 5, 6, 4, 6, 7, 0, 1, 5, 0, 5, 4,
                                      2, 3, 7, 2, 7, 6, 0, 4, 7, 0, 7, 3, 1, 2, 6, 1, 6, 5};
     uint32_t indices[36], triangles[8 + 12], copied[12];
@@ -106,9 +100,8 @@ static void triangles_are_numbered_by_their_first_vertex(void **state)
 
 /* ---- Image files ----------------------------------------------------------------------------- */
 
-static void images_survive_the_round_trip(void **state)
+TEST_WITH(images_survive_the_round_trip, NULL, forget)
 {
-    (void)state;
     uint8_t codes[5 * 3 * 4], *read_codes;
     for (int i = 0; i < 60; i++)
         codes[i] = (uint8_t)(i * 37);
@@ -123,9 +116,8 @@ static void images_survive_the_round_trip(void **state)
 }
 
 /* Grey with alpha, 8-bit; and 16-bit linear, which OpenImageIO reads. */
-static void kinds_of_png_are_read(void **state)
+TEST_WITH(kinds_of_png_are_read, NULL, forget)
 {
-    (void)state;
     const uint8_t grey[2 * 2] = {10, 200, 30, 40};
     const uint8_t spread[2 * 4] = {10, 10, 10, 200, 30, 30, 30, 40};
     const png_uint_16 deep[2 * 3] = {1, 2, 3, 40000, 50000, 65535};
@@ -163,9 +155,8 @@ static void kinds_of_png_are_read(void **state)
     assert_int_equal(heard.count[DT_ERROR], 0);
 }
 
-static void image_errors_name_the_file(void **state)
+TEST_WITH(image_errors_name_the_file, NULL, forget)
 {
-    (void)state;
     const uint8_t texel[4] = {1, 2, 3, 4};
     uint32_t width = 0, height = 0;
     uint8_t *texels;
@@ -201,9 +192,8 @@ static bool answer(FILE *result, void *user, const struct dt_log *log)
     return fprintf(result, "%s", (const char *)user) > 0;
 }
 
-static void a_child_answers_refuses_or_crashes_alone(void **state)
+TEST_WITH(a_child_answers_refuses_or_crashes_alone, NULL, forget)
 {
-    (void)state;
     char text[8] = "";
     FILE *result = child_run(answer, "all", &hearing);
     assert_non_null(result);
@@ -219,14 +209,4 @@ static void a_child_answers_refuses_or_crashes_alone(void **state)
     assert_non_null(strstr(heard.text, "odd.mtl: the library that reads this file crashed"));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(triangles_are_numbered_by_their_first_vertex, forget),
-        cmocka_unit_test_teardown(images_survive_the_round_trip, forget),
-        cmocka_unit_test_teardown(kinds_of_png_are_read, forget),
-        cmocka_unit_test_teardown(image_errors_name_the_file, forget),
-        cmocka_unit_test_teardown(a_child_answers_refuses_or_crashes_alone, forget),
-    };
-    return cmocka_run_group_tests_name("scenes", tests, make_folder, remove_folder);
-}
+RUN_TESTS("scenes", make_folder, remove_folder)

@@ -3,13 +3,7 @@
 #include "app/truth/film.h"
 #include "app/truth/sequence.h"
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,9 +13,8 @@
 /* The first 2^m points of a (0, 2)-sequence in base 2 are a net: every rectangle of 2^-a x 2^-(m-a)
  * of the grid holds exactly one (Niederreiter 1987). Owen's scrambling keeps that, and so must any
  * aligned block of 2^m. */
-static void test_sobol_points_are_nets(void **state)
+TEST(test_sobol_points_are_nets)
 {
-    (void)state;
     enum { M = 8, POINTS = 1 << M };
     for (uint32_t pair = 0; pair < 3; pair++)
         for (uint32_t block = 0; block < 3; block++) {
@@ -71,9 +64,8 @@ static double chi_squared(enum sequence_kind kind, int which)
 
 /* Compares two pairs, two pixels, and neighbouring pixels at one sample. Sobol points are more even
  * than chance along each axis, so only a sum that is too large is an error. */
-static void test_dimensions_and_pixels_are_unrelated(void **state)
+TEST(test_dimensions_and_pixels_are_unrelated)
 {
-    (void)state;
     for (int which = 0; which < 3; which++) {
         assert_true(fabs(chi_squared(SEQUENCE_RANDOM, which) - 255) < 5 * 22.6);
         assert_true(chi_squared(SEQUENCE_SOBOL, which) < 255 + 5 * 22.6);
@@ -86,9 +78,8 @@ static void keep(void *user, enum dt_level level, const char *message)
     snprintf(user, 256, "%s", message);
 }
 
-static void test_checkpoints_have_the_size_of_the_film(void **state)
+TEST(test_checkpoints_have_the_size_of_the_film)
 {
-    (void)state;
     char path[] = "/tmp/sequence_test.XXXXXX", told[256] = "";
     const struct dt_log log = {keep, told};
     struct film film, wider;
@@ -105,12 +96,4 @@ static void test_checkpoints_have_the_size_of_the_film(void **state)
     unlink(path);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sobol_points_are_nets),
-        cmocka_unit_test(test_dimensions_and_pixels_are_unrelated),
-        cmocka_unit_test(test_checkpoints_have_the_size_of_the_film),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS("sequence", NULL, NULL)

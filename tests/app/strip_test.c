@@ -3,16 +3,12 @@
  * difference. */
 #include <float.h>
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "base/files.h"
 #include "app/picture/strip.h"
 #include "scenes/image.h"
@@ -113,9 +109,8 @@ static uint32_t bright(double amplified)
     return (uint32_t)lrint(48 + (255 - 48) * sqrt(amplified));
 }
 
-static void codes_stand_side_by_side(void **state)
+TEST(codes_stand_side_by_side)
 {
-    (void)state;
     static const uint8_t left[4][4] = {{10, 20, 30, 0}, {1, 2, 3, 0}, {0}, {0}};
     static const uint8_t right[4][4] = {{10, 21, 30, 0}, {1, 2, 3, 2}, {0}, {0}};
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_RGBA8};
@@ -135,9 +130,8 @@ static void codes_stand_side_by_side(void **state)
 }
 
 /* The smallest difference beside the largest is still seen; both copies share one mapping. */
-static void no_difference_is_black(void **state)
+TEST(no_difference_is_black)
 {
-    (void)state;
     const float left[3] = {-1e6f, 1, 0.5f}, right[3] = {1e6f, 1, nextafterf(0.5f, 1)};
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
     struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){3, 1, 1});
@@ -151,9 +145,8 @@ static void no_difference_is_black(void **state)
     free(seen.texels);
 }
 
-static void worst_layer_is_shown(void **state)
+TEST(worst_layer_is_shown)
 {
-    (void)state;
     const float left[4] = {0.25f, 0.5f, 1, 1};
     float right[4] = {0.25f, 0.75f, 2, 1};
     const struct dt_resource resource = {
@@ -172,9 +165,8 @@ static void worst_layer_is_shown(void **state)
 }
 
 /* Two of 200 texels that differ may lie beyond full brightness; three may not. */
-static void outliers_do_not_hide_the_rest(void **state)
+TEST(outliers_do_not_hide_the_rest)
 {
-    (void)state;
     enum { TEXELS = 210 };
     float left[TEXELS] = {0}, right[TEXELS] = {0};
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
@@ -194,9 +186,8 @@ static void outliers_do_not_hide_the_rest(void **state)
 }
 
 /* The two ends of the floats. */
-static void extremes_are_amplified(void **state)
+TEST(extremes_are_amplified)
 {
-    (void)state;
     const float left[2] = {-FLT_MAX, 0}, right[2] = {FLT_MAX, FLT_TRUE_MIN};
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32F};
     const uint32_t extent[3] = {1, 1, 1};
@@ -209,9 +200,8 @@ static void extremes_are_amplified(void **state)
     free(seen.texels);
 }
 
-static void largest_is_framed(void **state)
+TEST(largest_is_framed)
 {
-    (void)state;
     enum { SIDE = 300 };
     static uint8_t left[SIDE][SIDE], right[SIDE][SIDE];
     right[20][100] = 9;
@@ -227,9 +217,8 @@ static void largest_is_framed(void **state)
     free(seen.texels);
 }
 
-static void labels_differ_or_not(void **state)
+TEST(labels_differ_or_not)
 {
-    (void)state;
     static const uint32_t left[2] = {3, 4}, right[2] = {3, 1000000};
     const struct dt_resource resource = {.name = "i", .kind = DT_IMAGE, .format = DT_FORMAT_R32UI};
     struct seen seen = look(&resource, left, right, sizeof left, (const uint32_t[]){2, 1, 1});
@@ -239,9 +228,8 @@ static void labels_differ_or_not(void **state)
     free(seen.texels);
 }
 
-static void large_images_keep_their_size(void **state)
+TEST(large_images_keep_their_size)
 {
-    (void)state;
     enum { WIDTH = 300, HEIGHT = 3 };
     static uint8_t left[HEIGHT][WIDTH], right[HEIGHT][WIDTH];
     right[2][299] = 255;
@@ -255,9 +243,8 @@ static void large_images_keep_their_size(void **state)
     free(seen.texels);
 }
 
-static void others_are_refused(void **state)
+TEST(others_are_refused)
 {
-    (void)state;
     static uint8_t bytes[16];
     const struct dt_bytes copies[2] = {{.data = bytes, .size = 16, .extent = {4, 1, 1}},
                                        {.data = bytes, .size = 16, .extent = {2, 2, 1}}};
@@ -275,14 +262,4 @@ static void others_are_refused(void **state)
     assert_false(file_exists(path));
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(codes_stand_side_by_side), cmocka_unit_test(no_difference_is_black),
-        cmocka_unit_test(worst_layer_is_shown),     cmocka_unit_test(outliers_do_not_hide_the_rest),
-        cmocka_unit_test(extremes_are_amplified),   cmocka_unit_test(largest_is_framed),
-        cmocka_unit_test(labels_differ_or_not),     cmocka_unit_test(large_images_keep_their_size),
-        cmocka_unit_test(others_are_refused),
-    };
-    return cmocka_run_group_tests_name("strip", tests, NULL, NULL);
-}
+RUN_TESTS("strip", NULL, NULL)

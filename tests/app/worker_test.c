@@ -2,19 +2,14 @@
  * crash, leave out a pass, write something else on every run, begin with the wrong history. The
  * test puts the fault in, so the expected result is known. */
 #include <errno.h>
-#include <setjmp.h>
 #include <signal.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "app/spec/inputs.h"
 #include "app/compare/blame.h"
 
@@ -429,7 +424,7 @@ static void assert_childless(void)
 
 /* ---- Workers ------------------------------------------------------------------------------------ */
 
-static void workers_go_from_stop_to_stop(void **state)
+TEST_WITH(workers_go_from_stop_to_stop, set_up, tear_down)
 {
     struct bench *bench = *state;
     struct worker_info info = info_of(bench, 0);
@@ -467,7 +462,7 @@ static void workers_go_from_stop_to_stop(void **state)
     assert_childless();
 }
 
-static void earlier_frames_run_without_a_stop(void **state)
+TEST_WITH(earlier_frames_run_without_a_stop, set_up, tear_down)
 {
     struct bench *bench = *state;
     struct worker_info info = info_of(bench, 1);
@@ -503,7 +498,7 @@ static void run_out(struct worker *worker, const struct worker_info *info)
     worker_close(worker);
 }
 
-static void what_happened_to_a_worker_is_told_once(void **state)
+TEST_WITH(what_happened_to_a_worker_is_told_once, set_up, tear_down)
 {
     struct bench *bench = *state;
     static const struct {
@@ -536,7 +531,7 @@ static void what_happened_to_a_worker_is_told_once(void **state)
     }
 }
 
-static void a_crash_before_the_observed_frame_is_told(void **state)
+TEST_WITH(a_crash_before_the_observed_frame_is_told, set_up, tear_down)
 {
     struct bench *bench = *state;
     struct worker_info info = info_of(bench, 0);
@@ -548,7 +543,7 @@ static void a_crash_before_the_observed_frame_is_told(void **state)
     assert_int_equal(bench->errors, 1);
 }
 
-static void a_refused_read_is_an_error(void **state)
+TEST_WITH(a_refused_read_is_an_error, set_up, tear_down)
 {
     struct bench *bench = *state;
     const struct worker_info info = info_of(bench, 1);
@@ -564,7 +559,7 @@ static void a_refused_read_is_an_error(void **state)
     assert_childless();
 }
 
-static void a_pass_that_was_left_out_is_an_error(void **state)
+TEST_WITH(a_pass_that_was_left_out_is_an_error, set_up, tear_down)
 {
     struct bench *bench = *state;
     const struct worker_info info = info_of(bench, 0);
@@ -583,7 +578,7 @@ static void a_pass_that_was_left_out_is_an_error(void **state)
 
 /* ---- Blame ------------------------------------------------------------------------------------ */
 
-static void rows_know_where_inputs_come_from(void **state)
+TEST_WITH(rows_know_where_inputs_come_from, set_up, tear_down)
 {
     const struct bench *bench = *state;
     const struct rows *rows = &bench->rows;
@@ -670,7 +665,7 @@ static const struct case_of_blame {
      .side = 1,
      .inputs = {false, false, true}}};
 
-static void blame_is_found(void **state)
+TEST_WITH(blame_is_found, set_up, tear_down)
 {
     struct bench *bench = *state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(blames); i++) {
@@ -718,7 +713,7 @@ static void blame_is_found(void **state)
     }
 }
 
-static void a_crash_in_the_second_run_is_an_error(void **state)
+TEST_WITH(a_crash_in_the_second_run_is_an_error, set_up, tear_down)
 {
     struct bench *bench = *state;
     struct blame blame;
@@ -736,9 +731,8 @@ static void a_crash_in_the_second_run_is_an_error(void **state)
     assert_childless();
 }
 
-static void fingerprints_see_every_number_and_no_padding(void **state)
+TEST_WITH(fingerprints_see_every_number_and_no_padding, set_up, tear_down)
 {
-    (void)state;
     static const struct dt_field vector[] = {{"v", DT_TYPE_VEC3, 0, 0, 0}};
     const struct dt_resource resource = {
         .kind = DT_BUFFER, .fields = vector, .field_count = 1, .stride = 16};
@@ -756,21 +750,4 @@ static void fingerprints_see_every_number_and_no_padding(void **state)
     }
 }
 
-#define WORKER_TEST(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
-
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        WORKER_TEST(workers_go_from_stop_to_stop),
-        WORKER_TEST(earlier_frames_run_without_a_stop),
-        WORKER_TEST(what_happened_to_a_worker_is_told_once),
-        WORKER_TEST(a_crash_before_the_observed_frame_is_told),
-        WORKER_TEST(a_refused_read_is_an_error),
-        WORKER_TEST(a_pass_that_was_left_out_is_an_error),
-        WORKER_TEST(rows_know_where_inputs_come_from),
-        WORKER_TEST(blame_is_found),
-        WORKER_TEST(a_crash_in_the_second_run_is_an_error),
-        WORKER_TEST(fingerprints_see_every_number_and_no_padding),
-    };
-    return cmocka_run_group_tests_name("worker", tests, NULL, NULL);
-}
+RUN_TESTS("worker", NULL, NULL)

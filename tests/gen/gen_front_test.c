@@ -1,11 +1,7 @@
 /* The front half of diptych-gen below the command line: expressions (values, overflow, text),
  * suggestions, growing text, passes that are off for good, and outputs that appear whole or not at
  * all. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
-#include <cmocka.h>
+#include "tests/lib/unit.h"
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -69,7 +65,7 @@ static int64_t value_of(struct fixture *f, const char *text)
     return value;
 }
 
-static void values(void **state)
+TEST_WITH(values, setup, teardown)
 {
     struct fixture *f = *state;
     assert_int_equal(value_of(f, "2 + 3 * 4"), 14);
@@ -92,7 +88,7 @@ static void values(void **state)
     assert_int_equal(diag_error_count(f->diag), 0);
 }
 
-static void faults(void **state)
+TEST_WITH(faults, setup, teardown)
 {
     static const struct {
         const char *text;
@@ -119,7 +115,7 @@ static void faults(void **state)
     }
 }
 
-static void refusals(void **state)
+TEST_WITH(refusals, setup, teardown)
 {
     static const char *const cases[] = {
         "",    "1 +",    "(1",     "1 2",         "x",
@@ -138,7 +134,7 @@ static void refusals(void **state)
     assert_null(parse(f, deep));
 }
 
-static void reach_and_text(void **state)
+TEST_WITH(reach_and_text, setup, teardown)
 {
     static const struct {
         const char *text;
@@ -176,7 +172,7 @@ static void reach_and_text(void **state)
     }
 }
 
-static void conditions_in_c(void **state)
+TEST_WITH(conditions_in_c, setup, teardown)
 {
     static const struct {
         const char *text, *c;
@@ -201,9 +197,8 @@ static void conditions_in_c(void **state)
     }
 }
 
-static void nearest(void **state)
+TEST(nearest)
 {
-    (void)state;
     static const char *const words[] = {"clusters", "bounces", "tile", "x"};
     assert_string_equal(nearest_name("clutsers", words, 4), "clusters");
     assert_string_equal(nearest_name("Tile", words, 4), "tile");
@@ -213,9 +208,8 @@ static void nearest(void **state)
     assert_null(nearest_name("anything", words, 0));
 }
 
-static void growing_text(void **state)
+TEST(growing_text)
 {
-    (void)state;
     struct text text = {0};
     for (int i = 0; i < 1000; i++)
         text_add(&text, "%03d,", i);
@@ -260,7 +254,7 @@ static void kept_passes(const char *spec, char kept[256])
 /* A skipped pass clears the resources that it would write. A pass that is always skipped is left
  * out. It stays where a remaining pass reads these clear values and no other pass writes them. The
  * reader may be an always skipped pass that stays for the same reason. */
-static void off_for_good(void **state)
+TEST(off_for_good)
 {
     static const char head[] = "pipeline: off\n"
                                "params: {on: 0, live_on: {value: 0, live: true}}\n"
@@ -356,9 +350,8 @@ static int entries(const char *dir)
     return count;
 }
 
-static void outputs(void **state)
+TEST(outputs)
 {
-    (void)state;
     char dir[] = "/tmp/gen_front_XXXXXX", path[256];
     assert_non_null(mkdtemp(dir));
     assert_true(commit(dir, "1", "sub/second", "2"));
@@ -395,18 +388,4 @@ static void outputs(void **state)
     assert_int_equal(system(command), 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(values, setup, teardown),
-        cmocka_unit_test_setup_teardown(faults, setup, teardown),
-        cmocka_unit_test_setup_teardown(refusals, setup, teardown),
-        cmocka_unit_test_setup_teardown(reach_and_text, setup, teardown),
-        cmocka_unit_test_setup_teardown(conditions_in_c, setup, teardown),
-        cmocka_unit_test(nearest),
-        cmocka_unit_test(growing_text),
-        cmocka_unit_test(off_for_good),
-        cmocka_unit_test(outputs),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS("gen_front", NULL, NULL)

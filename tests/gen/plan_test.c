@@ -1,16 +1,11 @@
 /* The plan's rules: std430 and std140 offsets by the OpenGL specification, the order of passes, bindings, ranges, barriers and
  * lifetimes. A case is a small spec and lines that its plan must hold, as print_plan() writes them. Run by ninja test. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "base/text.h"
 #include "check/check.h"
 #include "plan/plan.h"
@@ -434,9 +429,8 @@ static const struct {
 
 /* OpenGL 4.6, 7.6.2.2: vec3 aligns to 16 but takes 12 bytes, arrays of vec3 stride by 16, arrays of
  * float by 4. */
-static void test_std430(void **state)
+TEST(test_std430)
 {
-    (void)state;
     static const uint32_t offsets[] = {0, 16, 28, 32, 40, 64, 96, 160};
     struct planned *planned = open_spec("structs: {S: {a: float, b: vec3, c: uint, d: vec2, e: "
                                         "\"float[3]\", f: \"vec3[2]\", g: mat4, h: int}}\n"
@@ -452,9 +446,8 @@ static void test_std430(void **state)
     close_spec(planned);
 }
 
-static void test_cases(void **state)
+TEST(test_cases)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         print_message("# %s\n", cases[i].name);
         struct planned *planned = open_spec(cases[i].resources, cases[i].passes);
@@ -465,9 +458,8 @@ static void test_cases(void **state)
     }
 }
 
-static void test_std140_live(void **state)
+TEST(test_std140_live)
 {
-    (void)state;
     static const uint32_t offsets[] = {0, 8, 16, 28, 32, 48, 56};
     struct planned *planned =
         open_spec("params: {a: {value: true, live: true}, b: {value: [1, 2], live: true},\n"
@@ -583,9 +575,8 @@ static const struct {
              "p: local 8 x 8"},
 };
 
-static void test_ranges(void **state)
+TEST(test_ranges)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof range_cases / sizeof *range_cases; i++) {
         struct text resources = {0}, passes = {0};
         print_message("# %s\n", range_cases[i].name);
@@ -611,9 +602,8 @@ static void test_ranges(void **state)
 }
 
 /* 4096 vec4 fill the 64 KiB of a uniform block on software drivers; std140 would pad a uint array. */
-static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
+TEST(test_draws_read_small_buffers_as_uniform_blocks)
 {
-    (void)state;
     for (int gpu = 0; gpu < 2; gpu++) {
         struct planned *planned = open_spec(
             "buffers: {fits: {of: vec4, count: 4096}, large: {of: vec4, count: 4097}, uints: {of: "
@@ -636,9 +626,8 @@ static void test_draws_read_small_buffers_as_uniform_blocks(void **state)
 
 /* Every device has twelve uniform blocks: nine for buffers, and one each for materials, frame and live parameters. Ranges
  * that the plan reads in place are among the nine. */
-static void test_uniform_blocks_are_few(void **state)
+TEST(test_uniform_blocks_are_few)
 {
-    (void)state;
     for (int ranged = 0; ranged < 2; ranged++) {
         struct text resources = {0}, passes = {0};
         uint32_t blocks = 0;
@@ -687,15 +676,4 @@ static int tear_down(void **state)
     return rmdir(folder);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_std430),
-        cmocka_unit_test(test_std140_live),
-        cmocka_unit_test(test_ranges),
-        cmocka_unit_test(test_draws_read_small_buffers_as_uniform_blocks),
-        cmocka_unit_test(test_uniform_blocks_are_few),
-        cmocka_unit_test(test_cases),
-    };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
-}
+RUN_TESTS("plan", set_up, tear_down)

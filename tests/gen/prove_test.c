@@ -1,14 +1,10 @@
 /* Findings of the proof in single statements, compiled as they stand: one row for each open
  * operation in the tables of gen/spirv/prove.c. prove_test.sh has the exact operations. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "base/files.h"
 #include "glsl/glslang.h"
 #include "glsl/shader.h"
@@ -160,18 +156,16 @@ static void prove_functions(const char *shader, enum stage stage, const struct f
     }
 }
 
-static void test_compute(void **state)
+TEST(test_compute)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof in_compute / sizeof *in_compute; i++)
         prove(compute, STAGE_IS_COMPUTE, &in_compute[i]);
     for (size_t i = 0; i < sizeof functions / sizeof *functions; i++)
         prove_functions(compute, STAGE_IS_COMPUTE, &functions[i]);
 }
 
-static void test_fragment(void **state)
+TEST(test_fragment)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof in_fragment / sizeof *in_fragment; i++)
         prove(fragment, STAGE_IS_FRAGMENT, &in_fragment[i]);
     prove_functions(fragment, STAGE_IS_FRAGMENT, &fragment_functions);
@@ -184,7 +178,7 @@ static void take_library(void *user, const struct open_operation *operation)
 }
 
 /* All functions of the library of exact passes as they join a shader, also those that no shader of ours calls. */
-static void test_library(void **state)
+TEST(test_library)
 {
     static const char *const paths[] = {"templates/glsl/exact.glsl", "templates/glsl/values.glsl"};
     struct text text = {0};
@@ -215,11 +209,6 @@ static void test_library(void **state)
 
 int main(void)
 {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_compute),
-        cmocka_unit_test(test_fragment),
-        cmocka_unit_test(test_library),
-    };
     glslang_start(false);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    return unit_run("prove", NULL, NULL);
 }

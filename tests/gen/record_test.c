@@ -1,14 +1,10 @@
 /* Frames of generated pipelines, seen by a table of verbs that takes notes: the order of calls, the
  * resources and layouts of barriers, and the clears of passes that are switched off. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "features.h"
 #include "layouts.h"
 #include "recorder.h"
@@ -248,18 +244,16 @@ static uint64_t check_panel(const struct dt_panel *panel, const uint32_t size[2]
 
 /* ---- Tests ----------------------------------------------------------------------------------- */
 
-static void passes_follow_the_order_of_calls(void **state)
+TEST(passes_follow_the_order_of_calls)
 {
-    (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(panels); i++)
         for (size_t k = 0; k < DT_ARRAY_COUNT(sizes); k++)
             check_panel(panels[i], sizes[k], NULL);
 }
 
 /* Every switch off and on, one at a time. */
-static void passes_that_are_off_clear(void **state)
+TEST(passes_that_are_off_clear)
 {
-    (void)state;
     uint32_t offs = 0;
     for (size_t i = 0; i < DT_ARRAY_COUNT(panels); i++) {
         const struct dt_pipeline *pipeline = panels[i]->pipeline;
@@ -281,9 +275,8 @@ static void passes_that_are_off_clear(void **state)
 }
 
 /* After a failed verb the record calls no other. */
-static void nothing_is_called_after_a_failure(void **state)
+TEST(nothing_is_called_after_a_failure)
 {
-    (void)state;
     for (size_t i = 0; i < DT_ARRAY_COUNT(panels); i++) {
         struct recorder recorder = {0};
         assert_true(recorder_run(&recorder, panels[i], 64, 48, NULL));
@@ -297,9 +290,8 @@ static void nothing_is_called_after_a_failure(void **state)
 }
 
 /* The notes can tell pipelines and frames apart. */
-static void notes_differ_where_calls_do(void **state)
+TEST(notes_differ_where_calls_do)
 {
-    (void)state;
     struct recorder a = {0}, b = {0};
     char line[256];
     assert_true(recorder_run(&a, &features_panel, 64, 48, NULL));
@@ -321,13 +313,4 @@ static void notes_differ_where_calls_do(void **state)
     recorder_free(&b);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(passes_follow_the_order_of_calls),
-        cmocka_unit_test(passes_that_are_off_clear),
-        cmocka_unit_test(nothing_is_called_after_a_failure),
-        cmocka_unit_test(notes_differ_where_calls_do),
-    };
-    return cmocka_run_group_tests_name("record", tests, NULL, NULL);
-}
+RUN_TESTS("record", NULL, NULL)

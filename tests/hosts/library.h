@@ -3,13 +3,9 @@
  * right call after it succeeds. */
 #pragma once
 
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "tests/lib/unit.h"
 
 #include "features.h"
 #include "outside.h"

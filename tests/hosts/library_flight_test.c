@@ -118,9 +118,8 @@ static void paint_between(bool clears, VkDeviceSize offset)
     copy_image(outside.commands, picture.image, picture.layout, offset);
 }
 
-static void vulkan_records_parts(void **state)
+TEST_WITH(vulkan_records_parts, NULL, is_silent)
 {
-    (void)state;
     enum { FIRST = GEOMETRY_BYTES / 2, SECOND = FIRST + 4 * WIDTH * HEIGHT };
     outside.rt = open_vk_runtime(vk_host(), NULL);
     REFUSED(vulkan_records_passes(0, 1), "record_passes: call resize first");
@@ -147,9 +146,8 @@ static void vulkan_records_parts(void **state)
 
 /* Each frame in flight has its own live parameters, as a buffer of the host shows, and its own
  * times. A frame waits only for the frame before the last. */
-static void vulkan_tells_frames_in_flight_apart(void **state)
+TEST_WITH(vulkan_tells_frames_in_flight_apart, NULL, is_silent)
 {
-    (void)state;
     enum { SEEN = GEOMETRY_BYTES / 4, COPIES = GEOMETRY_BYTES / 2 };
     struct dt_vk_host host = vk_host();
     double ms[LAYOUTS_PASSES];
@@ -223,9 +221,8 @@ static void copy_around(const struct dt_vk_sync *sync)
 
 /* Validation sees the runtime's barriers and no others. It reports a hazard if `sync` lacks some of
  * the host's work. */
-static void vulkan_waits_only_for_what_the_host_does(void **state)
+TEST_WITH(vulkan_waits_only_for_what_the_host_does, NULL, is_silent)
 {
-    (void)state;
     const struct dt_vk_sync copies = {
         VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_COPY_BIT,
         VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
@@ -277,9 +274,8 @@ static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned
 
 /* Validation is silent with all barriers. It reports a hazard without the last barrier before the
  * host's command, or without the first one after it. */
-static void vulkan_waits_at_seams(void **state)
+TEST_WITH(vulkan_waits_at_seams, NULL, is_silent)
 {
-    (void)state;
     const struct dt_vk_sync clears = {VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
                                       VK_PIPELINE_STAGE_2_CLEAR_BIT,
                                       VK_ACCESS_2_TRANSFER_WRITE_BIT};
@@ -297,9 +293,8 @@ static void vulkan_waits_at_seams(void **state)
 
 /* A buffer and an image that another queue family owns. EXTERNAL is such a family on every
  * device. */
-static void vulkan_exchanges_imports(void **state)
+TEST_WITH(vulkan_exchanges_imports, NULL, is_silent)
 {
-    (void)state;
     const uint32_t external = VK_QUEUE_FAMILY_EXTERNAL;
     const struct dt_vk_range weights = {geometry.handle, GEOMETRY_BYTES / 4, sizeof graded_alone};
     const struct own_image output =
@@ -382,9 +377,8 @@ static void run_in_flight(const struct dt_shaders *shaders)
     destroy_image(&other_output);
 }
 
-static void vulkan_keeps_frames_in_flight_apart(void **state)
+TEST_WITH(vulkan_keeps_frames_in_flight_apart, NULL, is_silent)
 {
-    (void)state;
     run_in_flight(&features_vk);
 }
 
@@ -414,9 +408,8 @@ static bool record_without_stages(const struct dt_recording *r)
     return features_panel.record(&changed);
 }
 
-static void vulkan_hears_first_uses_that_do_not_wait(void **state)
+TEST_WITH(vulkan_hears_first_uses_that_do_not_wait, NULL, is_silent)
 {
-    (void)state;
     struct dt_panel panel = features_panel;
     const struct dt_shaders hasty = {"vk", &panel, features_vk.stages};
     panel.record = record_without_stages;
@@ -427,16 +420,4 @@ static void vulkan_hears_first_uses_that_do_not_wait(void **state)
     heard.validation = 0;
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(vulkan_keeps_frames_in_flight_apart, is_silent),
-        cmocka_unit_test_teardown(vulkan_records_parts, is_silent),
-        cmocka_unit_test_teardown(vulkan_waits_only_for_what_the_host_does, is_silent),
-        cmocka_unit_test_teardown(vulkan_waits_at_seams, is_silent),
-        cmocka_unit_test_teardown(vulkan_exchanges_imports, is_silent),
-        cmocka_unit_test_teardown(vulkan_tells_frames_in_flight_apart, is_silent),
-        cmocka_unit_test_teardown(vulkan_hears_first_uses_that_do_not_wait, is_silent),
-    };
-    return cmocka_run_group_tests_name("in flight", tests, open_vulkan_for_flight, close_vulkan);
-}
+RUN_TESTS("in flight", open_vulkan_for_flight, close_vulkan)

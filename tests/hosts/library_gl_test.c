@@ -73,9 +73,8 @@ static GLuint texture_of(GLenum format, GLsizei width)
     return texture;
 }
 
-static void opengl_tells_wrong_calls(void **state)
+TEST_WITH(opengl_tells_wrong_calls, NULL, is_without_error)
 {
-    (void)state;
     const struct dt_gl_scene right = gl_scene();
     struct dt_gl_scene scene = right;
     struct dt_frame frame = frame_of(0);
@@ -149,9 +148,8 @@ static void opengl_tells_wrong_calls(void **state)
     dt_gl_close(NULL);
 }
 
-static void opengl_tells_errors_that_were_there(void **state)
+TEST_WITH(opengl_tells_errors_that_were_there, NULL, is_without_error)
 {
-    (void)state;
     glEnable(GL_RGBA8); /* no capability: GL_INVALID_ENUM */
     heard.warnings = heard.errors = 0;
     struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), NULL);
@@ -161,9 +159,8 @@ static void opengl_tells_errors_that_were_there(void **state)
     dt_gl_close(rt);
 }
 
-static void opengl_needs_no_scene_that_nobody_sees(void **state)
+TEST_WITH(opengl_needs_no_scene_that_nobody_sees, NULL, is_without_error)
 {
-    (void)state;
     struct dt_frame frame = frame_of(0);
     struct dt_gl_runtime *rt = open_gl_runtime(gl_host(), &layouts_gl);
     assert_true(dt_gl_record(rt, &frame, NULL));
@@ -183,9 +180,8 @@ static void opengl_draw(const struct dt_gl_scene *scene, uint8_t trail[TRAIL_BYT
     dt_gl_close(rt);
 }
 
-static void opengl_draws_vertices_of_another_layout(void **state)
+TEST_WITH(opengl_draws_vertices_of_another_layout, NULL, is_without_error)
 {
-    (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
     for (int turned = 0; turned < 2; turned++) {
         lay_out(geometry, (float)turned);
@@ -202,9 +198,8 @@ static void opengl_draws_vertices_of_another_layout(void **state)
     }
 }
 
-static void opengl_shares_programs(void **state)
+TEST_WITH(opengl_shares_programs, NULL, is_without_error)
 {
-    (void)state;
     const struct dt_gl_host host = {.log = test_log, .get_proc_address = eglGetProcAddress};
     const struct dt_gl_host text = {
         .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true};
@@ -257,9 +252,8 @@ static bool opengl_records_passes(uint32_t first, uint32_t end)
     return dt_gl_record_passes(outside_gl_runtime, first ? NULL : &frame, NULL, first, end);
 }
 
-static void opengl_records_parts(void **state)
+TEST_WITH(opengl_records_parts, NULL, is_without_error)
 {
-    (void)state;
     const float one[4] = {1, 1, 1, 1};
     struct dt_gl_resource blurred = {0}, picture;
     struct dt_gl_runtime *rt = outside_gl_runtime = open_gl_runtime(gl_host(), &outside_gl);
@@ -306,15 +300,13 @@ static void take_inputs(bool glsl)
     dt_gl_close(rt);
 }
 
-static void opengl_takes_inputs(void **state)
+TEST_WITH(opengl_takes_inputs, NULL, is_without_error)
 {
-    (void)state;
     take_inputs(false);
 }
 
-static void opengl_takes_text(void **state)
+TEST_WITH(opengl_takes_text, NULL, is_without_error)
 {
-    (void)state;
     take_inputs(true);
 }
 
@@ -346,9 +338,8 @@ static int links_with(struct dt_bytes cache)
     return links;
 }
 
-static void opengl_takes_and_gives_a_cache(void **state)
+TEST_WITH(opengl_takes_and_gives_a_cache, NULL, is_without_error)
 {
-    (void)state;
     struct dt_bytes cache;
     for (int text = 0; text < 2; text++) {
         struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
@@ -373,9 +364,8 @@ static void opengl_takes_and_gives_a_cache(void **state)
     free(cache.data);
 }
 
-static void opengl_takes_buffers_and_describes_all(void **state)
+TEST_WITH(opengl_takes_buffers_and_describes_all, NULL, is_without_error)
 {
-    (void)state;
     struct dt_gl_range weights = {.offset = 1024, .size = 16};
     struct dt_gl_resource found;
     glCreateBuffers(1, &weights.buffer);
@@ -403,9 +393,8 @@ static void opengl_takes_buffers_and_describes_all(void **state)
     dt_gl_close(rt);
 }
 
-static void opengl_takes_3d_images_and_cubes(void **state)
+TEST_WITH(opengl_takes_3d_images_and_cubes, NULL, is_without_error)
 {
-    (void)state;
     struct dt_frame frame = frame_of(0);
     uint16_t texel[4];
     GLuint fog, sky, probes, flat = texture_of(GL_RGBA16F, 8);
@@ -429,9 +418,8 @@ static void opengl_takes_3d_images_and_cubes(void **state)
 }
 
 /* If the host has bound a query buffer, OpenGL would write the times into this buffer. */
-static void opengl_takes_times_beside_a_query_buffer(void **state)
+TEST_WITH(opengl_takes_times_beside_a_query_buffer, NULL, is_without_error)
 {
-    (void)state;
     struct dt_frame frame = frame_of(0);
     double ms[LAYOUTS_PASSES];
     GLuint buffer = 0;
@@ -461,21 +449,4 @@ static void opengl_takes_times_beside_a_query_buffer(void **state)
     dt_gl_close(rt);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(opengl_tells_wrong_calls, is_without_error),
-        cmocka_unit_test_teardown(opengl_tells_errors_that_were_there, is_without_error),
-        cmocka_unit_test_teardown(opengl_needs_no_scene_that_nobody_sees, is_without_error),
-        cmocka_unit_test_teardown(opengl_draws_vertices_of_another_layout, is_without_error),
-        cmocka_unit_test_teardown(opengl_takes_times_beside_a_query_buffer, is_without_error),
-        cmocka_unit_test_teardown(opengl_shares_programs, is_without_error),
-        cmocka_unit_test_teardown(opengl_takes_and_gives_a_cache, is_without_error),
-        cmocka_unit_test_teardown(opengl_takes_inputs, is_without_error),
-        cmocka_unit_test_teardown(opengl_takes_text, is_without_error),
-        cmocka_unit_test_teardown(opengl_takes_buffers_and_describes_all, is_without_error),
-        cmocka_unit_test_teardown(opengl_records_parts, is_without_error),
-        cmocka_unit_test_teardown(opengl_takes_3d_images_and_cubes, is_without_error),
-    };
-    return cmocka_run_group_tests_name("opengl", tests, open_with_triangle, close_opengl);
-}
+RUN_TESTS("opengl", open_with_triangle, close_opengl)

@@ -48,9 +48,8 @@ static double linear(double code)
     return 255 * pow((code / 255 + 0.055) / 1.055, 2.4);
 }
 
-static void vulkan_draws_the_hosts_textures(void **state)
+TEST_WITH(vulkan_draws_the_hosts_textures, NULL, is_silent)
 {
-    (void)state;
     static const uint8_t texels[2][4] = {{250, 60, 60, 255}, {60, 188, 120, 255}};
     const VkImageUsageFlags usage = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
                                     VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT;
@@ -81,9 +80,8 @@ static void vulkan_draws_the_hosts_textures(void **state)
 }
 
 /* A 3D image and a cube of the host's. */
-static void vulkan_takes_3d_images_and_cubes(void **state)
+TEST_WITH(vulkan_takes_3d_images_and_cubes, NULL, is_silent)
 {
-    (void)state;
     VkImageCreateInfo info = {.sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                               .imageType = VK_IMAGE_TYPE_3D,
                               .format = VK_FORMAT_R16G16B16A16_SFLOAT,
@@ -136,9 +134,8 @@ static void vulkan_takes_3d_images_and_cubes(void **state)
 
 /* If content is replaced between two frames of one command buffer, only the second frame has the
  * new content. */
-static void vulkan_takes_inputs(void **state)
+TEST_WITH(vulkan_takes_inputs, NULL, is_silent)
 {
-    (void)state;
     enum { FIRST = GEOMETRY_BYTES / 2, SECOND = FIRST + 4 * WIDTH * HEIGHT };
     outside.rt = open_vk_runtime(vk_host(), &outside_vk);
     const struct dt_vk_image image = {.image = (VkImage)&heard /* never used as one */};
@@ -168,9 +165,8 @@ static void vulkan_paints_with(const float weights[8], VkDeviceSize at, const ui
     is_painted((const uint8_t *)geometry.bytes + GEOMETRY_BYTES / 2, color);
 }
 
-static void vulkan_takes_buffers_and_describes_all(void **state)
+TEST_WITH(vulkan_takes_buffers_and_describes_all, NULL, is_silent)
 {
-    (void)state;
     const VkImageUsageFlags drawn = VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT;
     struct dt_vk_range weights = {geometry.handle, GEOMETRY_BYTES / 4, 16};
     struct dt_vk_resource found;
@@ -216,9 +212,8 @@ static void vulkan_takes_buffers_and_describes_all(void **state)
 }
 
 /* Imports made as described fit, and have the stages of the passes that write them. */
-static void vulkan_describes_imports(void **state)
+TEST_WITH(vulkan_describes_imports, NULL, is_silent)
 {
-    (void)state;
     static const struct {
         uint32_t resource;
         VkPipelineStageFlags2 stages;
@@ -270,14 +265,4 @@ static void vulkan_describes_imports(void **state)
         destroy_image(&images[i]);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(vulkan_describes_imports, is_silent),
-        cmocka_unit_test_teardown(vulkan_draws_the_hosts_textures, is_silent),
-        cmocka_unit_test_teardown(vulkan_takes_inputs, is_silent),
-        cmocka_unit_test_teardown(vulkan_takes_buffers_and_describes_all, is_silent),
-        cmocka_unit_test_teardown(vulkan_takes_3d_images_and_cubes, is_silent),
-    };
-    return cmocka_run_group_tests_name("imports", tests, open_vulkan, close_vulkan);
-}
+RUN_TESTS("imports", open_vulkan, close_vulkan)

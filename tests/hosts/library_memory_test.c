@@ -1,9 +1,8 @@
 /* The Vulkan library takes memory, caches and threads from the host, and leaves nothing there. */
 #include "library_own.h"
 
-static void vulkan_uses_memory_cache_and_threads_of_the_host(void **state)
+TEST_WITH(vulkan_uses_memory_cache_and_threads_of_the_host, NULL, is_silent)
 {
-    (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
     const VkPipelineCacheCreateInfo cache = {.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO};
     assert_int_equal(vkCreatePipelineCache(vk.device, &cache, NULL, &own.cache), VK_SUCCESS);
@@ -40,9 +39,8 @@ static void vulkan_uses_memory_cache_and_threads_of_the_host(void **state)
     own.cache = VK_NULL_HANDLE;
 }
 
-static void vulkan_tells_what_cannot_be_shared(void **state)
+TEST_WITH(vulkan_tells_what_cannot_be_shared, NULL, is_silent)
 {
-    (void)state;
     struct dt_vk_host host = vk_host(), other = vk_host();
     struct dt_vk_runtime *rt = open_features(), *bare = dt_vk_open(&host);
     REFUSED(dt_vk_create_from(rt, bare), "create_from: the other runtime has no pipeline");
@@ -58,11 +56,4 @@ static void vulkan_tells_what_cannot_be_shared(void **state)
     assert_int_equal(vk.blocks, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(vulkan_uses_memory_cache_and_threads_of_the_host, is_silent),
-        cmocka_unit_test_teardown(vulkan_tells_what_cannot_be_shared, is_silent),
-    };
-    return cmocka_run_group_tests_name("memory", tests, open_vulkan, close_vulkan);
-}
+RUN_TESTS("memory", open_vulkan, close_vulkan)

@@ -6,9 +6,8 @@
 #include "scenes/diptych_scene.h"
 
 /* Composes the frame of scenes/cornell.yaml by hand. */
-static void a_frame_is_composed_as_of_a_file(void **state)
+TEST(a_frame_is_composed_as_of_a_file)
 {
-    (void)state;
     struct dt_scene_file *file = dt_scene_open("scenes/cornell.yaml", NULL, &test_log);
     assert_non_null(file);
     const struct dt_scene *scene = dt_scene_data(file);
@@ -46,10 +45,4 @@ static void a_frame_is_composed_as_of_a_file(void **state)
     REFUSED(dt_scene_open("scenes/nowhere.yaml", NULL, &test_log), "nowhere.yaml");
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_frame_is_composed_as_of_a_file),
-    };
-    return cmocka_run_group_tests_name("scenes", tests, NULL, NULL);
-}
+RUN_TESTS("scenes", NULL, NULL)

@@ -8,9 +8,8 @@
 #include "library_vk.h"
 #include "shapes.h"
 
-static void vulkan_tells_wrong_hosts(void **state)
+TEST_WITH(vulkan_tells_wrong_hosts, NULL, is_silent)
 {
-    (void)state;
     struct dt_vk_host host = vk_host();
     host.device = VK_NULL_HANDLE;
     REFUSED(dt_vk_open(&host), "device");
@@ -23,9 +22,8 @@ static void vulkan_tells_wrong_hosts(void **state)
 }
 
 /* dt_vk_suits works without a VkDevice. */
-static void vulkan_tells_which_device_suits(void **state)
+TEST_WITH(vulkan_tells_which_device_suits, NULL, is_silent)
 {
-    (void)state;
     struct dt_vk_host host = {.log = test_log,
                               .instance = vk.instance,
                               .physical_device = vk.physical,
@@ -46,9 +44,8 @@ static void vulkan_tells_which_device_suits(void **state)
 
 /* Only the host knows the features that its device was created with. Here the host describes them
  * wrongly. */
-static void vulkan_checks_enabled_features(void **state)
+TEST_WITH(vulkan_checks_enabled_features, NULL, is_silent)
 {
-    (void)state;
     struct dt_vk_host host = vk_host();
     VkPhysicalDeviceDynamicRenderingFeatures rendering = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_DYNAMIC_RENDERING_FEATURES};
@@ -85,9 +82,8 @@ static void vulkan_checks_enabled_features(void **state)
     dt_vk_close(rt);
 }
 
-static void vulkan_tells_wrong_calls(void **state)
+TEST_WITH(vulkan_tells_wrong_calls, NULL, is_silent)
 {
-    (void)state;
     struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), NULL);
     struct dt_frame frame = frame_of(0);
     struct dt_vk_scene scene = vk_scene;
@@ -193,9 +189,8 @@ static void assert_can_sample_images(struct dt_vk_runtime *rt)
     }
 }
 
-static void vulkan_forgets_what_was_not_submitted(void **state)
+TEST_WITH(vulkan_forgets_what_was_not_submitted, NULL, is_silent)
 {
-    (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES], zero[TRAIL_BYTES];
     struct dt_vk_runtime *rt = open_features();
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
@@ -213,9 +208,8 @@ static void vulkan_forgets_what_was_not_submitted(void **state)
     dt_vk_close(rt);
 }
 
-static void vulkan_draws_vertices_of_another_layout(void **state)
+TEST_WITH(vulkan_draws_vertices_of_another_layout, NULL, is_silent)
 {
-    (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
     struct dt_vk_scene scene = vk_scene;
     scene.vertices = (struct dt_vk_range){VK_NULL_HANDLE, 0, 0};
@@ -252,9 +246,8 @@ static bool record_scene_indirect(const struct dt_recording *r)
 /* lavapipe (22.3.6) counts the indices of an indirect draw from the start of their buffer, and
  * ignores the offset of the binding. The runtime refuses the scene of these tests there, since its
  * indices stand behind its vertices. */
-static void vulkan_refuses_indices_that_lavapipe_would_miss(void **state)
+TEST_WITH(vulkan_refuses_indices_that_lavapipe_would_miss, NULL, is_silent)
 {
-    (void)state;
     VkPhysicalDeviceProperties properties;
     vkGetPhysicalDeviceProperties(vk.physical, &properties);
     if (strncmp(properties.deviceName, "llvmpipe", 8) != 0)
@@ -289,9 +282,8 @@ static void vulkan_trail(bool keeps, uint32_t width, uint8_t trail[TRAIL_BYTES])
     dt_vk_close(rt);
 }
 
-static void vulkan_keeps_history(void **state)
+TEST_WITH(vulkan_keeps_history, NULL, is_silent)
 {
-    (void)state;
     static uint8_t twice[TRAIL_BYTES], found[TRAIL_BYTES];
     struct dt_vk_runtime *rt = open_features();
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
@@ -306,9 +298,8 @@ static void vulkan_keeps_history(void **state)
     assert_memory_not_equal(found, twice, TRAIL_BYTES);
 }
 
-static void vulkan_takes_times(void **state)
+TEST_WITH(vulkan_takes_times, NULL, is_silent)
 {
-    (void)state;
     static uint8_t trail[TRAIL_BYTES];
     struct dt_vk_host host = vk_host();
     double ms[FEATURES_PASSES], sum = 0;
@@ -324,9 +315,8 @@ static void vulkan_takes_times(void **state)
     dt_vk_close(rt);
 }
 
-static void vulkan_needs_no_scene_that_nobody_sees(void **state)
+TEST_WITH(vulkan_needs_no_scene_that_nobody_sees, NULL, is_silent)
 {
-    (void)state;
     struct dt_frame frame = frame_of(0);
     struct dt_vk_runtime *rt = open_vk_runtime(vk_host(), &layouts_vk);
     VkCommandBuffer commands = new_commands();
@@ -339,9 +329,8 @@ static void vulkan_needs_no_scene_that_nobody_sees(void **state)
 extern const struct dt_shaders atomics_vk, bloom_vk, groups_vk, mips_vk;
 
 /* The last resource of a frame may share memory with the first of the next. */
-static void vulkan_records_two_frames_at_once(void **state)
+TEST_WITH(vulkan_records_two_frames_at_once, NULL, is_silent)
 {
-    (void)state;
     static const struct dt_shaders *const pipelines[] = {&atomics_vk, &bloom_vk, &groups_vk,
                                                          &mips_vk, &shapes_vk};
     struct dt_frame frame = frame_of(0);
@@ -357,9 +346,8 @@ static void vulkan_records_two_frames_at_once(void **state)
     }
 }
 
-static void vulkan_draws_the_same_in_parts(void **state)
+TEST_WITH(vulkan_draws_the_same_in_parts, NULL, is_silent)
 {
-    (void)state;
     static uint8_t wanted[TRAIL_BYTES], found[TRAIL_BYTES];
     struct dt_vk_runtime *rt = open_features();
     assert_true(dt_vk_resize(rt, WIDTH, HEIGHT));
@@ -372,21 +360,4 @@ static void vulkan_draws_the_same_in_parts(void **state)
     dt_vk_close(rt);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test_teardown(vulkan_tells_wrong_hosts, is_silent),
-        cmocka_unit_test_teardown(vulkan_tells_which_device_suits, is_silent),
-        cmocka_unit_test_teardown(vulkan_checks_enabled_features, is_silent),
-        cmocka_unit_test_teardown(vulkan_tells_wrong_calls, is_silent),
-        cmocka_unit_test_teardown(vulkan_forgets_what_was_not_submitted, is_silent),
-        cmocka_unit_test_teardown(vulkan_draws_vertices_of_another_layout, is_silent),
-        cmocka_unit_test_teardown(vulkan_refuses_indices_that_lavapipe_would_miss, is_silent),
-        cmocka_unit_test_teardown(vulkan_keeps_history, is_silent),
-        cmocka_unit_test_teardown(vulkan_takes_times, is_silent),
-        cmocka_unit_test_teardown(vulkan_records_two_frames_at_once, is_silent),
-        cmocka_unit_test_teardown(vulkan_draws_the_same_in_parts, is_silent),
-        cmocka_unit_test_teardown(vulkan_needs_no_scene_that_nobody_sees, is_silent),
-    };
-    return cmocka_run_group_tests_name("vulkan", tests, open_vulkan, close_vulkan);
-}
+RUN_TESTS("vulkan", open_vulkan, close_vulkan)

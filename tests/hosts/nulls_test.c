@@ -10,9 +10,8 @@ extern const struct dt_shaders bloom_vk;
 
 /* ---- Nothing at all -------------------------------------------------------------------------- */
 
-static void nothing_for_vulkan(void **state)
+TEST(nothing_for_vulkan)
 {
-    (void)state;
     VkPhysicalDeviceFeatures core = {0};
     VkImageCreateInfo image;
     VkBufferCreateInfo buffer;
@@ -39,9 +38,8 @@ static void nothing_for_vulkan(void **state)
     assert_false(dt_vk_get_resource(NULL, 0, NULL) || dt_vk_timings(NULL, 0, NULL));
 }
 
-static void nothing_for_opengl(void **state)
+TEST(nothing_for_opengl)
 {
-    (void)state;
     struct dt_gl_resource resource;
     struct dt_bytes bytes;
     assert_null(dt_gl_open(NULL));
@@ -56,9 +54,8 @@ static void nothing_for_opengl(void **state)
     assert_false(dt_gl_timings(NULL, 0, NULL));
 }
 
-static void nothing_for_scenes(void **state)
+TEST(nothing_for_scenes)
 {
-    (void)state;
     const struct dt_scene_camera camera = {.target = {0, 0, -1}, .up = {0, 1, 0}, .fov_y = 1};
     const struct dt_scene_light light = {.direction = {0, -1, 0}};
     const struct dt_scene_extent extent = {.high = {1, 1, 1}, .radius = 1};
@@ -90,9 +87,8 @@ static void nothing_for_scenes(void **state)
 
 static const struct dt_bytes weights = {.size = 32, .extent = {2, 1, 1}}; /* without data */
 
-static void opengl_names_what_is_missing(void **state)
+TEST_WITH(opengl_names_what_is_missing, open_opengl, close_opengl)
 {
-    (void)state;
     REFUSED(dt_gl_open(&(struct dt_gl_host){.log = test_log}), "get_proc_address");
     struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
         .log = test_log, .get_proc_address = eglGetProcAddress, .timing = true});
@@ -112,9 +108,8 @@ static void opengl_names_what_is_missing(void **state)
     dt_gl_close(rt);
 }
 
-static void vulkan_names_what_is_missing(void **state)
+TEST_WITH(vulkan_names_what_is_missing, open_vulkan, close_vulkan)
 {
-    (void)state;
     struct dt_vk_host host = {.log = test_log, .get_instance_proc_addr = vkGetInstanceProcAddr};
     REFUSED(dt_vk_open(&host), "struct dt_vk_host: instance, ");
     host = vk_host();
@@ -140,14 +135,4 @@ static void vulkan_names_what_is_missing(void **state)
     dt_vk_close(rt);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(nothing_for_vulkan),
-        cmocka_unit_test(nothing_for_opengl),
-        cmocka_unit_test(nothing_for_scenes),
-        cmocka_unit_test_setup_teardown(opengl_names_what_is_missing, open_opengl, close_opengl),
-        cmocka_unit_test_setup_teardown(vulkan_names_what_is_missing, open_vulkan, close_vulkan),
-    };
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS("nulls", NULL, NULL)

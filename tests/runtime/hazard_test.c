@@ -1,14 +1,9 @@
 /* The model of Vulkan's synchronization that barrier_audit judges by, on tapes written by hand.
  * Each group of rows checks a sentence of the specification (1.3, chapters 7.1, 7.6 and 12.4). Also the
  * reader of SPIR-V, on shaders whose source shows the expected result. Run by ninja test. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "hazard.h"
 #include "spirv_uses.h"
 
@@ -272,9 +267,8 @@ static const char *judge(const struct step *steps, bool opened)
     return first.kind;
 }
 
-static void tapes_have_the_hazards_that_the_specification_says(void **state)
+TEST(tapes_have_the_hazards_that_the_specification_says)
 {
-    (void)state;
     for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
         const char *found = judge(rows[i].steps, true), *kind = rows[i].kind;
 
@@ -283,7 +277,7 @@ static void tapes_have_the_hazards_that_the_specification_says(void **state)
     }
 }
 
-static void what_ran_before_is_available_but_not_visible(void **state)
+TEST(what_ran_before_is_available_but_not_visible)
 {
     static const struct step read[MOST_STEPS] = {{TOUCH, A, COMPUTE, LOADS}};
 
@@ -308,9 +302,8 @@ static void expect_uses(const uint32_t *words, size_t size, uint8_t b0, uint8_t 
     assert_int_equal(uses[3], b3);
 }
 
-static void shaders_use_what_their_source_says(void **state)
+TEST(shaders_use_what_their_source_says)
 {
-    (void)state;
     expect_uses(count_comp, sizeof count_comp, SPIRV_READS, SPIRV_READS, SPIRV_WRITES,
                 SPIRV_READS | SPIRV_WRITES);
     expect_uses(mask_comp, sizeof mask_comp, SPIRV_READS, SPIRV_WRITES, 0, 0);
@@ -318,13 +311,4 @@ static void shaders_use_what_their_source_says(void **state)
     expect_uses(scene_frag, sizeof scene_frag, SPIRV_READS, SPIRV_READS, 0, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(tapes_have_the_hazards_that_the_specification_says),
-        cmocka_unit_test(what_ran_before_is_available_but_not_visible),
-        cmocka_unit_test(shaders_use_what_their_source_says),
-    };
-
-    return cmocka_run_group_tests(tests, NULL, NULL);
-}
+RUN_TESTS("hazard", NULL, NULL)

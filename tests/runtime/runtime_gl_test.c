@@ -3,18 +3,13 @@
 #include <EGL/egl.h>
 #include <dlfcn.h>
 #include <glob.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
-#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "formats.h"
 #include "probe.h"
 #include "runtime_gl/internal.h"
@@ -62,15 +57,13 @@ static void run_all(const char *context, bool glsl)
     probe_run(&runtime_gl, &wanted, glsl ? probe_glsl() : &probe_gl, &probe_heard.errors);
 }
 
-static void frames_from_glsl_text(void **state)
+TEST(frames_from_glsl_text)
 {
-    (void)state;
     run_all("egl", true);
 }
 
-static void frames_of_osmesa(void **state)
+TEST(frames_of_osmesa)
 {
-    (void)state;
     const struct dt_runtime_options wanted = options("osmesa", true);
     run_all("osmesa", false);
     run_all("osmesa", true);
@@ -78,9 +71,8 @@ static void frames_of_osmesa(void **state)
     formats_run(&runtime_gl, &wanted, &formats_gl, &probe_heard.errors);
 }
 
-static void frames_of_a_window(void **state)
+TEST(frames_of_a_window)
 {
-    (void)state;
     if (!getenv("DISPLAY"))
         skip();
     run_all("window", false);
@@ -94,9 +86,8 @@ static bool render_other(void *user, uint32_t pass)
     return runtime_gl.render(user, &frame, NULL, NULL);
 }
 
-static void contexts_live_side_by_side(void **state)
+TEST(contexts_live_side_by_side)
 {
-    (void)state;
     const struct dt_frame frame = probe_frame(0);
     void *all[] = {open_context("egl", true), open_context("osmesa", true),
                    open_context("egl", true)};
@@ -116,9 +107,8 @@ static void contexts_live_side_by_side(void **state)
     assert_int_equal(probe_heard.errors, 0);
 }
 
-static void unknown_contexts_are_named(void **state)
+TEST(unknown_contexts_are_named)
 {
-    (void)state;
     struct dt_runtime_options wanted = options("telepathy", false);
     assert_null(runtime_gl.open(&wanted));
     expect_error("there is no OpenGL context 'telepathy': choose egl, zink, osmesa or window");
@@ -140,9 +130,8 @@ static bool zink_is_installed(void)
     return installed;
 }
 
-static void frames_of_zink(void **state)
+TEST(frames_of_zink)
 {
-    (void)state;
     if (!zink_is_installed()) {
         print_message("# no /usr/lib/*/dri/zink_dri.so: install libgl1-mesa-dri\n");
         skip();
@@ -177,9 +166,8 @@ static void zink_itself(void **state)
 }
 
 /* Opening zink after another driver fails, since Mesa keeps the first one. */
-static void zink_may_come_too_late(void **state)
+TEST(zink_may_come_too_late)
 {
-    (void)state;
     void *rt = open_context("egl", true);
     const struct dt_runtime_options wanted = options("zink", true);
     assert_null(runtime_gl.open(&wanted));
@@ -194,9 +182,8 @@ static void zink_may_come_too_late(void **state)
 
 /* ---- Errors of the driver -------------------------------------------------------------------- */
 
-static void broken_text_is_told_with_its_pass(void **state)
+TEST(broken_text_is_told_with_its_pass)
 {
-    (void)state;
     struct dt_runtime_options wanted = options(NULL, false);
     struct dt_stages stages[PROBE_PASSES];
     const struct dt_shaders shaders = {"gl", &probe_panel, stages};
@@ -218,9 +205,8 @@ static void broken_text_is_told_with_its_pass(void **state)
 }
 
 /* The limit holds for the number of each binding, not only for their count. */
-static void bindings_have_numbers_below_the_limit(void **state)
+TEST(bindings_have_numbers_below_the_limit)
 {
-    (void)state;
     static const struct dt_binding far = {
         .binding = 60000, .resource = PROBE_MASK, .kind = DT_BIND_IMAGE};
     struct dt_program programs[PROBE_PASSES];
@@ -238,9 +224,8 @@ static void bindings_have_numbers_below_the_limit(void **state)
 
 /* The callback and the failing call both report a misuse that only the driver can see. The runtime
  * counts the message. */
-static void the_driver_speaks(void **state)
+TEST(the_driver_speaks)
 {
-    (void)state;
     void *rt = open_context(NULL, true);
     const struct gl_buffer ghost = {.name = "ghost", .handle = 12345, .size = 16};
     assert_false(gl_buffer_fill(rt, &ghost, 0));
@@ -252,9 +237,8 @@ static void the_driver_speaks(void **state)
 
 /* OpenGL cannot share memory, but an image can share the texture of an earlier image of the same
  * kind. */
-static void images_share_a_texture(void **state)
+TEST(images_share_a_texture)
 {
-    (void)state;
     static struct dt_resource resources[PROBE_RESOURCES];
     static struct dt_storage storage[PROBE_RESOURCES];
     struct dt_pipeline pipeline = probe_pipeline;
@@ -363,17 +347,15 @@ static void check_loss(bool errors)
     }
 }
 
-static void a_lost_device_is_told_with_the_pass(void **state)
+TEST(a_lost_device_is_told_with_the_pass)
 {
-    (void)state;
     check_loss(false);
     check_loss(true);
 }
 
 /* Only a context that was created with reset notification can report a loss. */
-static void contexts_tell_when_they_are_lost(void **state)
+TEST(contexts_tell_when_they_are_lost)
 {
-    (void)state;
     void *rt = open_ready();
     const char *extensions = eglQueryString(eglGetCurrentDisplay(), EGL_EXTENSIONS);
     if (!strstr(extensions, "EGL_EXT_create_context_robustness")) {
@@ -390,9 +372,8 @@ static void contexts_tell_when_they_are_lost(void **state)
 }
 
 /* Shaders compute length() from the bytes that are bound. */
-static void of_a_range_only_the_indices_are_bound(void **state)
+TEST(of_a_range_only_the_indices_are_bound)
 {
-    (void)state;
     struct dt_gl_runtime *rt = open_context("egl", true);
     struct gl_buffer whole = {.name = "whole", .size = 1 << 20};
     assert_true(gl_buffer_create(rt, &whole, NULL));
@@ -417,23 +398,7 @@ static void of_a_range_only_the_indices_are_bound(void **state)
 int main(int count, char **arguments)
 {
     const struct CMUnitTest zink[] = {cmocka_unit_test(zink_itself)};
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames_of_zink),
-        cmocka_unit_test(frames_from_glsl_text),
-        cmocka_unit_test(frames_of_osmesa),
-        cmocka_unit_test(frames_of_a_window),
-        cmocka_unit_test(contexts_live_side_by_side),
-        cmocka_unit_test(unknown_contexts_are_named),
-        cmocka_unit_test(zink_may_come_too_late),
-        cmocka_unit_test(broken_text_is_told_with_its_pass),
-        cmocka_unit_test(bindings_have_numbers_below_the_limit),
-        cmocka_unit_test(the_driver_speaks),
-        cmocka_unit_test(images_share_a_texture),
-        cmocka_unit_test(a_lost_device_is_told_with_the_pass),
-        cmocka_unit_test(contexts_tell_when_they_are_lost),
-        cmocka_unit_test(of_a_range_only_the_indices_are_bound),
-    };
     if (count > 1 && strcmp(arguments[1], "zink") == 0)
         return cmocka_run_group_tests_name("runtime_gl, zink", zink, NULL, NULL);
-    return cmocka_run_group_tests_name("runtime_gl", tests, NULL, NULL);
+    return unit_run("runtime_gl", NULL, NULL);
 }

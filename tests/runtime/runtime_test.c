@@ -3,15 +3,11 @@
  * synchronization checking, and KHR_debug stay silent. runtime_gl_test.c and runtime_vk_test.c test
  * the parts that only one runtime has. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "formats.h"
 #include "front.h"
 #include "probe.h"
@@ -25,6 +21,16 @@ struct bench {
 };
 static struct bench gl = {&runtime_gl, probe_gl_stages, &probe_gl, &formats_gl};
 static struct bench vk = {&runtime_vk, probe_vk_stages, &probe_vk, &formats_vk};
+
+/* A test of each runtime. */
+#define TEST_BOTH(test)                                                                            \
+    static void test(void **state);                                                                \
+    BEFORE_MAIN(add_##test)                                                                        \
+    {                                                                                              \
+        unit_add((struct CMUnitTest){#test ", gl", test, NULL, NULL, &gl});                        \
+        unit_add((struct CMUnitTest){#test ", vk", test, NULL, NULL, &vk});                        \
+    }                                                                                              \
+    static void test(void **state)
 
 static struct dt_runtime_options options(void)
 {
@@ -62,14 +68,14 @@ static const struct probe_live defaults = {.mask = 1, .scale = 0.5f, .glow = 1};
 
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
-static void frames_have_the_values_that_were_drawn(void **state)
+TEST_BOTH(frames_have_the_values_that_were_drawn)
 {
     const struct bench *bench = *state;
     const struct dt_runtime_options wanted = options();
     probe_run(bench->runtime, &wanted, bench->probe, &probe_heard.errors);
 }
 
-static void what_was_written_is_read_back(void **state)
+TEST_BOTH(what_was_written_is_read_back)
 {
     const struct bench *bench = *state;
     const struct dt_runtime_options wanted = options();
@@ -85,7 +91,7 @@ static bool may_be_clamped(const struct bench *bench, const struct dt_resource *
 
 /* History starts as zero, also in memory that had other bytes; all else has the poison in every
  * byte. */
-static void resources_begin_with_zero_or_poison(void **state)
+TEST_BOTH(resources_begin_with_zero_or_poison)
 {
     const struct bench *bench = *state;
     void *rt = open_ready(bench, 16, 8);
@@ -109,7 +115,7 @@ static void resources_begin_with_zero_or_poison(void **state)
 
 /* A frame without live parameters has their defaults. Another scene shows after a resize. sRGB code
  * 188 decodes to 0.5029; its neighbours 187 and 189 to 0.4969 and 0.5089. */
-static void a_new_scene_is_drawn_after_a_resize(void **state)
+TEST_BOTH(a_new_scene_is_drawn_after_a_resize)
 {
     static const uint8_t texels[40] = {[16] = 188, 0, 0, 255, 188, 0, 0, 255,
                                        188,        0, 0, 255, 188, 0, 0, 255};
@@ -127,7 +133,7 @@ static void a_new_scene_is_drawn_after_a_resize(void **state)
     close_silent(bench, rt);
 }
 
-static void recording_takes_time_where_it_can_be_told(void **state)
+TEST_BOTH(recording_takes_time_where_it_can_be_told)
 {
     const struct bench *bench = *state;
     const struct dt_observer observer = {0};
@@ -165,7 +171,7 @@ static bool after_pass(void *user, uint32_t pass)
     return pass != watcher->stop_after;
 }
 
-static void an_observer_sees_every_pass_and_may_stop(void **state)
+TEST_BOTH(an_observer_sees_every_pass_and_may_stop)
 {
     const struct bench *bench = *state;
     void *rt = open_ready(bench, 16, 8);
@@ -186,7 +192,7 @@ static void an_observer_sees_every_pass_and_may_stop(void **state)
     close_silent(bench, rt);
 }
 
-static void runtimes_live_side_by_side(void **state)
+TEST_BOTH(runtimes_live_side_by_side)
 {
     struct bench *bench = *state;
     struct bench *benches[] = {&gl, &vk};
@@ -228,7 +234,7 @@ static enum dt_action before_pass(void *user, uint32_t pass)
                                                    : DT_RUN;
 }
 
-static void what_is_written_before_a_pass_is_what_it_reads(void **state)
+TEST_BOTH(what_is_written_before_a_pass_is_what_it_reads)
 {
     static const float red[4] = {0.5f, 0, 0, 1};
     const struct bench *bench = *state;
@@ -257,7 +263,7 @@ static void what_is_written_before_a_pass_is_what_it_reads(void **state)
 
 /* A skipped pass leaves buffers as they were. Images that the plan discards have no reliable
  * content, but the layout of the plan. So the next frame renders, and validation stays silent. */
-static void a_skipped_pass_does_nothing_but_its_barriers(void **state)
+TEST_BOTH(a_skipped_pass_does_nothing_but_its_barriers)
 {
     const struct bench *bench = *state;
     const struct probe_live clears = {0};
@@ -293,7 +299,7 @@ static void a_skipped_pass_does_nothing_but_its_barriers(void **state)
 
 /* A pass that an observer skips does not clear, even if it is switched off. The mask pass keeps its
  * image and its buffer. */
-static void a_skipped_pass_does_not_clear(void **state)
+TEST_BOTH(a_skipped_pass_does_not_clear)
 {
     const struct bench *bench = *state;
     const struct probe_live clears = {.scale = 0.5f};
@@ -313,7 +319,7 @@ static void a_skipped_pass_does_not_clear(void **state)
     close_silent(bench, rt);
 }
 
-static void an_observer_may_stop_before_a_pass(void **state)
+TEST_BOTH(an_observer_may_stop_before_a_pass)
 {
     const struct bench *bench = *state;
     void *rt = open_ready(bench, 16, 8);
@@ -366,7 +372,7 @@ static struct variant *make_variant(const struct bench *bench)
 
 /* The scene pass with other depth states: the frame shows the last, the first or the nearest
  * surface. */
-static void depth_tests_compare_as_the_panel_says(void **state)
+TEST_BOTH(depth_tests_compare_as_the_panel_says)
 {
     static const struct {
         bool test, write;
@@ -479,7 +485,7 @@ static void change_nothing(struct variant *v)
 }
 
 /* A new pipeline keeps the programs that stay the same, and makes only the others. */
-static void programs_go_on_where_they_are_the_same(void **state)
+TEST_BOTH(programs_go_on_where_they_are_the_same)
 {
     static const struct {
         void (*change)(struct variant *v); /* relative to the probe itself */
@@ -534,7 +540,7 @@ static bool stop(void *user, uint32_t pass)
 }
 
 /* It counts frames. Not from one that failed, nor through a pipeline without it. */
-static void history_outlives_resize_and_create(void **state)
+TEST_BOTH(history_outlives_resize_and_create)
 {
     const struct bench *bench = *state;
     struct dt_runtime_options wanted = options();
@@ -562,7 +568,7 @@ static void history_outlives_resize_and_create(void **state)
 }
 
 /* Another pipeline in between, with other resources and fewer passes. */
-static void a_panel_takes_the_place_of_another(void **state)
+TEST_BOTH(a_panel_takes_the_place_of_another)
 {
     const struct bench *bench = *state;
     const struct dt_frame frame = probe_frame(0);
@@ -941,15 +947,13 @@ static void check_same_words(void (*run)(struct transcript *transcript, const st
     free(transcripts);
 }
 
-static void wrong_calls_are_told_in_the_same_words(void **state)
+TEST(wrong_calls_are_told_in_the_same_words)
 {
-    (void)state;
     check_same_words(wrong_calls);
 }
 
-static void limits_are_told_in_the_same_words(void **state)
+TEST(limits_are_told_in_the_same_words)
 {
-    (void)state;
     check_same_words(limits);
 }
 
@@ -964,7 +968,7 @@ static void huge_extent(const struct dt_pipeline *pipeline, uint32_t resource, u
 }
 
 /* The memory exceeds any machine, but no limit that the runtime knows. */
-static void too_much_memory_is_one_error(void **state)
+TEST_BOTH(too_much_memory_is_one_error)
 {
     const struct bench *bench = *state;
     struct dt_runtime_options wanted = options();
@@ -990,12 +994,6 @@ static void too_much_memory_is_one_error(void **state)
     free(v);
 }
 
-#define ON_BOTH(test)                                                                              \
-    {#test ", gl", test, NULL, NULL, &gl},                                                         \
-    {                                                                                              \
-#test ", vk", test, NULL, NULL, &vk                                                        \
-    }
-
 /* ---- Values that a runtime adds to the frame ------------------------------------------------- */
 
 static int64_t three_positions(const struct dt_pipeline *pipeline, const void *live)
@@ -1004,9 +1002,8 @@ static int64_t three_positions(const struct dt_pipeline *pipeline, const void *l
     return 3;
 }
 
-static void a_frame_knows_the_camera_before(void **state)
+TEST(a_frame_knows_the_camera_before)
 {
-    (void)state;
     const struct dt_pipeline pipeline = {.name = "none"};
     struct dt_core core = {.pipeline = &pipeline, .width = 8, .height = 4};
     struct dt_frame frame = {.camera = {.far_plane = 2}}, block;
@@ -1028,9 +1025,8 @@ static void a_frame_knows_the_camera_before(void **state)
 }
 
 /* The second of three points, (1/4, 2/3), in the fifth frame. */
-static void jitter_moves_the_picture(void **state)
+TEST(jitter_moves_the_picture)
 {
-    (void)state;
     const struct dt_pipeline pipeline = {.name = "none", .jitter = three_positions};
     struct dt_core core = {.pipeline = &pipeline, .width = 8, .height = 4};
     struct dt_frame frame = {.index = 4};
@@ -1045,29 +1041,4 @@ static void jitter_moves_the_picture(void **state)
     assert_true(block.previous_camera.view_projection[3][0] == 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        ON_BOTH(frames_have_the_values_that_were_drawn),
-        ON_BOTH(what_was_written_is_read_back),
-        ON_BOTH(resources_begin_with_zero_or_poison),
-        ON_BOTH(a_new_scene_is_drawn_after_a_resize),
-        ON_BOTH(recording_takes_time_where_it_can_be_told),
-        ON_BOTH(an_observer_sees_every_pass_and_may_stop),
-        ON_BOTH(runtimes_live_side_by_side),
-        ON_BOTH(what_is_written_before_a_pass_is_what_it_reads),
-        ON_BOTH(a_skipped_pass_does_nothing_but_its_barriers),
-        ON_BOTH(a_skipped_pass_does_not_clear),
-        ON_BOTH(an_observer_may_stop_before_a_pass),
-        ON_BOTH(depth_tests_compare_as_the_panel_says),
-        ON_BOTH(programs_go_on_where_they_are_the_same),
-        ON_BOTH(history_outlives_resize_and_create),
-        ON_BOTH(a_panel_takes_the_place_of_another),
-        cmocka_unit_test(wrong_calls_are_told_in_the_same_words),
-        cmocka_unit_test(limits_are_told_in_the_same_words),
-        ON_BOTH(too_much_memory_is_one_error),
-        cmocka_unit_test(a_frame_knows_the_camera_before),
-        cmocka_unit_test(jitter_moves_the_picture),
-    };
-    return cmocka_run_group_tests_name("runtimes", tests, NULL, NULL);
-}
+RUN_TESTS("runtimes", NULL, NULL)

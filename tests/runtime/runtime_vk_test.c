@@ -1,15 +1,11 @@
 /* The Vulkan runtime's own parts: barriers that can be left out, devices and their features, and
  * memory that runs out. runtime_test.c has the parts in common with OpenGL. */
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include <dlfcn.h>
-#include <cmocka.h>
-
+#include "tests/lib/unit.h"
 #include "drop.h"
 #include "formats.h"
 #include "probe.h"
@@ -82,9 +78,8 @@ static void drop(enum drop change, uint32_t number, const char *hazard)
  * layers, 5 draws, 6 stack and 7 stack_depth of the second draw into them, 8 kept, 9 and 10 of the third, 11
  * color of the count pass, 12 depth and 13 levels, 14 and 15 levels, 16 groups and 17 mask, 18 color and 19
  * display, 20 glow, 21 cleared. */
-static void a_dropped_barrier_is_missed(void **state)
+TEST(a_dropped_barrier_is_missed)
 {
-    (void)state;
     drop(DROP_BARRIER, 5, "READ-AFTER-WRITE");
     drop(DROP_BARRIER, 11, "VUID-VkImageMemoryBarrier2-oldLayout-01197");
     drop(DROP_BARRIER, 14, "READ-AFTER-WRITE");
@@ -110,9 +105,8 @@ static bool forgetful_record(const struct dt_recording *r)
            v->end(r->runtime, PROBE_MASK_PASS);
 }
 
-static void a_missing_barrier_is_heard(void **state)
+TEST(a_missing_barrier_is_heard)
 {
-    (void)state;
     struct dt_panel panel = probe_panel;
     const struct dt_shaders forgetful = {"vk", &panel, probe_vk_stages};
     struct dt_frame frame = probe_frame(0);
@@ -128,9 +122,8 @@ static void a_missing_barrier_is_heard(void **state)
 
 /* Reading and writing keep the layout, since a pass without a barrier of its own relies on it. The
  * poison leaves images GENERAL. */
-static void reading_and_writing_keep_the_layout(void **state)
+TEST(reading_and_writing_keep_the_layout)
 {
-    (void)state;
     probe_heard.errors = 0;
     formats_prepare();
     void *rt = runtime_vk.open(&(struct dt_runtime_options){
@@ -153,9 +146,8 @@ static void reading_and_writing_keep_the_layout(void **state)
 
 /* ---- Devices --------------------------------------------------------------------------------- */
 
-static void an_unknown_device_is_named_and_the_known_are_listed(void **state)
+TEST(an_unknown_device_is_named_and_the_known_are_listed)
 {
-    (void)state;
     struct dt_runtime_options options = {.log = {.message = probe_hear}, .device = "voodoo"};
     probe_heard.errors = 0;
     assert_null(runtime_vk.open(&options));
@@ -180,9 +172,8 @@ static void an_unknown_device_is_named_and_the_known_are_listed(void **state)
 
 /* The runtime refuses a device only for a pipeline with a pass that needs a feature the device
  * lacks. The pipeline before stays. */
-static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
+TEST(a_feature_is_asked_for_by_the_pass_that_needs_it)
 {
-    (void)state;
     static const struct dt_need needs[] = {{PROBE_SCENE, "fullDrawIndexUint32"},
                                            {PROBE_MASK_PASS, "geometryShader"}};
     struct dt_panel panel = probe_panel;
@@ -219,9 +210,8 @@ static void a_feature_is_asked_for_by_the_pass_that_needs_it(void **state)
 /* Fails the first, second, ... allocation until everything works. Each failure gives one error and
  * leaves nothing behind. The validation layers would report leftovers when the device is
  * destroyed. */
-static void out_of_memory_is_one_error_and_a_clean_end(void **state)
+TEST(out_of_memory_is_one_error_and_a_clean_end)
 {
-    (void)state;
     bool done = false;
     int attempts = 0;
     while (!done) {
@@ -245,9 +235,8 @@ static void out_of_memory_is_one_error_and_a_clean_end(void **state)
 }
 
 /* After a resize that failed the next one starts anew. */
-static void a_resize_without_memory_can_be_tried_again(void **state)
+TEST(a_resize_without_memory_can_be_tried_again)
 {
-    (void)state;
     struct dt_frame frame = probe_frame(0);
     struct dt_bytes bytes;
     void *rt = open_ready();
@@ -271,9 +260,8 @@ static void a_resize_without_memory_can_be_tried_again(void **state)
 }
 
 /* Shaders compute length() from the bytes that are bound. */
-static void of_a_range_only_the_indices_are_bound(void **state)
+TEST(of_a_range_only_the_indices_are_bound)
 {
-    (void)state;
     probe_heard.errors = 0;
     struct dt_vk_runtime *rt = runtime_vk.open(
         &(struct dt_runtime_options){.log = {.message = probe_hear}, .debug = true});
@@ -298,17 +286,4 @@ static void of_a_range_only_the_indices_are_bound(void **state)
     assert_int_equal(probe_heard.errors, 0);
 }
 
-int main(void)
-{
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_dropped_barrier_is_missed),
-        cmocka_unit_test(a_missing_barrier_is_heard),
-        cmocka_unit_test(reading_and_writing_keep_the_layout),
-        cmocka_unit_test(an_unknown_device_is_named_and_the_known_are_listed),
-        cmocka_unit_test(a_feature_is_asked_for_by_the_pass_that_needs_it),
-        cmocka_unit_test(out_of_memory_is_one_error_and_a_clean_end),
-        cmocka_unit_test(a_resize_without_memory_can_be_tried_again),
-        cmocka_unit_test(of_a_range_only_the_indices_are_bound),
-    };
-    return cmocka_run_group_tests_name("runtime_vk", tests, NULL, NULL);
-}
+RUN_TESTS("runtime_vk", NULL, NULL)
