@@ -137,7 +137,8 @@ enum scope {
 static const char *refusal_of(const char *name, enum scope scope)
 {
     bool c = scope != BODIES, scoped = scope == SCOPED;
-    return !strncmp(name, "gl_", 3) ? "`%s`: names that start with gl_ belong to GLSL"
+    bool counters = !c && !strncmp(name, "gl_AtomicCounterBlock_", 22); /* a buffer, to glslang */
+    return !strncmp(name, "gl_", 3) && !counters ? "`%s`: names that start with gl_ belong to GLSL"
            : c && strstr(name, "__")
                ? "`%s`: names with two underscores in a row are reserved in GLSL"
            : in_words(glsl_words, name) || is_glsl_type(name) || (c && in_words(c_words, name))

@@ -240,11 +240,26 @@ static bool lower_version(struct spirv *module)
     return true;
 }
 
+/* Whether an argument is a texture of an array, chosen by an index that is no constant. */
+static bool is_element_of_textures(const struct spirv *module, const uint32_t *chain)
+{
+    if (!spirv_is(chain, SpvOpAccessChain) ||
+        spirv_type(module, chain[2])[2] != SpvStorageClassUniformConstant)
+        return false;
+    for (uint32_t word = 4; word < spirv_length(chain); word++)
+        if (!spirv_is(spirv_definition(module, chain[word]), SpvOpConstant))
+            return true;
+    return false;
+}
+
 bool spirv_passes_textures(const struct spirv *module)
 {
     SPIRV_EACH(module, at, module->code, module->count)
     {
         const uint32_t *i = module->words + at, *type;
+        for (uint32_t word = 4; spirv_is(i, SpvOpFunctionCall) && word < spirv_length(i); word++)
+            if (is_element_of_textures(module, spirv_definition(module, i[word])))
+                return true;
         if (!spirv_is(i, SpvOpFunctionParameter))
             continue;
         type = spirv_type(module, i[2]);
@@ -253,7 +268,7 @@ bool spirv_passes_textures(const struct spirv *module)
         if (spirv_is(type, SpvOpTypePointer))
             type = spirv_definition(module, type[3]);
         if (spirv_is(type, SpvOpTypeImage) || spirv_is(type, SpvOpTypeSampler) ||
-            (uniform && spirv_is(type, SpvOpTypeStruct)))
+            (uniform && (spirv_is(type, SpvOpTypeStruct) || spirv_is(type, SpvOpTypeArray))))
             return true;
     }
     return false;

@@ -15,7 +15,6 @@ enum { MOST_TEXTURES = 32, NAME_SIZE = 256, FIRST_BINDING = 1000 };
 struct splitting {
     const struct spirv *from;
     struct spirv_edit edit;
-    const uint32_t *block;              /* its variable */
     bool arrays;                        /* a struct of an array is chosen by no constant */
     uint32_t *known;                    /* by id of a chain: the variable that it leads to */
     uint32_t count, ids[MOST_TEXTURES]; /* new variables, and their names */
@@ -30,6 +29,17 @@ static const uint32_t *texture_of(const struct spirv *from, uint32_t type)
     return spirv_is(inner, SpvOpTypeImage) ? inner : NULL;
 }
 
+/* The variable of structs with textures that a chain begins at; NULL: it begins at another. */
+static const uint32_t *split_variable(const struct spirv *from, const uint32_t *chain)
+{
+    const uint32_t *variable =
+        spirv_is(chain, SpvOpAccessChain) ? spirv_definition(from, chain[3]) : chain;
+    if (!spirv_is(variable, SpvOpVariable) || variable[3] != SpvStorageClassUniformConstant)
+        return NULL;
+    uint32_t element = spirv_element_type(from, spirv_pointee(from, variable));
+    return spirv_is(spirv_definition(from, element), SpvOpTypeStruct) ? variable : NULL;
+}
+
 /* How many words of a chain into the block lead to a texture or an array of them, and its name and type; 0: to a number, or by
  * indices that are no constants. around: the array of structs that it is in, and its index; 0: it is a texture of its own. */
 static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name[NAME_SIZE],
@@ -37,8 +47,11 @@ static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name
 {
     const struct spirv *from = s->from;
     size_t length = 0;
-    *type = spirv_pointee(from, s->block);
+    const char *own = spirv_variable_name(from, split_variable(from, chain));
+    *type = spirv_pointee(from, split_variable(from, chain));
     around[0] = 0;
+    if (strncmp(own, "gl_", 3) != 0) /* a struct of textures alone is no part of the block */
+        length = (size_t)snprintf(name, NAME_SIZE, "%.60s", own);
     for (uint32_t word = 4; word < spirv_length(chain); word++) {
         const uint32_t *outer = spirv_definition(from, *type);
         const uint32_t *index = spirv_definition(from, chain[word]);
@@ -94,7 +107,7 @@ static void change_types(struct splitting *s)
         bool pointer = spirv_is(i, SpvOpTypePointer) && i[2] == SpvStorageClassUniformConstant;
         if (pointer && i[1] < s->from->words[3] && !texture_of(s->from, i[3]))
             i[2] = SpvStorageClassUniform;
-        if (spirv_is(i, SpvOpVariable) && i[2] == s->block[2])
+        if (split_variable(s->from, i))
             i[3] = SpvStorageClassUniform;
         for (uint32_t word = 2; spirv_is(i, SpvOpTypeStruct) && word < spirv_length(i); word++) {
             const uint32_t *image = texture_of(s->from, i[word]);
@@ -111,7 +124,7 @@ static void put_split(struct splitting *s)
     {
         const uint32_t *i = from->words + at;
         size_t start = edit->code.count;
-        bool chain = spirv_is(i, SpvOpAccessChain) && i[3] == s->block[2];
+        bool chain = spirv_is(i, SpvOpAccessChain) && split_variable(from, i);
         char name[NAME_SIZE];
         uint32_t type, around[2], words = chain ? lead(s, i, name, &type, around) : 0;
         if (words && around[0])
@@ -148,7 +161,7 @@ static bool can_split(const struct splitting *s)
         const uint32_t *i = from->words + at;
         char name[NAME_SIZE];
         uint32_t type, around[2];
-        bool chain = spirv_is(i, SpvOpAccessChain) && i[3] == s->block[2];
+        bool chain = spirv_is(i, SpvOpAccessChain) && split_variable(from, i);
         if (chain && texture_of(from, spirv_pointee(from, i)) && !lead(s, i, name, &type, around))
             return false;
     }
@@ -158,15 +171,11 @@ static bool can_split(const struct splitting *s)
 bool spirv_split(struct spirv *module)
 {
     struct splitting s = {.from = module};
+    bool found = false;
     SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        const uint32_t *i = module->words + at;
-        if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
-            spirv_is(spirv_definition(module, spirv_pointee(module, i)), SpvOpTypeStruct))
-            s.block = i;
-    }
-    s.arrays = s.block && !can_split(&s);
-    if (!s.block || (s.arrays && !can_split(&s)))
+    found |= split_variable(module, module->words + at) != NULL;
+    s.arrays = found && !can_split(&s);
+    if (!found || (s.arrays && !can_split(&s)))
         return true;
     s.known = calloc(module->words[3], sizeof *s.known);
     spirv_edit_begin(&s.edit, module);

@@ -282,7 +282,9 @@ static bool bind_variable(struct binder *binder, const uint32_t *variable)
         binder->bindings[variable[2]] = 1 + slot->binding;
     if (!spirv_mentions(module, binder->live, variable[2]))
         return true;
-    if (spirv_is(type, SpvOpTypeStruct) && variable[3] == SpvStorageClassUniformConstant)
+    uint32_t element = spirv_element_type(module, spirv_pointee(module, variable));
+    if (spirv_is(spirv_definition(module, element), SpvOpTypeStruct) &&
+        variable[3] == SpvStorageClassUniformConstant)
         return refuse(
             binder,
             "a texture is in arrays of arrays of structs, or in an array of a struct that no "

@@ -93,10 +93,13 @@ CHOSEN = """out vec4 color;
 struct Near { sampler2D c; float g; };
 struct Material { Near n; float x; };
 uniform Material m[3];
+struct Bare { sampler2D d; };
+uniform Bare bare[2];
 uniform int k;
+float wide(sampler2D one) { return textureSize(one, 0).x; }
 float near(Near n) { return textureSize(n.c, 0).x + texture(n.c, vec2(0.5)).x + n.g; }
 float whole(Material one) { return near(one.n) + one.x; }
-void main() { color = vec4(whole(m[1]) + whole(m[k])); }
+void main() { color = vec4(whole(m[1]) + whole(m[k]) + wide(bare[k - 1].d)); }
 """
 
 
@@ -137,12 +140,12 @@ def stages(tap):
         'values: {m_x: "float(2)", m_y: "vec3(3, 4, 5)", m_light_power: "float(6)", m_z: "float(7)", last: "float(0.5)"}\n')
     tap.result("textures in structs are textures, the rest of the struct numbers", agrees([2.5, 4.5, 6.5, 7.5]))
     draw(near, CHOSEN, 330)
-    names = [f"m_n_c_{at}" for at in range(3)]
+    names = ["m_n_c_0", "m_n_c_1", "m_n_c_2", "bare_d_0", "bare_d_1"]
     put("a.yaml", DRAW.format(files="a.frag").replace("writes: [color]", f"writes: [color], reads: [{', '.join(f'{{name: {name}, sampler: s}}' for name in names)}]")
         .replace("images: {", "samplers: {s: {kind: filter, filter: nearest, wrap: clamp}}\nimages: {" + "".join(
             f"{name}: {{format: rgba8, size: [{2 << at}, 2], history: true}}, " for at, name in enumerate(names))) +
         'values: {m_n_g: "float[3](1, 2, 4)", m_x: "float[3](16, 32, 64)", k: "int(2)"}\n')
-    tap.result("... passed to functions, chosen by an index", agrees([114, 114, 114, 114]))
+    tap.result("... passed to functions, chosen by an index", agrees([146, 146, 146, 146]))
     put("a.frag", "#version 330\n" + CHOSEN.replace("sampler2D c", "sampler2D c[2]").replace("n.c", "n.c[1]"))
     tap.result("... but not in arrays of both", told("a texture is in arrays of arrays of structs"))
     draw(near, FRAGMENT.format("layout(location = 3) in vec2 near;", "near.xyxy"))
@@ -269,6 +272,10 @@ def widths(tap):
     tap.result("halves of words", agrees([0x20001, 0x40003, 0x60005, 0x80007], "I"))
     done = diptych("compare", "--spec", "a.yaml", "--sanitize=race")
     tap.result("... are no race", [] if not done.returncode else [done.stdout])
+    compute("layout(local_size_x = 8) in; layout(binding = 0, offset = 4) uniform atomic_uint n; void main() { atomicCounterIncrement(n); }\n")
+    put("a.yaml", COMPUTE.format(local=8, head="", kind="uint", file="a.comp").replace("count: 8", "count: 8, history: true")
+        .replace("writes: [Sums]", "updates: [{name: Sums, as: gl_AtomicCounterBlock_0}]"))
+    tap.result("an atomic counter", agrees([0, 8, 0, 0], "I"))
 
 
 LOOPS = """layout(local_size_x = 8) in;
