@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """For sanitize_test.sh: `make FOLDER [SEED]` writes wrong.yaml, wrong_memory.yaml and wrong_draw.yaml, whose bodies are undefined in the
-line that ends with `// here`, and fine.yaml, whose bodies come near but are not; some_NAME.yaml has a third of the bodies of NAME.yaml,
+line that ends with `// here`, and fine.yaml, whose bodies come near but are not; some_NAME.yaml has a sixth of the bodies of NAME.yaml,
 few.yaml two. `found FILE.json SPEC` checks the findings of a wrong spec against the messages below, `silent FILE.json SPEC` those of a
 fine one, `equal DUMP DUMP` that two dumps have the same bits."""
 import json
@@ -311,7 +311,7 @@ def make(folder, seed="1"):
         make_fine = draw_body if name == "fine_draw" else body
         bodies = {f"{prefix(name)}{i}": make_fine(row, functions) if fine else wrong_body(row) for i, row in enumerate(rows)}
         write_spec(folder, name, bodies)
-        write_spec(folder, "some_" + name, {key: bodies[key] for key in source.sample(list(bodies), len(bodies) // 3 + 1)})
+        write_spec(folder, "some_" + name, {key: bodies[key] for key in source.sample(list(bodies), len(bodies) // 6 + 1)})
     few = {0, next(i for i, row in enumerate(WRONG) if row[1] == "sqrt")}
     write_spec(folder, "few", {f"w_{i}": wrong_body(WRONG[i]) for i in few})
 

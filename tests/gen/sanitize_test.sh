@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # --sanitize finds undefined behaviour of bodies that are wrong in one place, there, on every driver; bodies that come near stay
-# silent and keep their bits. lavapipe gets all bodies, other drivers a third, by SEED. Long: all drivers get all, and all mutants of
+# silent and keep their bits. lavapipe gets all bodies, other drivers a sixth, by SEED. Long: all drivers get all, and all mutants of
 # the checks. TAP.
 . "$(dirname "$0")/../lib/tap.sh"
 . "$root/tests/lib/drivers.sh"

@@ -88,7 +88,7 @@ def copy_project(name):
     for part in ("scenes", "templates", "tests/app/import"):
         shutil.copytree(f"{ROOT}/{part}", f"{folder}/{part}")
     with open(f"{folder}/templates/ssvp.yaml", "r+", encoding="utf-8") as file:
-        text = re.sub(r"(first_vpls: +{value: )256|(second_vpls: +{value: )176", r"\g<1>\g<2> 64", file.read())
+        text = re.sub(r"(first_vpls: +{value: )256|(second_vpls: +{value: )176", r"\g<1>\g<2> 32", file.read())
         file.seek(0)
         file.write(re.sub(r"(map_size: +{value: )256", r"\g<1> 64", text))
     os.mkdir(f"{folder}/build")
