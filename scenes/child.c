@@ -2,7 +2,6 @@
 #include "child.h"
 
 #include "base/diag.h"
-#include "mesh.h"
 
 #include <errno.h>
 #include <stdlib.h>

@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mesh.h"
 #include "scene.h"
 #include "base/log.h"
 

@@ -1,7 +1,6 @@
 /* Container, lists and keys of a glTF file; see gltf.h. */
 #include "gltf.h"
 
-#include "child.h"
 #include "base/log.h"
 #include "base/input.h"
 

@@ -7,7 +7,6 @@
 #include "base/files.h"
 #include "base/log.h"
 #include "base/input.h"
-#include "mesh.h"
 #include "picture_size.h"
 
 #include <dlfcn.h>

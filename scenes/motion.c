@@ -18,7 +18,6 @@
 #include "motion.h"
 
 #include "camera_light.h"
-#include "mesh.h"
 #include "base/log.h"
 
 #include <math.h>

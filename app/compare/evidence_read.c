@@ -6,9 +6,7 @@
 
 #include <cjson/cJSON.h>
 
-#include "base/files.h"
 #include "base/foreign.h"
-#include "picture/texels.h"
 #include "compare/evidence.h"
 #include "result/dump_reader.h"
 

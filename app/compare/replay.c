@@ -6,7 +6,6 @@
 
 #include <cjson/cJSON.h>
 
-#include "base/files.h"
 #include "console/options.h"
 #include "compare/evidence.h"
 #include "compare/unwritten.h"

@@ -10,7 +10,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/files.h"
 #include "base/limit.h"
 
 enum { TOOL_GIBIBYTES = 16 }; /* of memory, of each process */

@@ -7,7 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "base/input.h"
 #include "base/installed.h"
 #include "base/log.h"

@@ -13,7 +13,6 @@
 #include "import/texts.h"
 #include "gen/model/cross.h"
 #include "gen/model/spirv_check.h"
-#include "gen/glsl/glslang.h"
 #include "gen/read/body_files.h"
 #include "gen/check/check.h"
 

@@ -6,8 +6,6 @@
 #include <string.h>
 #include <sys/stat.h>
 
-#include "base/files.h"
-#include "base/log.h"
 #include "gen/glsl/glslang.h"
 
 /* Reads the file `from`; takes over its absolute path. */

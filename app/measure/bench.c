@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "base/installed.h"
 #include "console/python.h"
 #include "measure/cost.h"

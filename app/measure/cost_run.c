@@ -5,11 +5,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/wait.h>
 #include <unistd.h>
 #include <vulkan/vulkan.h>
 
-#include "base/files.h"
 #include "base/nearest.h"
 #include "gen/model/spirv_check.h"
 #include "gen/spirv/passes.h"

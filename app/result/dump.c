@@ -4,7 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#include "base/files.h"
 #include "picture/texels.h"
 
 bool dump_begin(struct dump *dump, struct console *console, const struct dt_pipeline *pipeline,

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "console/console.h"
-#include "base/files.h"
 #include "base/foreign.h"
 #include "picture/texels.h"
 #include "result/dump.h"

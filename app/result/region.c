@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "base/files.h"
 #include "picture/texels.h"
 #include "result/difference.h"
 

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "base/files.h"
 #include "picture/texels.h"
 
 static bool append_row(struct row_list *rows, const struct dt_pipeline *pipeline, struct row row)

@@ -5,8 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
-
 /* Characters other than letters, digits, ".", "-", "+" and "_" become _: for names of files. free(). */
 static char *file_word(const char *text)
 {

@@ -13,7 +13,6 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "base/files.h"
 #include "picture/texels.h"
 
 enum { MOST_NOTE = 256 };

@@ -10,7 +10,6 @@
 #include "console/options.h"
 #include "picture/texels.h"
 #include "result/dump.h"
-#include "verbs.h"
 
 static const char *shape_name(enum dt_shape shape)
 {

@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "base/files.h"
 #include "result/live.h"
 #include "console/tool.h"
 #include "gen/plan/sanitize.h"

@@ -1,7 +1,6 @@
 /* Executes the tables and steps of gen/lower/lower.h; see play.h. */
 #include "spec/play.h"
 
-#include "gen/model/expr.h"
 #include "gen/plan/shadow.h"
 
 /* The tables whose reflection this is. */

@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "console/console.h"
-#include "base/files.h"
 #include "base/foreign.h"
 #include "base/printable.h"
 #include "formats.h"

@@ -3,7 +3,6 @@
  * then a hash of all that. */
 #include "truth/film.h"
 
-#include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

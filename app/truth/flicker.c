@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "console/numbered.h"
 #include "console/options.h"
 #include "run/session.h"

@@ -6,7 +6,6 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "base/files.h"
 #include "picture/hdr.h"
 
 bool hand_over_picture(FILE *stream, const char *path, const char *name, uint32_t size[2],

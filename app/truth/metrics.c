@@ -4,7 +4,6 @@
 #include <string.h>
 #include <strings.h>
 
-#include "base/files.h"
 #include "console/numbered.h"
 #include "console/options.h"
 #include "scenes/image.h"

@@ -1,8 +1,6 @@
 /* Virtual point lights by exact rays; see vpls.h. */
 #include "truth/vpls.h"
 
-#include <stdlib.h>
-
 #include "base/log.h"
 #include "base/npy.h"
 

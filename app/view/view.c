@@ -11,7 +11,6 @@
 #include "base/files.h"
 #include "scenes/motion.h"
 #include "spec/inputs.h"
-#include "run/camera.h"
 
 /* ---- Opening --------------------------------------------------------------------------------- */
 

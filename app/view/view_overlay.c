@@ -6,7 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "base/files.h"
 #include "console/spread.h"
 #include "picture/texels.h"
 #include "scenes/motion.h"

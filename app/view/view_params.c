@@ -7,7 +7,6 @@
 
 #include "base/text.h"
 #include "result/live.h"
-#include "picture/texels.h"
 
 static bool is_edited(const struct overlay_param *param)
 {

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "result/live.h"
-#include "picture/texels.h"
 #include "spec/inputs.h"
 
 void view_set_live(struct view *view, const struct dt_param *param, const double values[4])

@@ -1,11 +1,9 @@
 /* Names: each is declared once, none is reserved in GLSL, C or the generated code, and every
  * reference is resolved. */
 #include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "checks.h"
-#include "formats.h"
 #include "read/table.h"
 
 /* ---- Reserved names -------------------------------------------------------------------------- */

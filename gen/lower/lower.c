@@ -18,7 +18,6 @@
 #include <spirv/unified1/spirv.h>
 #include <string.h>
 
-#include "model/expr.h"
 #include "plan/plan.h"
 #include "spirv/passes.h"
 

@@ -9,7 +9,6 @@
 #include <string.h>
 
 #include "model/expr.h"
-#include "plan.h"
 
 struct sanitize_sites {
     pthread_mutex_t lock;       /* of what follows */

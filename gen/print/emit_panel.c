@@ -1,6 +1,5 @@
 /* NAME.c, the panel for all backends: the reflection (emit_pipeline.c), the tables of lower.h, and
  * `record`, a function per pass. */
-#include <inttypes.h>
 #include <stdio.h>
 
 #include "emit_c.h"

@@ -1,6 +1,5 @@
 /* The reflection, first half of NAME.c: sizes, parameters, resources, passes. Printed from the
  * tables of lower.h. */
-#include <inttypes.h>
 #include <string.h>
 
 #include "emit_c.h"

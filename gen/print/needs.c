@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "device_needs.h"
-#include "model/expr.h"
 #include "plan/plan.h"
 
 /* Sources: the profiles VP_KHR_roadmap_2022 and VP_ANDROID_vulkan_profile_2022 of

@@ -1,7 +1,6 @@
 /* Checks maps of the document against the table: known keys, required keys, valid values. Then
  * gives typed access. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "reader.h"

@@ -1,6 +1,5 @@
 /* Instances: each use of a group, and each value of a repeat, becomes a document with a copy of
  * the sections and a scope of names. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "reader.h"

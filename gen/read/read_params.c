@@ -1,7 +1,6 @@
 /* Parameters and constants of a spec. */
 #include <float.h>
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "formats.h"

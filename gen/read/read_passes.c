@@ -1,6 +1,5 @@
 /* Passes of a spec. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "reader.h"

@@ -296,6 +296,13 @@ bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct 
 bool dt_verb_timings(void *runtime, double *pass_ms);
 bool dt_verb_is_lost(void *runtime);
 uint32_t dt_verb_messages(void *runtime);
+/* As members of struct dt_runtime. */
+#define DT_SHARED_VERBS                                                                            \
+    .device_name = dt_verb_device_name, .driver = dt_verb_driver,                                  \
+    .is_software = dt_verb_is_software, .takes_gpu = dt_verb_takes_gpu,                            \
+    .set_scene = dt_verb_set_scene, .create = dt_verb_create, .resize = dt_verb_resize,            \
+    .render = dt_verb_render, .read = dt_verb_read, .write = dt_verb_write,                        \
+    .timings = dt_verb_timings, .is_lost = dt_verb_is_lost, .messages = dt_verb_messages
 
 extern const struct dt_runtime runtime_gl, runtime_vk;
 

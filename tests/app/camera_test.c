@@ -1,7 +1,6 @@
 /* The camera of the window: its movements, and its file after a save. Expected directions are those
  * of a right-handed room; libfyaml reads the file. */
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

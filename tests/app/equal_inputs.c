@@ -2,7 +2,6 @@
  * the same pipeline in fast mode on the exact one's inputs. Writes what the passes left to FOLDER/exact
  * and FOLDER/fast, as `render --dump` does. Exit status 0: written, 2: could not run. Called by
  * exact_fast.py. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -3,7 +3,6 @@
  * With a motion all of its frames, and one behind the last. */
 #include <cjson/cJSON.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "motion.h"
 #include "scene.h"

@@ -1,6 +1,5 @@
 /* Frames of generated pipelines, seen by a table of verbs that takes notes: the order of calls, the
  * resources and layouts of barriers, and the clears of passes that are switched off. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 

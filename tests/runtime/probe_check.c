@@ -1,13 +1,10 @@
 /* Checks the frames of the pipeline in probe.h; expected values follow from its scene and
  * shaders. */
 #include <math.h>
-#include <setjmp.h>
-#include <stdarg.h>
-#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
-#include <cmocka.h>
+#include "tests/lib/unit.h"
 
 #include "probe.h"
 

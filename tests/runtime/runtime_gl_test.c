@@ -3,7 +3,6 @@
 #include <EGL/egl.h>
 #include <dlfcn.h>
 #include <glob.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/wait.h>
