@@ -8,5 +8,5 @@ void main()
     ivec2 p = invocation().xy;
     if (p.x >= size.x || p.y >= size.y)
         return;
-    indirect_store(p, filter_axis(p, size, ivec2(0, 1), tile.y));
+    indirect_store(p, filter_axis(p, irradiance_rows(p).rgb, size, ivec2(0, 1), tile.y));
 }

@@ -16,13 +16,16 @@ Sight sight_of(ClassVpl v, Receiver r)
     return sight(r.x - v.eye, v.tangent, v.bitangent, v.axis, r.middle);
 }
 
+/* What hides an eye is no point: of its squared distance to the receiver, this share is surely free. */
+const float FREE = 0.7;
+
 /* Whether the map of a VPL's eye lets the receiver see it. `seen`: the map's reach in the direction of
  * the receiver. What hides the eye cannot hide a VPL that is nearer to the receiver than this. And it
  * says little about a VPL that is nearer to the receiver than to its eye. */
 bool is_open(ClassVpl v, Receiver r, Sight s, float seen)
 {
     vec3 d = r.x - v.position;
-    float near = visibility_near > 0.0 ? approximate_max(square_to_surface(s, seen), v.near_square) : 0.0;
+    float near = visibility_near > 0.0 ? approximate_max(FREE * square_to_surface(s, seen), v.near_square) : 0.0;
     return is_seen(s, v.tangent, v.bitangent, v.axis, r.n, seen, r.bias) || dot(d, d) < near;
 }
 

@@ -143,17 +143,32 @@ def exp(x):
 # ---- templates/shared/denoise_axis.glsl, denoise_rows.glsl, denoise_columns.glsl ---------------------
 
 
-def filter_axis(params, source, position, normal, axis):
-    """axis: 1 along rows, 0 along columns. filter_axis, and the store as half."""
+def without_outlier(params, source):
+    """without_outlier: the light of each pixel, limited by that of its class around it."""
+    height, width = source.shape[:2]
+    light = source[..., :3].astype(F)
+    total = light[..., 0] + light[..., 1] + light[..., 2]
+    brightest = np.zeros((height, width), F)
+    wide, high = params["tile"]
+    for y, x in [(y, x) for y in (-high, 0, high) for x in (-wide, 0, wide) if y or x]:
+        beside = total[np.clip(np.arange(height) + y, 0, height - 1)][:, np.clip(np.arange(width) + x, 0, width - 1)]
+        brightest = maximum(brightest, beside)
+    limit = F(params["denoise_outlier"]) * brightest
+    limited = light * (limit * reciprocal_close(np.where(total > 0, total, F(1))))[..., None]
+    return np.where(((limit > 0) & (total > limit))[..., None], limited, light)
+
+
+def filter_axis(params, source, position, normal, axis, own):
+    """axis: 1 along rows, 0 along columns; own: light of the pixel itself. filter_axis, and the store as half."""
     centre, n = position, normal[..., :3].astype(F)
     radius = max(params["denoise_radius"] * params["tile"][1 - axis], 1)
     length = source.shape[axis]
     place = np.arange(length).reshape((1, -1) if axis else (-1, 1))
     inverse_depth = reciprocal_close(F(params["denoise_plane"]) * maximum(centre[..., 3], F(1e-12)))
     inverse_normal = reciprocal_close(F(1) - F(params["denoise_normal"]))
-    total = np.zeros(source.shape[:2] + (3,), F)
-    weights = np.zeros(source.shape[:2], F)
-    for i in range(1 - radius, radius):
+    weights = np.where(centre[..., 3] > 0, F(radius), F(0))
+    total = own * weights[..., None]
+    for i in (i for i in range(1 - radius, radius) if i):
         inside = (place + i >= 0) & (place + i < length)
         q = np.clip(np.arange(length) + i, 0, length - 1)
         x, nq, light = (array.take(q, axis) for array in (position, n, source[..., :3].astype(F)))
@@ -169,8 +184,9 @@ def filter_axis(params, source, position, normal, axis):
 
 def denoise(params, left):
     guides = left["gbuffer_position"], left["gbuffer_normal"]
-    yield "denoise_rows", "irradiance_rows", filter_axis(params, left["irradiance"], *guides, 1)
-    yield "denoise_columns", "indirect", filter_axis(params, left["irradiance_rows"], *guides, 0)
+    light, rows = left["irradiance"], left["irradiance_rows"]
+    yield "denoise_rows", "irradiance_rows", filter_axis(params, light, *guides, 1, without_outlier(params, light))
+    yield "denoise_columns", "indirect", filter_axis(params, rows, *guides, 0, rows[..., :3].astype(F))
 
 
 # ---- templates/shared/luminance_tiles.glsl, luminance_mean.glsl, tonemap.glsl ------------------------

@@ -122,7 +122,7 @@ class Draw:
                 if self.one_in(2):
                     self.word("filter", f"samplers.{name}.{key}", "sampler", key)
         for name in self.tree.get("metrics", {}):
-            if self.one_in(2):
+            if self.one_in(2) or not self.specs.kinds["metric"]:  # few specs have one
                 self.word("metric", f"metrics.{name}.normal_term", "metric", "normal_term")
                 self.add("metric", f"metrics.{name}.scale", f"{self.random.uniform(0.1, 10):.1f}")
         for entry in self.tree["passes"]:
