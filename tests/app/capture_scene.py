@@ -153,8 +153,11 @@ class Scene:
             self.cover(fault == "covered")
         blur, tone = self.programs[{"shader": 1, "rows": 2}.get(fault, 0)]
         soft = self.soft.get(fault, self.soft[""])
+        gl.glBlendFuncSeparate(1, 1, 1, 0)
         for program, frame, read in ((blur, soft, self.scene), (tone, self.again, soft), (tone, (0, 0), soft)):
             if fault != "pass" or frame != self.again:
+                switch(BLEND, on=fault == "alpha" and frame == soft)
+                read = self.scene if fault == "read" and frame == self.again else read
                 use(program, frame[0], read[1], radius=2.0, iTime=0.49 if fault == "clock" else 0.22, exposure=1.25 if fault == "uniform" else 1.0)
                 gl.glDrawArrays(4, 0, 3)
 

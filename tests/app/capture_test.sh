@@ -49,7 +49,7 @@ judged() { # folder of captures, both APIs, "condition|name of the fault"...
 }
 check "a program in OpenGL is captured" captured once.rdc 3 /usr/bin/python3 -B "$scene"
 check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
-    none cull offset uniform clock shader rows vertices channels clear before parts levels cover covered
+    none cull offset uniform clock shader rows vertices channels clear before parts alpha read levels cover covered
 mv gl/*.rdc .
 faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"|cull'
     '"against factor 0, units 0.5: factor and units are swapped" in t|offset'
@@ -59,6 +59,7 @@ faults=('p["agree"] and t == "{}"|once' '"cull: nocull against back" in t and p[
     '"vertex data spot: 1 of 12 numbers differ, by up to 0.1" in t and "vertex data indices: 2 of 6 numbers" in t|vertices'
     '"clampedge/clampedge, channels green/green/blue/alpha" in t|channels' '"clear of colour: (0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|clear'
     '"(0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|before' '"1 against 2 draws" in t and "less against greater (in all draws)" in t|parts'
+    '"alpha add(one, zero)" in t and len(p["captures"]["matched"]) == 4|alpha' '"blurred: the picture of 01_draw_96x96 against that of 00_" in t|read'
     '{"00.still"} <= b and [r["mip"] for r in p["results"] if r["resource"] == "still"] == [0, 1]|levels')
 judged . "OpenGL against OpenGL" "${faults[@]}"
 check "another moment is told before the passes" grep -Pzq 'not the same moment: iTime: 0.22 .*\n.*\npass ' "$work/said"
@@ -209,7 +210,7 @@ for statuses, tries, words in (((-11, 0), 2, ""), ((-9, 0), 1, "signal 9"), ((13
     with mock.patch.object(replays.subprocess, "Popen", return_value=process) as started:
         why = replays.replay(None, False, "replay", "x.rdc", ".", "")
     assert words in why and bool(why) == bool(words) and started.call_count == tries, (statuses, why)
-chains = [{"kind": "mips", "where": "", "draws": 1, "counts": [], "entries": [{"kind": "image", "mip": mip, "width": side >> mip, "height": side >> mip,
+chains = [{"kind": "mips", "where": "", "states": [], "draws": 1, "counts": [], "entries": [{"kind": "image", "mip": mip, "width": side >> mip, "height": side >> mip,
     "layers": 1, "screen": False, "resource": "color0", "file": "", "turned": ""} for mip in range(3)]} for side in (8, 8, 4)]
 empty = Side("", "", "", {"passes": []})
 assert [Matcher(empty, empty).score(*pair)[1] > 0 for pair in (chains[:2], chains[1:])] == [True, False]

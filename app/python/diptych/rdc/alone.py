@@ -120,7 +120,10 @@ class Taken:
             return order
         size = mesh.indexByteStride
         raw = bytes(self.control.GetBufferData(mesh.indexResourceId, mesh.indexByteOffset, mesh.numIndices * size))
-        return np.frombuffer(raw, f"<u{size}")[order].astype(int) + mesh.baseVertex
+        indices = np.frombuffer(raw, f"<u{size}")
+        if self.state.IsRestartEnabled() and self.state.GetRestartIndex() in indices:
+            raise Untold("its indices restart primitives")
+        return indices[order].astype(int) + mesh.baseVertex
 
     def outputs(self) -> dict[Any, int]:
         """Where each output of the vertex shader stands among the words behind the position."""

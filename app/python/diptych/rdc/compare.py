@@ -179,6 +179,7 @@ class Matched:
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
         self.draws: dict[str, list[int]] = {}  # those whose state was compared, and all
+        sources = [self.sources(side, [pair.second if at else pair.first for pair in pairs if pair.both]) for at, side in enumerate(sides)]
         for pair, first, second in self.both():
             for item, other in ((first, second), (second, first)):  # what one side left out is not asked of the other
                 item["entries"] = [entry for entry in item["entries"] if entry["resource"] not in other["left_out"]]
@@ -188,11 +189,22 @@ class Matched:
                 entry["differs"] = entry.get("differs") or other["file"] not in (entry["file"], entry["turned"])
             folders, draws = [side.folder for side in sides], max(first["draws"], second["draws"])
             texts, moved, compared = differ.differences(first, second, pair.turned, folders, sides[0].label != sides[1].label)
+            read = differ.common(sources[0][pair.first], sources[1][pair.second])
+            texts += [f"{name}: the picture of {one} against that of {other}" for name, one, other in read if one != other]
             if first["kind"] == second["kind"] == "draw":
                 self.draws[names[pair.first]] = [compared, draws]
             for into, items in ((self.state, texts), (self.clocks, moved)):
                 if items:
                     into[names[pair.first]] = items
+
+    def sources(self, side: Side, matched: list[int]) -> list[dict[str, str]]:
+        """Of each pass, the textures that it reads and the passes of both sides that they are of, by the first side's name."""
+        found, last = [], {}  # type: list[dict[str, str]], dict[str, str]
+        names = dict(zip(matched, (self.names[pair.first] for pair in self.pairs if pair.both)))
+        for at, item in enumerate(side.passes):
+            found.append({name: last[str(resource)] for name, resource in item["reads"].items() if last.get(str(resource))})
+            last.update({str(entry["id"]): names.get(at, "") for entry in item["entries"]})
+        return found
 
     def both(self) -> Iterator[tuple[Pair, Json, Json]]:
         for pair in self.pairs:

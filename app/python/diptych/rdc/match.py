@@ -10,6 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from .differ import bare
+
 Json = dict[str, Any]
 NEAR = 0.01        # distance of contents that count as equal
 TURNED = 0.02      # least difference of distances that votes for an order of rows
@@ -63,7 +65,7 @@ def add_part(whole: Json, part: Json) -> None:
     whole["where"] = [" to ".join(names)]
     entries = {(entry["id"], entry.get("mip")): entry for item in (whole, part) for entry in item["entries"]}
     whole.update({key: whole[key] + part[key] for key in ("draws", "counts", "states", "inputs", "left_out")},
-                 last=part["last"], shaders=part["shaders"], entries=list(entries.values()))
+                 reads={**whole["reads"], **part["reads"]}, last=part["last"], shaders=part["shaders"], entries=list(entries.values()))
 
 
 @dataclass
@@ -154,6 +156,8 @@ class Matcher:
         score += 0.5 * (first["kind"] == second["kind"]) + sum(0.25 * (first[key] == second[key]) for key in ("draws", "counts"))
         if first["where"] and second["where"]:
             score += 1.0 if first["where"][-1] == second["where"][-1] else -0.5
+        textures = [{bare(name) for state in item["states"] for name in state["samplers"]} for item in (first, second)]
+        score += 1.0 * bool(textures[0] & textures[1])
         if screens[0] != screens[1]:
             score -= 1.5
         elif screens[0]:

@@ -492,6 +492,7 @@ class Frame:
             for resource, last in rdc_state.last_levels(self.control, state, made.kind, self.gl, self.textures):
                 levels[resource] = max(last, levels.get(resource, 0))
         known |= {resource for resource, _ in wanted}
+        reads = {name: resource for resource, name in inputs.items() if resource in known}
         inputs = {resource: name for resource, name in inputs.items() if resource not in known}
         known.update(inputs)
         shaders = [{"stage": stage, "entry": entry, "file": self.keep(code, suffix)}
@@ -500,7 +501,7 @@ class Frame:
                   for action in made.draws]
         return {"index": index, "run": made.run, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
                 "draws": len(made.draws), "counts": counts, "states": states, "chosen": chosen, "shaders": shaders, "left_out": [],
-                "clears": made.clears,
+                "clears": made.clears, "reads": reads,
                 "entries": [{"id": resource, "mip": mip, "slot": slot} for (resource, mip), slot in wanted.items()],
                 "inputs": [{"id": resource, "mip": mip, "slot": name} for resource, name in inputs.items()
                            for mip in range(levels.get(resource, 0) + 1)]}
