@@ -10,7 +10,7 @@ void main()
     ivec3 at = invocation();
     if (any(greaterThanEqual(at.xy, drawn_size())))
         return;
-    int layer = kept_layer(at.z, maps, rounds);
+    int layer = kept_layer(at.z, maps, kept);
     reach_store(ivec3(at.xy, layer), vec4(measured_reach(at, drawn(at).x)));
     if (at.xy != ivec2(0))
         return;

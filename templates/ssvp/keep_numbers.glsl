@@ -6,6 +6,6 @@ void main()
     ivec3 at = invocation();
     if (any(greaterThanEqual(at.xy, drawn_size())))
         return;
-    int layer = kept_layer(at.z, clusters, first_rounds);
+    int layer = kept_layer(at.z, clusters, first_kept);
     kept_numbers_store(ivec3(at.xy, layer), uvec4(drawn(at).x, 0u, 0u, 0u));
 }
