@@ -1,7 +1,7 @@
 /* glslang puts all loose uniforms of OpenGL's GLSL into one block, also textures that are members of structs, which no block
  * may hold. These become variables with joined names: material.diffuse is material_diffuse, lights[1].map lights_1_map. Where an
- * index of an array of structs is no constant, the textures of all become one array, lights_map, which spread.c parts. Numbers
- * that nobody reads stay in their places. */
+ * index of an array of structs is no constant, the textures of all become one array, lights_map, which spread.c parts. The block's
+ * numbers keep their offsets. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
