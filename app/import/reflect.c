@@ -245,7 +245,8 @@ static enum rank rank_of(const struct spirv *module, const uint32_t *variable)
                : spirv_is(type, SpvOpTypeImage) && type[7] == 2 ? IMAGES
                                                                 : RANKS;
     case SpvStorageClassUniform:
-        return spirv_decoration(module, id, SpvDecorationBlock) != UINT32_MAX ? BLOCKS : BUFFERS;
+        return spirv_decoration(module, id, SpvDecorationBufferBlock) != UINT32_MAX ? BUFFERS
+                                                                                    : BLOCKS;
     case SpvStorageClassStorageBuffer:
         return BUFFERS;
     case SpvStorageClassPushConstant:
@@ -417,7 +418,7 @@ bool reflect(const char *text, int stage,
     size_t count = 0;
     *why = NULL;
     *reflection = (struct reflection){0};
-    uint32_t *words = code && spirv_init(true) ? glslang_compile(&job, &count, why) : NULL;
+    uint32_t *words = code && spirv_init(true) ? glsl_compile_whole(&job, &count, why) : NULL;
     bool good = words && reflect_words(words, count, reflection);
     if (good)
         glsl_initials(&job, take_initial, reflection);

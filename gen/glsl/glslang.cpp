@@ -24,12 +24,11 @@ void set_targets(glslang::TShader &shader, EShLanguage stage, const glslang_job 
     if (job.opengl) {
         shader.setEnvInput(glslang::EShSourceGlsl, stage, glslang::EShClientOpenGL, VERSION_GLSL);
         shader.setEnvClient(glslang::EShClientOpenGL, glslang::EShTargetOpenGL_450);
-        shader.setEnvTarget(glslang::EShTargetSpv, glslang::EShTargetSpv_1_0);
-        return;
+    } else {
+        shader.setEnvInput(job.hlsl ? glslang::EShSourceHlsl : glslang::EShSourceGlsl, stage,
+                           glslang::EShClientVulkan, VERSION_GLSL);
+        shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
     }
-    shader.setEnvInput(job.hlsl ? glslang::EShSourceHlsl : glslang::EShSourceGlsl, stage,
-                       glslang::EShClientVulkan, VERSION_GLSL);
-    shader.setEnvClient(glslang::EShClientVulkan, glslang::EShTargetVulkan_1_3);
     shader.setEnvTarget(glslang::EShTargetSpv, job.minor == 5   ? glslang::EShTargetSpv_1_5
                                                : job.minor == 3 ? glslang::EShTargetSpv_1_3
                                                                 : glslang::EShTargetSpv_1_0);
@@ -79,6 +78,8 @@ const char *const precisions = "precision mediump float;\nprecision mediump int;
 
 /* In front of a shader of Vulkan that is read for OpenGL: words that OpenGL's GLSL does not have. */
 const char *const included = "#extension GL_GOOGLE_include_directive : require\n";
+const char *const with_structs = "#extension GL_GOOGLE_include_directive : require\n"
+                                 "#define VULKAN 100\n";
 const char *const as_opengl = "#extension GL_GOOGLE_include_directive : require\n"
                               "#extension GL_EXT_spirv_intrinsics : enable\n"
                               "#define VULKAN 100\n#define set binding\n"
@@ -120,7 +121,7 @@ void set_text(glslang::TShader &shader, const glslang_job &job, Text &text)
         shader.setStringsWithLengths(text.pieces, text.lengths, 3);
     else
         shader.setStrings(&job.code, 1);
-    shader.setPreamble(job.opengl ? as_opengl : included);
+    shader.setPreamble(job.structs ? with_structs : job.opengl ? as_opengl : included);
     set_targets(shader, stages[job.stage], job);
     if (job.whole) {
         if (!job.opengl)
@@ -179,7 +180,8 @@ try {
         return nullptr;
     }
     program.addShader(&shader);
-    if (!program.link(own) || ((job->opengl || job->hlsl) && !program.mapIO())) {
+    bool places = (job->opengl && !job->structs) || job->hlsl;
+    if (!program.link(own) || (places && !program.mapIO())) {
         *log = strdup(program.getInfoLog());
         return nullptr;
     }

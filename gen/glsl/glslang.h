@@ -25,6 +25,7 @@ struct glslang_job {
                          not */
     bool whole;       /* with declarations of its own, also those of OpenGL's GLSL */
     bool opengl;      /* as OpenGL reads it: uniforms keep their initializers */
+    bool structs;     /* with `opengl`, to be compiled: structs of uniforms keep their textures */
     const char *hlsl; /* the entry point of HLSL; NULL: GLSL */
     const char *name; /* of the file, for OpLine of HLSL */
     /* #include "name" in the file of that number; "": in `code`. False: there is none. */

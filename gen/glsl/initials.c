@@ -140,3 +140,52 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
     }
     spirv_free(&module);
 }
+
+/* Whether textures are in structs of uniforms: glslang 12 leaves them there, 15 makes variables with dots in their names. */
+static bool has_structs(const struct spirv *module)
+{
+    bool found = false;
+    SPIRV_EACH(module, at, module->declarations, module->code)
+    {
+        const uint32_t *i = module->words + at;
+        if (!spirv_is(i, SpvOpVariable) || i[3] != SpvStorageClassUniformConstant)
+            continue;
+        const char *name = spirv_name(module, i[2]);
+        uint32_t type = spirv_element_type(module, spirv_pointee(module, i));
+        found |= spirv_is(spirv_definition(module, type), SpvOpTypeStruct) ||
+                 (name && strchr(name, '.'));
+    }
+    return found;
+}
+
+/* In place: what OpenGL calls otherwise than Vulkan. */
+static void name_as_vulkan(uint32_t *words, size_t count)
+{
+    for (size_t at = SPIRV_HEADER; at < count; at += spirv_length(words + at)) {
+        uint32_t *i = words + at;
+        bool built_in = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn;
+        if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeOriginLowerLeft)
+            i[2] = SpvExecutionModeOriginUpperLeft;
+        if (built_in && i[3] == SpvBuiltInVertexId)
+            i[3] = SpvBuiltInVertexIndex;
+        if (built_in && i[3] == SpvBuiltInInstanceId)
+            i[3] = SpvBuiltInInstanceIndex;
+    }
+}
+
+uint32_t *glsl_compile_whole(const struct glslang_job *job, size_t *count, char **log)
+{
+    struct glslang_job own = *job;
+    struct spirv module = {0};
+    uint32_t *words = glslang_compile(job, count, log);
+    bool found = words && job->whole && spirv_open(&module, words, *count) && has_structs(&module);
+    spirv_free(&module);
+    if (!found)
+        return words;
+    free(words);
+    own.opengl = own.structs = true;
+    words = glslang_compile(&own, count, log);
+    if (words)
+        name_as_vulkan(words, *count);
+    return words;
+}

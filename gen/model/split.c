@@ -1,7 +1,7 @@
-/* glslang puts all loose uniforms of OpenGL's GLSL into one block, also textures that are members of structs, which no block
- * may hold. These become variables with joined names: material.diffuse is material_diffuse, lights[1].map lights_1_map. Where an
- * index of an array of structs is no constant, the textures of all become one array, lights_map, which spread.c parts. The block's
- * numbers keep their offsets. */
+/* Textures that are members of structs of uniforms, which Vulkan does not have (glsl_compile_whole() leaves them there), become variables
+ * with joined names: material.diffuse is material_diffuse, lights[1].map lights_1_map. Where an index of an array of structs is no
+ * constant, the textures of all become one array, lights_map, which spread.c parts. All other uniforms then become of the class of
+ * blocks. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,8 +50,7 @@ static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name
     const char *own = spirv_variable_name(from, split_variable(from, chain));
     *type = spirv_pointee(from, split_variable(from, chain));
     around[0] = 0;
-    if (strncmp(own, "gl_", 3) != 0) /* a struct of textures alone is no part of the block */
-        length = (size_t)snprintf(name, NAME_SIZE, "%.60s", own);
+    length = (size_t)snprintf(name, NAME_SIZE, "%.60s", own);
     for (uint32_t word = 4; word < spirv_length(chain); word++) {
         const uint32_t *outer = spirv_definition(from, *type);
         const uint32_t *index = spirv_definition(from, chain[word]);
@@ -98,17 +97,18 @@ static uint32_t variable_of(struct splitting *s, const char *name, uint32_t type
     return id;
 }
 
-/* The block's numbers are in a class that holds them, and members that are textures become numbers. */
+/* Numbers are in a class that holds them, and members that are textures become numbers. */
 static void change_types(struct splitting *s)
 {
     struct spirv_words *own = &s->edit.declarations;
     for (size_t at = 0; !s->edit.failed && at < own->count; at += spirv_length(own->data + at)) {
         uint32_t *i = own->data + at;
-        bool pointer = spirv_is(i, SpvOpTypePointer) && i[2] == SpvStorageClassUniformConstant;
-        if (pointer && i[1] < s->from->words[3] && !texture_of(s->from, i[3]))
-            i[2] = SpvStorageClassUniform;
-        if (split_variable(s->from, i))
-            i[3] = SpvStorageClassUniform;
+        bool pointer = spirv_is(i, SpvOpTypePointer) && i[1] < s->from->words[3];
+        bool variable = spirv_is(i, SpvOpVariable) && i[2] < s->from->words[3];
+        uint32_t held = pointer ? i[3] : variable ? spirv_pointee(s->from, i) : 0;
+        uint32_t *class = i + (pointer ? 2 : 3);
+        if (held && *class == SpvStorageClassUniformConstant && !texture_of(s->from, held))
+            *class = SpvStorageClassUniform;
         for (uint32_t word = 2; spirv_is(i, SpvOpTypeStruct) && word < spirv_length(i); word++) {
             const uint32_t *image = texture_of(s->from, i[word]);
             i[word] = image ? image[2] : i[word];

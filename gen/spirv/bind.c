@@ -165,6 +165,10 @@ static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint3
         uint32_t one = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
         uint32_t zero = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
         value = put_typed(binder, SpvOpSelect, type, (uint32_t[]){value, one, zero}, 3);
+    } else if ((vectors || !parts) && spirv_is(spirv_scalar(module, to), SpvOpTypeBool) &&
+               spirv_is(spirv_scalar(module, from), SpvOpTypeInt)) {
+        uint32_t zero = spirv_declare(&binder->edit, SpvOpConstantNull, value_type, NULL, 0);
+        value = put_typed(binder, SpvOpINotEqual, type, (uint32_t[]){value, zero}, 2);
     } else if (type != value_type) { /* numbers of 8 and 16 bits */
         const uint32_t *number = spirv_definition(module, scalar);
         uint32_t whole = spirv_is(number, SpvOpTypeInt) ? SpvOpUConvert + number[3] : 0;

@@ -7,7 +7,7 @@
 #include "plan/plan.h"
 #include "compile.h"
 #include "exact.h"
-#include "glsl/glslang.h"
+#include "glsl/initials.h"
 #include "link.h"
 #include "passes.h"
 #include "prove.h"
@@ -175,7 +175,7 @@ bool spirv_read_text(const struct pass *pass, const struct shader *shader, const
                                     .include = glsl_include,
                                     .user = shader->files};
     size_t count;
-    uint32_t *words = lined.failed || !job.code ? NULL : glslang_compile(&job, &count, log);
+    uint32_t *words = lined.failed || !job.code ? NULL : glsl_compile_whole(&job, &count, log);
     text_free(&lined);
     *module = (struct spirv){0};
     return words && spirv_read(module, words, count) &&

@@ -82,10 +82,10 @@ FRAGMENT = "out vec4 color;\n{} void main() {{ color = {}; }}\n"
 
 STRUCTS = """out vec4 color;
 struct Light { vec3 at; float power; };
-struct Material { sampler2D a; float x; sampler2D b[2]; vec3 y; Light light; float z; };
+struct Material { sampler2D a; float x; bool on; sampler2D b[2]; vec3 y; Light light; float z; };
 uniform Material m;
-uniform float last;
-void main() { color = vec4(m.x, m.y.y, m.light.power, m.z) + last + texture(m.a, vec2(0.5)) + texture(m.b[1], vec2(0.5)); }
+uniform float last; uniform bool lit = true;
+void main() { color = vec4(m.x, m.y.y, m.light.power, m.z) + last + (lit && m.on ? gl_FragCoord.y : 9) + texture(m.a, vec2(0.5)) + texture(m.b[1], vec2(0.5)); }
 """
 
 
@@ -137,8 +137,8 @@ def stages(tap):
     draw(near, STRUCTS, 330)
     put("a.yaml", DRAW.format(files="a.frag").replace("writes: [color]", "writes: [color], reads: [{name: m_a, sampler: s}, {name: m_b_1, sampler: s}]")
         .replace("images: {", "samplers: {s: {kind: filter, filter: nearest, wrap: clamp}}\nimages: {m_a: {format: rgba8, size: [4, 4], history: true}, m_b_1: {format: rgba8, size: [4, 4], history: true}, ") +
-        'values: {m_x: "float(2)", m_y: "vec3(3, 4, 5)", m_light_power: "float(6)", m_z: "float(7)", last: "float(0.5)"}\n')
-    tap.result("textures in structs are textures, the rest of the struct numbers", agrees([2.5, 4.5, 6.5, 7.5]))
+        'values: {m_on: "uint(1u)", m_x: "float(2)", m_y: "vec3(3, 4, 5)", m_light_power: "float(6)", m_z: "float(7)", last: "float(0.5)"}\n')
+    tap.result("textures in structs are textures, the rest of the struct numbers", agrees([3, 5, 7, 8]))
     draw(near, CHOSEN, 330)
     names = ["m_n_c_0", "m_n_c_1", "m_n_c_2", "bare_d_0", "bare_d_1"]
     put("a.yaml", DRAW.format(files="a.frag").replace("writes: [color]", f"writes: [color], reads: [{', '.join(f'{{name: {name}, sampler: s}}' for name in names)}]")
