@@ -237,7 +237,7 @@ static uint32_t components_of(const char *type)
                : 0;
 }
 
-/* Whether `count` elements of the view's bytes are there; takes view, offset and stride. */
+/* Fills bytes, offset and stride; false: the view has no room for `count` elements. */
 static bool find_bytes(struct gltf *gltf, struct gltf_item item, struct layout *layout)
 {
     size_t element = component_bytes(layout->type) * layout->components;
@@ -334,7 +334,7 @@ static bool find_sparse(struct gltf *gltf, struct gltf_item item, const struct l
     return true;
 }
 
-/* Copies elements of the layout to those places of the array; NULL: to the first ones. */
+/* Copies each element to the index that `places` gives; NULL: to its own index. */
 static void place(const struct gltf_array *array, const struct layout *layout,
                   const struct layout *places)
 {

@@ -133,7 +133,7 @@ static float alpha_cutoff(struct gltf *gltf, struct gltf_item material)
     return 0.5f;
 }
 
-/* What the file says, and a material does not take. */
+/* Warns of properties that struct dt_material cannot hold. */
 static void tell_more(struct gltf *gltf, struct gltf_item material, bool has_texture,
                       const char *color_key, const float color[4])
 {
@@ -154,7 +154,7 @@ static void tell_more(struct gltf *gltf, struct gltf_item material, bool has_tex
         gltf_warn(gltf, "`normalTexture` is not supported; vertices have their normals");
 }
 
-/* Light is not negative. */
+/* Reports negative emission, and clears it. */
 static void check_emission(struct gltf *gltf, struct gltf_item material, float emission[3])
 {
     for (int i = 0; i < 3; i++)

@@ -1,4 +1,4 @@
-/* The table that `compare` prints; see compare.h. */
+/* What `compare` prints of a spec's pair: devices, table (result/sheet.c draws it), outcome and verdict; see compare.h. */
 #include <cjson/cJSON.h>
 #include <stdio.h>
 

@@ -17,50 +17,51 @@ static bool has_fill(const uint8_t *bytes, uint32_t size, int fill)
 /* ---- The sentence ---------------------------------------------------------------------------- */
 
 /* What differs: the first element and number, and how many elements. */
-struct traces {
+struct fill_differences {
     uint64_t element, elements;
     const struct component *component;
     bool written; /* the number is not the fill itself */
 };
 
-static struct traces find_traces(const struct component *list, uint32_t count, uint32_t stride,
-                                 const struct dt_bytes copies[2])
+static struct fill_differences find_fill_differences(const struct component *list, uint32_t count,
+                                                     uint32_t stride,
+                                                     const struct dt_bytes copies[2])
 {
-    struct traces traces = {0};
+    struct fill_differences found = {0};
     for (size_t at = 0; at < copies[0].size && at < copies[1].size; at += stride) {
         bool differs = false;
         for (uint32_t c = 0; c < count && !differs; c++) {
             const uint8_t *a = copies[0].data + at + list[c].offset,
                           *b = copies[1].data + at + list[c].offset;
             differs = number_bits(list[c].kind, a) != number_bits(list[c].kind, b);
-            if (!differs || traces.elements)
+            if (!differs || found.elements)
                 continue;
             uint32_t size = number_size(list[c].kind);
-            traces.element = at / stride;
-            traces.component = &list[c];
-            traces.written = !has_fill(a, size, POISON_FIRST) || !has_fill(b, size, POISON_OTHERS);
+            found.element = at / stride;
+            found.component = &list[c];
+            found.written = !has_fill(a, size, POISON_FIRST) || !has_fill(b, size, POISON_OTHERS);
         }
-        traces.elements += differs;
+        found.elements += differs;
     }
-    return traces;
+    return found;
 }
 
 static char *sentence(const struct row *row, const struct dt_resource *resource,
-                      const uint32_t extent[3], const struct traces *traces)
+                      const uint32_t extent[3], const struct fill_differences *found)
 {
-    const char *part = traces->component->name;
-    char *place = element_place(resource, extent, traces->element);
+    const char *part = found->component->name;
+    char *place = element_place(resource, extent, found->element);
     char *thing = !place ? NULL
                   : resource->kind == DT_IMAGE
                       ? format_string("texel %s of `%s`", place, row->name)
                       : format_string("`%s%s%s%s`", row->name, place, *part ? "." : "", part);
-    char *others = traces->elements > 1 ? format_string(", like %llu others",
-                                                        (unsigned long long)(traces->elements - 1))
-                                        : strdup("");
+    char *others = found->elements > 1 ? format_string(", like %llu others",
+                                                       (unsigned long long)(found->elements - 1))
+                                       : strdup("");
     char *text = thing && others
                      ? format_string("%s %s in this frame%s", thing,
-                                     traces->written ? "depends on memory that was never written"
-                                                     : "was never written",
+                                     found->written ? "depends on memory that was never written"
+                                                    : "was never written",
                                      others)
                      : NULL;
     free(place);
@@ -77,12 +78,13 @@ bool unwritten_describe(const struct row *row, const struct dt_resource *resourc
     *text = NULL;
     if (!count)
         return false;
-    struct traces traces = find_traces(list, count, resource_stride(resource), copies);
-    if (traces.elements)
-        *text = sentence(row, resource, copies[0].extent, &traces);
-    *surely = !traces.written;
+    struct fill_differences found =
+        find_fill_differences(list, count, resource_stride(resource), copies);
+    if (found.elements)
+        *text = sentence(row, resource, copies[0].extent, &found);
+    *surely = !found.written;
     free(list);
-    return *text || !traces.elements;
+    return *text || !found.elements;
 }
 
 /* ---- Two runs -------------------------------------------------------------------------------- */
@@ -121,7 +123,7 @@ static bool run(struct runs *runs, int index, int fill)
            worker_read(worker, runs->row->resource, runs->row->mip, &runs->copies[index]);
 }
 
-/* Whether what the first fill gave comes again: else a race makes the difference. */
+/* Whether a second run with the first fill gives the same bytes; if not, a race causes the difference. */
 static bool repeats(struct runs *runs, bool *same)
 {
     const struct dt_bytes copies[2] = {runs->copies[0], runs->copies[2]};

@@ -16,7 +16,7 @@ enum { MAX_GPUS = 16 };
 
 struct costing {
     struct console *console;
-    struct setup setup; /* with the size of an input */
+    struct setup setup; /* its size is that of --input, if it was not given */
     struct pipeline pipeline;
     struct scene scene;
     cJSON *request;
@@ -66,8 +66,8 @@ static double drawn_pixels(const struct costing *costing, uint32_t pass,
     return work->has_area ? fmin(all, (double)work->area.width * work->area.height) : all;
 }
 
-/* How much each pass runs in one frame, as the plan says. */
-static bool add_invocations(const struct costing *costing)
+/* Adds `work` to each pass: workgroup, pixels and bytes of one frame, by the plan. */
+static void add_work(const struct costing *costing)
 {
     const cJSON *list = cJSON_GetObjectItem(costing->request, "list");
     const struct setup *setup = &costing->setup;
@@ -89,7 +89,6 @@ static bool add_invocations(const struct costing *costing)
         cJSON_AddNumberToObject(work, "bytes", bytes.read + bytes.written);
         pass++;
     }
-    return true;
 }
 
 static bool take_pipeline(struct costing *costing)
@@ -174,11 +173,11 @@ int verb_cost(struct console *console, const struct options *options)
         good = report_error(&console->log,
                             "--gpu and --device: name a chip, or a device that is there");
     good = good && check_gpus(names, &console->log) && (device || cost_has_radv(&console->log)) &&
-           take_pipeline(&costing) && add_invocations(&costing) &&
-           ask(&costing, device,
-               device  ? ""
-               : names ? names
-                       : "navi21");
+           take_pipeline(&costing);
+    if (good) {
+        add_work(&costing);
+        good = ask(&costing, device, device ? "" : names ? names : "navi21");
+    }
     return finish(&costing, good, "cost", EXIT_USAGE);
 }
 

@@ -137,7 +137,7 @@ static struct range find_range(const float *numbers, size_t count, bool depth)
 static float map_number(const struct dt_resource *resource, struct range range, float value)
 {
     enum number_kind kind = format_info(resource->format)->kind;
-    if (number_one(kind) && kind != NUMBER_SNORM16)
+    if (number_one(kind) && !number_is_snorm(kind))
         return value;
     if (resource->format == DT_FORMAT_D32F)
         return range.most > range.least ? (value - range.least) / (range.most - range.least)

@@ -73,7 +73,7 @@ bool number_is_signed(enum number_kind kind)
 
 uint32_t number_one(enum number_kind kind)
 {
-    if (kind == NUMBER_SNORM16)
+    if (number_is_snorm(kind))
         return INT16_MAX;
     bool unorm = kind <= NUMBER_UNORM24 || (kind >= NUMBER_R10 && kind <= NUMBER_A2);
     return unorm ? (1u << numbers[kind].width) - 1 : 0;

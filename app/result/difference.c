@@ -97,7 +97,7 @@ static double measure_number(enum dt_contract_kind contract, enum number_kind ki
     double apart = fabs(values[0] - values[1]);
     double size = fmax(fabs(values[0]), fabs(values[1]));
     double codes = fabs((double)bits[0] - (double)bits[1]);
-    if (kind == NUMBER_SNORM16)
+    if (number_is_snorm(kind))
         codes = fabs((double)(int16_t)bits[0] - (double)(int16_t)bits[1]);
     if (number_one(kind)) /* rounded once, so that 5 codes are no more than 5/255 */
         apart = codes / number_one(kind);

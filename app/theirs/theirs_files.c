@@ -22,7 +22,7 @@ void their_store(enum number_kind kind, double value, uint8_t *place)
         number_set_bits(kind, isnan(value) ? 0x7e00 : value < 0 ? 0xfc00 : 0x7c00, place);
     } else {
         uint32_t one = number_one(kind);
-        double least = kind == NUMBER_SNORM16 ? -1 : 0;
+        double least = number_is_snorm(kind) ? -1 : 0;
         if (one)
             value = fmin(fmax(value, least), 1); /* NaN: the least */
         if (!number_store(kind, value, place))

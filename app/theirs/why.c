@@ -26,15 +26,17 @@ static cJSON *extent_json(const uint32_t extent[3])
     return cJSON_CreateIntArray(numbers, 3);
 }
 
-/* why.py has the kinds of numbers in the order of their enum. */
+/* Kind and offset of each. */
 static cJSON *components_json(const struct dt_resource *resource)
 {
     struct component *list = NULL;
     uint32_t count = resource_components(resource, &list);
     cJSON *root = cJSON_CreateArray();
     for (uint32_t i = 0; i < count; i++) {
-        const int numbers[2] = {(int)list[i].kind, (int)list[i].offset};
-        cJSON_AddItemToArray(root, cJSON_CreateIntArray(numbers, 2));
+        cJSON *item = cJSON_CreateObject();
+        cJSON_AddStringToObject(item, "kind", number_kind_name(list[i].kind));
+        cJSON_AddNumberToObject(item, "offset", list[i].offset);
+        cJSON_AddItemToArray(root, item);
     }
     free(list);
     return root;

@@ -1,5 +1,5 @@
 /* The order of execution: finds the dependencies between passes, then sorts them topologically and
- * stably. */
+ * stably. Reports cycles, writers without an order, and reads before any write. */
 #include <string.h>
 
 #include "plan.h"

@@ -1,7 +1,8 @@
 /* --sanitize=content: values from memory that nothing has written, where they reach a store, a condition or an index. Each value
  * that may come from such memory has a mark beside it (templates/glsl/shadow.glsl): uint for each scalar, in the same vectors,
  * arrays and structs. What computes with values takes the greatest of their marks; variables, parameters and results of
- * functions have variables of marks. A first search finds which may have any: the others cost nothing. */
+ * functions have variables of marks. A first search finds which may have any: the others cost nothing. This is the shadow
+ * propagation of MemorySanitizer. */
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
@@ -21,7 +22,7 @@ struct marked {      /* of an id */
 
 struct content {
     struct marked *ids;
-    struct spirv_words sites; /* by number - 2: 0 and 1 are no marks */
+    struct spirv_words sites; /* by number - 2; 0: written, 1: not used */
     bool merges;              /* a selection begins: the branch is next */
 };
 enum { FIRST_NUMBER = 2, LAST_NUMBER = 1023 };
@@ -145,7 +146,7 @@ static bool is_read(struct sanitizer *s, uint32_t id)
     return of->reads > 0;
 }
 
-static bool set(struct sanitizer *s, uint32_t id, bool may)
+static bool set_may(struct sanitizer *s, uint32_t id, bool may)
 {
     bool changed = may && !s->content->ids[id].may;
     s->content->ids[id].may |= may;
@@ -157,17 +158,17 @@ static bool may_be(const struct sanitizer *s, uint32_t id)
     return s->content->ids[id].may;
 }
 
-static bool find_call(struct sanitizer *s, const uint32_t *call)
+static bool propagate_call(struct sanitizer *s, const uint32_t *call)
 {
-    bool changed = set(s, call[2], may_be(s, call[3]));
+    bool changed = set_may(s, call[2], may_be(s, call[3]));
     for (uint32_t word = 4; word < spirv_length(call); word++) {
         uint32_t parameter = spirv_parameter(s->from, call[3], word - 4)[2];
         uint32_t argument = memory_base(s->from, call[word]);
         if (!is_local(s->from, parameter))
             argument = call[word];
         else
-            changed |= set(s, argument, may_be(s, parameter));
-        changed |= set(s, parameter, may_be(s, argument));
+            changed |= set_may(s, argument, may_be(s, parameter));
+        changed |= set_may(s, parameter, may_be(s, argument));
     }
     return changed;
 }
@@ -182,26 +183,27 @@ static bool any_operand(const struct sanitizer *s, const uint32_t *i)
     return false;
 }
 
-static bool find_one(struct sanitizer *s, uint32_t function, const uint32_t *i)
+static bool propagate_one(struct sanitizer *s, uint32_t function, const uint32_t *i)
 {
     bool stores;
     uint32_t result = spirv_result(i), base, pointer = memory_stored(s, i);
     if (pointer) {
-        bool changed = result && set(s, result, may_be(s, i[5]));
+        bool changed = result && set_may(s, result, may_be(s, i[5]));
         base = memory_base(s->from, pointer);
-        return (is_local(s->from, base) && set(s, base, may_be(s, i[result ? 5 : 2]))) || changed;
+        return (is_local(s->from, base) && set_may(s, base, may_be(s, i[result ? 5 : 2]))) ||
+               changed;
     }
     switch (spirv_opcode(i)) {
     case SpvOpReturnValue:
-        return set(s, function, may_be(s, i[1]));
+        return set_may(s, function, may_be(s, i[1]));
     case SpvOpFunctionCall:
-        return find_call(s, i);
+        return propagate_call(s, i);
     case SpvOpLoad:
         base = memory_base(s->from, i[3]);
-        return set(s, result, is_local(s->from, base) ? may_be(s, base) : is_read(s, i[3]));
+        return set_may(s, result, is_local(s->from, base) ? may_be(s, base) : is_read(s, i[3]));
     case SpvOpImageRead:
     case SpvOpImageFetch:
-        return set(s, result, is_read(s, i[3]));
+        return set_may(s, result, is_read(s, i[3]));
     case SpvOpAccessChain:
     case SpvOpVariable:
     case SpvOpArrayLength:
@@ -213,12 +215,12 @@ static bool find_one(struct sanitizer *s, uint32_t function, const uint32_t *i)
         if (!result || spirv_result_word(i) < 2)
             return false;
         if (memory_is_atomic(i, &stores))
-            return set(s, result, is_read(s, i[3]));
-        return set(s, result, any_operand(s, i));
+            return set_may(s, result, is_read(s, i[3]));
+        return set_may(s, result, any_operand(s, i));
     }
 }
 
-static void find_all(struct sanitizer *s)
+static void propagate_all(struct sanitizer *s)
 {
     const struct spirv *from = s->from;
     for (bool changed = true; changed;) {
@@ -227,7 +229,7 @@ static void find_all(struct sanitizer *s)
             if (sanitizer_is_check(from, &from->functions[f]))
                 continue;
             SPIRV_EACH(from, at, from->functions[f].begin, from->functions[f].end)
-            changed |= find_one(s, from->functions[f].id, from->words + at);
+            changed |= propagate_one(s, from->functions[f].id, from->words + at);
         }
     }
 }
@@ -240,7 +242,7 @@ bool content_begin(struct sanitizer *s)
         return false;
     s->content->ids = ids;
     if (is_on(s))
-        find_all(s);
+        propagate_all(s);
     return true;
 }
 
@@ -304,7 +306,7 @@ static void put_use(struct sanitizer *s, uint32_t id)
 
 /* ---- Reads and stores ------------------------------------------------------------------------ */
 
-/* word: in the author's text, if it is not the memory's name. */
+/* word: in the author's text, if it is not the memory's name. Reads beyond LAST_NUMBER share the last site. */
 static uint32_t add_number(struct sanitizer *s, const struct memory *memory, const char *word)
 {
     struct spirv_words *sites = &s->content->sites;
@@ -313,7 +315,9 @@ static uint32_t add_number(struct sanitizer *s, const struct memory *memory, con
         return LAST_NUMBER;
     memory_name(s, memory, &site);
     bool frame = memory->access && !memory->access->resource->history;
-    snprintf(site.text, sizeof site.text, "@0e was never written%s", frame ? " in this frame" : "");
+    snprintf(site.text, sizeof site.text, "@0e was never written%s%s",
+             frame ? " in this frame" : "",
+             sites->count == LAST_NUMBER - FIRST_NUMBER ? ", or what a later read gave" : "");
     if (word)
         snprintf(site.name, sizeof site.name, "%s", word);
     s->kind = SANITIZE_CONTENT;

@@ -5,27 +5,43 @@
 
 #include "diptych.h"
 
+/* The kinds of numbers; KINDS of app/python/diptych/why.py has them by name. */
+#define NUMBER_KINDS(KIND)                                                                         \
+    KIND(UNORM8, "unorm8")                                                                         \
+    KIND(UNORM16, "unorm16")                                                                       \
+    KIND(UNORM24, "unorm24") /* depth, in the low bits; the last unorm that is not packed */       \
+    KIND(SNORM16, "snorm16")                                                                       \
+    KIND(HALF, "half") /* floats from here */                                                      \
+    KIND(FLOAT, "float")                                                                           \
+    KIND(R11F, "r11f") /* packed into 32 bits from here: floats without a sign, */                 \
+    KIND(G11F, "g11f")                                                                             \
+    KIND(B10F, "b10f") /* the last float, */                                                       \
+    KIND(R10, "r10")   /* and unorm */                                                             \
+    KIND(G10, "g10")                                                                               \
+    KIND(B10, "b10")                                                                               \
+    KIND(A2, "a2")                                                                                 \
+    KIND(UINT, "uint") /* integers from here on; of 32 bits without a number */                    \
+    KIND(INT, "int")                                                                               \
+    KIND(UINT8, "uint8")                                                                           \
+    KIND(INT8, "int8")                                                                             \
+    KIND(UINT16, "uint16")                                                                         \
+    KIND(INT16, "int16")
+
 enum number_kind {
-    NUMBER_UNORM8,
-    NUMBER_UNORM16,
-    NUMBER_UNORM24, /* depth, in the low bits of four bytes; the last unorm that is not packed */
-    NUMBER_SNORM16,
-    NUMBER_HALF, /* floats from here */
-    NUMBER_FLOAT,
-    NUMBER_R11F, /* packed into 32 bits from here: floats without a sign, */
-    NUMBER_G11F,
-    NUMBER_B10F, /* the last float */
-    NUMBER_R10,  /* and unorm */
-    NUMBER_G10,
-    NUMBER_B10,
-    NUMBER_A2,
-    NUMBER_UINT, /* integers from here on; of 32 bits without a number */
-    NUMBER_INT,
-    NUMBER_UINT8,
-    NUMBER_INT8,
-    NUMBER_UINT16,
-    NUMBER_INT16
+#define NUMBER_ENUMERATOR(KIND, name) NUMBER_##KIND,
+    NUMBER_KINDS(NUMBER_ENUMERATOR)
+#undef NUMBER_ENUMERATOR
 };
+
+static inline const char *number_kind_name(enum number_kind kind)
+{
+    static const char *const names[] = {
+#define NUMBER_NAME(KIND, name) name,
+        NUMBER_KINDS(NUMBER_NAME)
+#undef NUMBER_NAME
+    };
+    return names[kind];
+}
 
 /* Formats of dumps alone: no spec and no backend makes them. Values of enum dt_format. */
 enum { FORMAT_D16 = DT_FORMAT_COUNT, FORMAT_D24, FORMAT_ALL };
@@ -59,6 +75,11 @@ static inline bool number_is_integer(enum number_kind kind)
 static inline bool number_is_signed_integer(enum number_kind kind)
 {
     return kind == NUMBER_INT || kind == NUMBER_INT8 || kind == NUMBER_INT16;
+}
+
+static inline bool number_is_snorm(enum number_kind kind)
+{
+    return kind == NUMBER_SNORM16;
 }
 
 static inline bool number_is_packed(enum number_kind kind)

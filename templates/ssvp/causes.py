@@ -1,4 +1,5 @@
-"""Where the error of indirect light comes from: pictures that idealize one step after the other, against a path-traced reference.
+"""Splits the error of indirect light by cause: each picture replaces one more approximation by its exact form. Errors are against a
+path-traced reference.
 
 usage: /usr/bin/python3 templates/ssvp/causes.py BUILD SCENE.yaml REFERENCE.exr
 
@@ -40,7 +41,7 @@ def errors(build: str, reference: str, test: str, *words: str) -> dict:
 
 
 def render(*sets: str) -> None:
-    """Frame 16 with these parameters."""
+    """Renders frame 16 with these parameters into a.exr."""
     given = [word for value in sets for word in ("--set", value)]
     run(build, "render", "--spec", spec, "--scene", scene, "--backend", "vk", *SIZE, "--frames", "16", "--show", "indirect", *given, "-o",
         "a.exr")

@@ -15,6 +15,7 @@ from typing import Any, Iterator
 
 from . import page, plots
 from .console import Console, write
+from .metrics import TITLES
 from .workflow import NO_SCENE, Scene, Workflow, plain
 
 MOST_POINTS = 100000
@@ -32,10 +33,9 @@ class Number:
 
 
 # The headlines, which stand in tables and plots, come first. Names and titles are those of metrics.py.
-HEADLINES = [Number("relative_mse", "relative MSE", "hdr.relative_mse"), Number("smape", "SMAPE", "hdr.smape"),
-             Number("flip", "FLIP", "ldr.flip.mean"), Number("ratio", "mean / reference", "hdr.ratio"),
-             Number("darker", "darker than 1/5", "hdr.darker", True),
-             Number("brighter", "brighter than 5 times", "hdr.brighter", True)]
+HEADLINES = [Number(name, TITLES[name], path, path in ("hdr.darker", "hdr.brighter")) for name, path in (
+    ("relative_mse", "hdr.relative_mse"), ("smape", "hdr.smape"), ("flip", "ldr.flip.mean"), ("ratio", "hdr.ratio"),
+    ("darker", "hdr.darker"), ("brighter", "hdr.brighter"))]
 NUMBERS = HEADLINES + [Number(name, name, path) for name, path in (
     ("rmse", "hdr.rmse"), ("psnr", "ldr.psnr"), ("mean_absolute", "hdr.mean_absolute"), ("mean_test", "hdr.mean_test"),
     ("mean_reference", "hdr.mean_reference"))]

@@ -24,14 +24,14 @@ NAME_BITS, NUMBER_BITS, DOUBT_BITS = 9, 20, 16  # of a fault's name, of a number
 BEYOND = 50  # times the range: errors that are larger, and NaN
 FLOATS = {"float": (23, -126, 64), "half": (10, -14, 8), "b10f": (5, -14, 4)}  # bits of fraction, least exponent, ulp of noise
 OTHER_FLOATS = 6, -14, 4
-KINDS: dict[str, tuple[str, int, int, int]] = {  # type of the bytes, shift, bits, code of 1.0
+KINDS: dict[str, tuple[str, int, int, int]] = {  # of formats.h: type of the bytes, shift, bits, code of 1.0
     "unorm8": ("<u1", 0, 8, 255), "unorm16": ("<u2", 0, 16, 65535), "unorm24": ("<u4", 0, 24, (1 << 24) - 1),
     "snorm16": ("<i2", 0, 16, 32767),
     "half": ("<f2", 0, 16, 0), "float": ("<f4", 0, 32, 0), "r11f": ("<u4", 0, 11, 0), "g11f": ("<u4", 11, 11, 0),
     "b10f": ("<u4", 22, 10, 0),
     "r10": ("<u4", 0, 10, 1023), "g10": ("<u4", 10, 10, 1023), "b10": ("<u4", 20, 10, 1023), "a2": ("<u4", 30, 2, 3),
     "uint": ("<u4", 0, 32, 0), "int": ("<i4", 0, 32, 0),
-    "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}  # as enum number_kind
+    "uint8": ("<u1", 0, 8, 0), "int8": ("<i1", 0, 8, 0), "uint16": ("<u2", 0, 16, 0), "int16": ("<i2", 0, 16, 0)}
 
 Chosen = tuple[Fault, tuple[Any, ...]]  # a fault and its parameters
 Side = tuple[int, int]  # from and to
@@ -879,13 +879,12 @@ def ask(request: dict[str, Any], raws: list[Array], relatives: dict[tuple[int, i
 
 def main(console: Console, request: dict[str, Any]) -> tuple[int, dict[str, Any]]:
     """All content is in one file."""
-    content, answers, kinds = np.memmap(request["content"], np.uint8, "r"), [], list(KINDS)
+    content, answers = np.memmap(request["content"], np.uint8, "r"), []
 
     def taken(place: list[int]) -> Array:
         return content[place[0]:place[0] + place[1]]
 
     for question in request["questions"]:
-        question["components"] = [{"kind": kinds[kind], "offset": offset} for kind, offset in question["components"]]
         relatives = {(item["side"], item["which"]): (taken(item["file"]), item["extent"]) for item in question["relatives"]}
         edges = taken(question["edges"]) > 0 if "edges" in question else None
         answers.append(ask(question, [taken(place) for place in question["files"]], relatives, edges))

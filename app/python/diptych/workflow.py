@@ -76,7 +76,7 @@ class Workflow:
     # ---- Preparing -------------------------------------------------------------------------------
 
     def needs_programs(self, modules: Iterable[str]) -> None:
-        """Asked before hours of work."""
+        """Called first: a program that is missing must not show after hours."""
         if not shutil.which("snakemake"):
             self.console.fail("snakemake: cannot be started: No such file or directory; install the package snakemake")
         for module in modules:
@@ -116,6 +116,8 @@ class Workflow:
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "told.json")
             status = subprocess.run([*words, "--json", path], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, check=False)
+            if not os.path.exists(path):
+                self.console.fail(f"{shlex.join(words)}: ended with status {status.returncode}")
             with open(path, encoding="utf-8") as file:
                 told = json.load(file)
         self.console.errors += told["errors"]
@@ -176,9 +178,9 @@ class Workflow:
         file = f"{name}.{rule or verb}.json"
         if file in self.runs:
             self.console.fail(f"two runs would write {file}; give pictures and values different names")
-        traced = verb in ("reference", "metrics", "flicker")  # these read no spec
+        reads_spec = verb not in ("reference", "metrics", "flicker")
         inputs = [self.program, scene.path, scene.mesh, *needs]
-        if not traced:
+        if reads_spec:
             inputs += [*self.spec_files, *(os.path.abspath(i.split("=", 1)[1]) for i in self.request.get("input", []))]
         for path in [self.folder, *filter(None, inputs)]:
             if re.search(r"[{}\n]", path):
