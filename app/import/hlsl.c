@@ -11,6 +11,7 @@
 #include "import/reflect.h"
 #include "base/text.h"
 #include "gen/glsl/glslang.h"
+#include "gen/model/foreign.h"
 #include "gen/model/leaves.h"
 #include "gen/model/module.h"
 #include "gen/model/spirv_check.h"
@@ -296,6 +297,63 @@ static void put_offsets(struct spirv_edit *edit)
     }
 }
 
+/* ---- Demotion -------------------------------------------------------------------------------- */
+
+enum { MOST_CONSTRUCTS = 256 };
+
+/* Where an invocation goes on that HLSL discards: behind the innermost construct that it is in; 0: to the function's end. */
+struct constructs {
+    uint32_t ends[MOST_CONSTRUCTS], count, type;
+};
+
+static void follow_constructs(struct constructs *constructs, const uint32_t *i)
+{
+    if (spirv_is(i, SpvOpFunction))
+        *constructs = (struct constructs){.type = i[1]};
+    if ((spirv_is(i, SpvOpSelectionMerge) || spirv_is(i, SpvOpLoopMerge)) &&
+        constructs->count < MOST_CONSTRUCTS)
+        constructs->ends[constructs->count++] = i[1];
+    while (spirv_is(i, SpvOpLabel) && constructs->count &&
+           constructs->ends[constructs->count - 1] == i[1])
+        constructs->count--;
+}
+
+/* HLSL's discard and clip() leave a helper, whose derivatives count; glslang ends the invocation. */
+static void put_demotion(struct spirv_edit *edit, const struct constructs *constructs)
+{
+    const struct spirv *m = edit->from;
+    struct spirv_words *code = &edit->code;
+    uint32_t end = constructs->count ? constructs->ends[constructs->count - 1] : 0;
+    const uint32_t *first = end ? spirv_definition(m, end) + 2 : NULL;
+    spirv_put(edit, code, SpvOpDemoteToHelperInvocation, NULL, 0);
+    if (first && !spirv_is(first, SpvOpUnreachable) && !spirv_is(first, SpvOpPhi))
+        SPIRV_PUT(edit, code, SpvOpBranch, end);
+    else if (spirv_is(spirv_definition(m, constructs->type), SpvOpTypeVoid))
+        spirv_put(edit, code, SpvOpReturn, NULL, 0);
+    else
+        SPIRV_PUT(edit, code, SpvOpReturnValue,
+                  spirv_declare(edit, SpvOpConstantNull, constructs->type, NULL, 0));
+}
+
+/* Says that the module demotes. */
+static void put_capability(struct spirv_edit *edit)
+{
+    static const char name[] = "SPV_EXT_demote_to_helper_invocation";
+    uint32_t words[sizeof name / 4 + 1] = {0};
+    memcpy(words, name, sizeof name);
+    edit->front.count = SPIRV_HEADER;
+    SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityDemoteToHelperInvocation);
+    SPIRV_EACH(edit->from, at, SPIRV_HEADER, edit->failed ? 0 : edit->from->annotations)
+    {
+        const uint32_t *i = edit->from->words + at;
+        if (spirv_is(i, SpvOpExtInstImport))
+            spirv_put(edit, &edit->front, SpvOpExtension, words, sizeof name / 4);
+        spirv_copy(edit, &edit->front, i);
+    }
+}
+
+/* ---------------------------------------------------------------------------------------------- */
+
 static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
                                struct hlsl_links *links, char **why)
 {
@@ -311,8 +369,21 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
     spirv_edit_begin(&edit, &module);
     spirv_edit_annotations(&edit);
     put_offsets(&edit);
+    bool demotes = false;
+    SPIRV_EACH(&module, at, module.code, module.count)
+    demotes |= spirv_is(module.words + at, SpvOpKill);
+    demotes = demotes && stage == REFLECT_FRAGMENT && spirv_can_demote(&module);
+    struct constructs constructs = {0};
+    if (demotes)
+        put_capability(&edit);
     SPIRV_EACH(&module, at, module.code, edit.failed ? 0 : module.count)
-    put_meant(&edit, module.words + at);
+    {
+        follow_constructs(&constructs, module.words + at);
+        if (demotes && spirv_is(module.words + at, SpvOpKill))
+            put_demotion(&edit, &constructs);
+        else
+            put_meant(&edit, module.words + at);
+    }
     if (spirv_edit_end(&edit, &module))
         return spirv_take(&module, count);
     spirv_free(&module);

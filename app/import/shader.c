@@ -61,13 +61,15 @@ static const struct dt_log *making_log(const struct making *making)
 
 /* ---- Files ----------------------------------------------------------------------------------- */
 
-/* The stage by the name's ending, before .glsl, .hlsl or .spv; -1: none. */
+/* The stage by the name's ending, before .glsl, .hlsl or .spv; -1: none. fillCS.hlsl and fill_cs.hlsl are names of HLSL. */
 static int stage_of(const char *path)
 {
-    static const char *const endings[][2] = {{".comp", ".cs"}, {".vert", ".vs"}, {".frag", ".fs"}};
+    static const char *const endings[][4] = {{".comp", ".cs", "CS.hlsl", "_cs.hlsl"},
+                                             {".vert", ".vs", "VS.hlsl", "_vs.hlsl"},
+                                             {".frag", ".fs", "PS.hlsl", "_ps.hlsl"}};
     const char *slash = strrchr(path, '/');
     for (int stage = 0; stage < 3; stage++)
-        for (int i = 0; i < 2; i++)
+        for (int i = 0; i < 4; i++)
             for (const char *at = slash ? slash : path; (at = strstr(at, endings[stage][i])); at++)
                 if (strchr(".", at[strlen(endings[stage][i])]))
                     return stage;

@@ -522,7 +522,8 @@ uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
 uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
 {
     struct spirv module;
-    bool good = spirv_open(&module, words, *count) && spirv_lower_memory(&module);
+    bool good =
+        spirv_open(&module, words, *count) && spirv_lower_memory(&module) && spirv_demote(&module);
     if (good && !has_lines(&module))
         good = add_lines(&module, path);
     good = good && spirv_reread(&module, SPIRV_FLATTEN);

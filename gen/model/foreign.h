@@ -26,6 +26,11 @@ bool spirv_choose_entry(struct spirv *module, uint32_t model);
 
 /* memory.c, for texts as well: Vulkan's memory model becomes GLSL's. False: out of memory. */
 bool spirv_lower_memory(struct spirv *module);
+/* demote.c, likewise: demoted invocations are marked, and discarded at the end; where one could write a buffer or an image, the module
+ * stays. False: out of memory. */
+bool spirv_demote(struct spirv *module);
+/* Whether it would do so with a module. */
+bool spirv_can_demote(const struct spirv *module);
 /* Phis become variables, as glslang has them: --sanitize puts branches between blocks. False: out of memory. */
 bool spirv_lower_phis(struct spirv *module);
 

@@ -10,15 +10,20 @@
 #include "foreign.h"
 #include "leaves.h"
 
-enum { MOST_TEXTURES = 32, NAME_SIZE = 256, FIRST_BINDING = 1000 };
+enum { NAME_SIZE = 256, FIRST_BINDING = 1000 };
+
+struct split_texture {
+    uint32_t id; /* new variable */
+    char name[NAME_SIZE];
+};
 
 struct splitting {
     const struct spirv *from;
     struct spirv_edit edit;
-    bool arrays;                        /* a struct of an array is chosen by no constant */
-    uint32_t *known;                    /* by id of a chain: the variable that it leads to */
-    uint32_t count, ids[MOST_TEXTURES]; /* new variables, and their names */
-    char names[MOST_TEXTURES][NAME_SIZE];
+    bool arrays;     /* a struct of an array is chosen by no constant */
+    uint32_t *known; /* by id of a chain: the variable that it leads to */
+    struct split_texture *textures;
+    uint32_t count;
 };
 
 /* The image of a texture or of an array of them; NULL: of another type. */
@@ -74,19 +79,22 @@ static uint32_t lead(const struct splitting *s, const uint32_t *chain, char name
     return 0;
 }
 
-/* The variable of that name, which is new if none has it; 0: there are too many. */
+/* The variable of that name, which is new if none has it; 0: out of memory. */
 static uint32_t variable_of(struct splitting *s, const char *name, uint32_t type)
 {
     struct spirv_edit *edit = &s->edit;
     for (uint32_t i = 0; i < s->count; i++)
-        if (!strcmp(s->names[i], name))
-            return s->ids[i];
-    if (s->count == MOST_TEXTURES)
+        if (!strcmp(s->textures[i].name, name))
+            return s->textures[i].id;
+    struct split_texture *more = realloc(s->textures, (s->count + 1) * sizeof *more);
+    edit->failed |= !more;
+    if (!more)
         return 0;
+    s->textures = more;
     uint32_t pointer = spirv_declare(edit, SpvOpTypePointer, 0,
                                      (uint32_t[]){SpvStorageClassUniformConstant, type}, 2);
-    uint32_t id = s->ids[s->count] = edit->bound++;
-    snprintf(s->names[s->count], NAME_SIZE, "%s", name);
+    uint32_t id = more[s->count].id = edit->bound++;
+    snprintf(more[s->count].name, NAME_SIZE, "%s", name);
     SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, id,
               SpvStorageClassUniformConstant);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationDescriptorSet, 0);
@@ -186,5 +194,6 @@ bool spirv_split(struct spirv *module)
         change_types(&s);
     }
     free(s.known);
+    free(s.textures);
     return spirv_edit_end(&s.edit, module);
 }

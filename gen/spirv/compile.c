@@ -180,7 +180,7 @@ bool spirv_read_text(const struct pass *pass, const struct shader *shader, const
     *module = (struct spirv){0};
     return words && spirv_read(module, words, count) &&
            (!has_notes(module) || spirv_reread(module, SPIRV_FLATTEN)) &&
-           spirv_lower_memory(module);
+           spirv_lower_memory(module) && spirv_demote(module);
 }
 
 /* The author's module; of a whole shader it is joined by the generator's and bound. proving: with lines. */

@@ -84,7 +84,7 @@ case("what a shader reads is a guess", {"a.comp": "#version 450\nlayout(binding 
      "updates: [i]\n    allow: {content: ")
 for shape, words in (("samplerCubeArray", "size: [64, 64], cube: true, layers: 6"), ("sampler1D", "a.frag:2:19: error: `t` is sampler1D, which specs do not have"), ("samplerBuffer", "error: `t` is samplerBuffer")):
     case(f"a {shape}", {"a.frag": fragment(f"uniform {shape} t;", "vec4(textureSize(t" + ", 0" * (shape[7] != "B") + ").x)")}, int("error" in words), words)
-for name, lines in (("demotion of invocations", "GL_EXT_demote_to_helper_invocation : require\nvoid f() { demote; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
+for name, lines in (("demotion of invocations that write", "GL_EXT_demote_to_helper_invocation : require\nbuffer B { float b[]; };\nvoid f() { demote; b[0] = 1; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
                     ("stencil references", "GL_ARB_shader_stencil_export : require\nvoid f() { gl_FragStencilRefARB = 1; }"), ("interlocks", "GL_ARB_fragment_shader_interlock : require\n"
                     "layout(pixel_interlock_ordered) in;\nvoid f() {}"), ("pixel_center_integer", "all : warn\nlayout(pixel_center_integer) in vec4 gl_FragCoord;\nvec4 f() { return gl_FragCoord; }")):
     case(f"what passes have not: {name}", {"a.frag": fragment(f"#extension {lines}").replace("main() {", "main() { f();")}, 1, f"the shader uses {name}, which ")
@@ -182,6 +182,8 @@ case("a buffer of structs has one for each invocation", {"a.comp": "#version 450
      "void main() { s[gl_GlobalInvocationID.x].b = vec4(n); }\n"}, 0, "count: 524288,")
 case("what OpenGL's SPIR-V has not", {"a.comp": "#version 450\n#extension GL_EXT_shared_memory_block : require\nlayout(local_size_x = 4) in;\nlayout(binding = 0) buffer B { uint w[]; };\n"
      "shared S { uint s[]; } s;\nvoid main() { s.s[0] = 1; w[0] = s.s[0]; }\n".replace("s[];", "s[4];")}, 1, "a.comp:5: `shared block` needs a later SPIR-V than OpenGL takes")
+case("more textures in structs than a pass can have", {"a.frag": fragment("struct S { sampler2D t; };\nuniform S s[40];", " + ".join(f"texture(s[{i}].t, vec2(0.5))" for i in range(40)))}, 1,
+     "has 40 textures; a pass can have 16")
 case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
 case("a matrix of integers", {"a.hlsl": "RWStructuredBuffer<int> a;\n[numthreads(1, 1, 1)]\nvoid main() {\n    int2x2 m = 1;\n    a[0] = m[0][0];\n}\n"}, 1,
      "a.hlsl:3:1: error: a matrix of integers or bools, which SPIR-V has not")
@@ -194,6 +196,7 @@ for what, shader, words in (("... by the last function", "struct S { float2 a; }
                              "float of(StructuredBuffer<S> t, RWStructuredBuffer<uint4> u, int i) { u[i] = i; return t[i].b; }\n"
                              "float4 main() : SV_Target { S own = s[1]; return of(s, w, 2) + own.b; }\n", "reads: [s]")):
     case(f"HLSL {what}", {"a.frag": shader}, 0, words)
+case("... whose stage the end of its name tells, without a dot", {"shadePS.hlsl": "float4 Shade(float2 s : PLACE) : COLOR0 { return s.x; }\n"}, 0, "shadePS.hlsl.frag.spv")
 
 case("initializers of uniforms, beside what Vulkan alone has", {"a.frag": fragment("uniform float a = 0.5;\nuniform vec3 b = vec3(0.25, 0.5, 1);\nuniform uvec2 c = uvec2(3u, 4000000000u);\n"
      "layout(push_constant, std430) uniform P { vec4 d; };\nlayout(set = 1, binding = 2) uniform Q { vec4 e; };", "vec4(a * b, c.x + c.y) + d + e")}, 0, """  a: {value: 0.5, type: float, live: true}

@@ -128,7 +128,11 @@ def stages(tap):
     draw(near, "#extension GL_EXT_debug_printf : require\nin vec2 near; out vec4 color;\n"
          "void main() { color = near.xyxy; gl_SampleMask[0] = int(gl_FragCoord.x) * 2 + 4; debugPrintfEXT(\"%d\", 1); }\n")
     tap.result("nor one without a sample", agrees([0, 0, 0, 0]))
-    tap.result("... sanitized", [] if diptych("compare", "--spec", "a.yaml", "--sanitize").returncode == 0 else ["findings"])
+    draw(near, "#extension GL_EXT_demote_to_helper_invocation : require\nin vec2 near; out vec4 color;\n"
+         "void main() { color = near.xyxy; if (gl_FragCoord.x < 1) demote; color += dFdx(gl_FragCoord.x); }\n")
+    tap.result("... nor a demoted one, whose derivatives count", agrees([0, 0, 0, 0]))
+    done = diptych("compare", "--spec", "a.yaml", "--sanitize")
+    tap.result("... sanitized", [done.stdout] if done.returncode else [])
     put("a.frag", "#version 450\nout vec4 color; uniform float width; uniform vec2 size;\n"
         "void main() { color.rg = size; if (gl_FragCoord.x < 4) color.b = width; else color = vec4(9); }\n")
     with open("a.yaml", "a", encoding="utf-8") as spec:

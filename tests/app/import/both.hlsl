@@ -8,6 +8,6 @@ Corner VSMain(uint id : SV_VertexID)
 }
 float4 PSMain(float2 uv : TexCoord, float2 far : color1) : SV_Target
 {
-    float list[4] = {1, 2, 3, 4};
-    return list[int(uv.x * 3 + far.x) + 1];
+    float list[4] = {1, 2, 3, 4}; clip(uv.y - 0.2);
+    return list[int(uv.x * 3 + far.x) + 1] + ddx(uv.x);
 }

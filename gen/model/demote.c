@@ -1,0 +1,120 @@
+/* A fragment's invocation that is demoted runs on as a helper, whose derivatives count, and leaves nothing. OpenGL lacks that: such an
+ * invocation is marked instead, and discarded where the entry point returns. See foreign.h. */
+#include <spirv/unified1/spirv.h>
+#include <string.h>
+
+#include "foreign.h"
+
+bool spirv_can_demote(const struct spirv *module)
+{
+    bool good =
+        true; /* no buffer or image is written, which no helper does, and none asks for helpers */
+    SPIRV_EACH(module, at, module->code, module->count)
+    {
+        const uint32_t *i = module->words + at;
+        uint32_t opcode = spirv_opcode(i);
+        uint32_t class = opcode == SpvOpStore || opcode == SpvOpCopyMemory
+                             ? spirv_type(module, i[1])[2]
+                             : SpvStorageClassFunction;
+        good &= class != SpvStorageClassUniform && class != SpvStorageClassStorageBuffer &&
+                opcode != SpvOpImageWrite && opcode != SpvOpIsHelperInvocationEXT &&
+                !(opcode >= SpvOpAtomicLoad && opcode <= SpvOpAtomicXor);
+    }
+    return good;
+}
+
+static bool is_demotion(const uint32_t *i)
+{
+    return (spirv_is(i, SpvOpCapability) && i[1] == SpvCapabilityDemoteToHelperInvocation) ||
+           (spirv_is(i, SpvOpExtension) && strstr((const char *)(i + 1), "_demote_to_helper"));
+}
+
+/* Without the capability; entry points list the mark where they list all variables. */
+static void copy_front_without(struct spirv_edit *edit, uint32_t mark)
+{
+    const struct spirv *from = edit->from;
+    edit->front.count = SPIRV_HEADER;
+    SPIRV_EACH(from, at, SPIRV_HEADER, edit->failed ? 0 : from->annotations)
+    {
+        const uint32_t *i = from->words + at;
+        size_t start = edit->front.count;
+        if (!is_demotion(i))
+            spirv_copy(edit, &edit->front, i);
+        if (!spirv_is(i, SpvOpEntryPoint) || from->words[1] < 0x10400)
+            continue;
+        spirv_append(edit, &edit->front, &mark, 1);
+        if (!edit->failed)
+            edit->front.data[start] += 1 << 16;
+    }
+}
+
+/* Discards a marked invocation, in front of a return. */
+static void put_end(struct spirv_edit *edit, uint32_t mark, uint32_t truth)
+{
+    struct spirv_words *code = &edit->code;
+    uint32_t marked = SPIRV_VALUE(edit, code, SpvOpLoad, truth, mark);
+    uint32_t then = edit->bound++, end = edit->bound++;
+    SPIRV_PUT(edit, code, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
+    SPIRV_PUT(edit, code, SpvOpBranchConditional, marked, then, end);
+    SPIRV_PUT(edit, code, SpvOpLabel, then);
+    spirv_put(edit, code, SpvOpKill, NULL, 0);
+    SPIRV_PUT(edit, code, SpvOpLabel, end);
+}
+
+static bool is_entry(const struct spirv *module, uint32_t function)
+{
+    bool found = false;
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    found |= spirv_is(module->words + at, SpvOpEntryPoint) && module->words[at + 2] == function;
+    return found;
+}
+
+static void put_marks(struct spirv_edit *edit, uint32_t mark, uint32_t truth)
+{
+    const struct spirv *from = edit->from;
+    uint32_t no = spirv_declare(edit, SpvOpConstantFalse, truth, NULL, 0);
+    uint32_t yes = spirv_declare(edit, SpvOpConstantTrue, truth, NULL, 0);
+    uint32_t labels = 0;
+    bool entry = false;
+    SPIRV_EACH(from, at, edit->failed ? from->count : from->code, from->count)
+    {
+        const uint32_t *i = from->words + at;
+        bool head = spirv_is(i, SpvOpLabel) || spirv_is(i, SpvOpVariable) ||
+                    spirv_is(i, SpvOpLine) || spirv_is(i, SpvOpNoLine);
+        if (spirv_is(i, SpvOpFunction)) {
+            entry = is_entry(from, i[2]);
+            labels = 0;
+        }
+        if (entry && labels == 1 && !head) {
+            SPIRV_PUT(edit, &edit->code, SpvOpStore, mark, no);
+            labels++;
+        }
+        labels += spirv_is(i, SpvOpLabel);
+        if (entry && spirv_is(i, SpvOpReturn))
+            put_end(edit, mark, truth);
+        if (spirv_is(i, SpvOpDemoteToHelperInvocation))
+            SPIRV_PUT(edit, &edit->code, SpvOpStore, mark, yes);
+        else
+            spirv_copy(edit, &edit->code, i);
+    }
+}
+
+bool spirv_demote(struct spirv *module)
+{
+    struct spirv_edit edit;
+    bool found = false;
+    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
+    found |= is_demotion(module->words + at);
+    if (!found || !spirv_can_demote(module))
+        return true; /* bind.c refuses the module */
+    spirv_edit_begin(&edit, module);
+    uint32_t truth = spirv_declare(&edit, SpvOpTypeBool, 0, NULL, 0);
+    uint32_t pointer =
+        spirv_declare(&edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassPrivate, truth}, 2);
+    uint32_t mark = edit.bound++;
+    SPIRV_PUT(&edit, &edit.declarations, SpvOpVariable, pointer, mark, SpvStorageClassPrivate);
+    copy_front_without(&edit, mark);
+    spirv_edit_annotations(&edit);
+    put_marks(&edit, mark, truth);
+    return spirv_edit_end(&edit, module);
+}
