@@ -67,9 +67,6 @@ struct dt_gl_host {
     bool glsl;        /* programs from GLSL text instead of SPIR-V; needs diptych-gen --glsl */
     bool timing;      /* timestamps around every pass, for dt_gl_timings */
     uint32_t frames;  /* whose timings are kept, up to 16; 0: 1 */
-    /* What dt_gl_get_cache gave in an earlier run; borrowed for open. Zero, or of another driver: create
-     * compiles all */
-    struct dt_bytes cache;
     /* Resources with history, and inputs, keep their content over resize and create, where name, size
      * and layout are the same. Not after a failed frame, nor from one not recorded to its end. */
     bool keep_history;
@@ -205,11 +202,6 @@ struct dt_gl_resource {
  * or content from outside in the spec: other passes may have reused its memory. Also an error between
  * the parts of a frame for an output that no part so far has written. */
 bool dt_gl_get_resource(struct dt_gl_runtime *rt, uint32_t resource, struct dt_gl_resource *out);
-
-/* The programs of the pipeline as binaries of the driver, for dt_gl_host.cache of a later run: the
- * host keeps the bytes, and frees out->data. Without `glsl` Mesa gives no binaries, nor do some other
- * drivers; then the cache has no programs. */
-bool dt_gl_get_cache(struct dt_gl_runtime *rt, struct dt_bytes *out);
 
 /* Milliseconds of each pass of a frame, pass_count values; NAN: skipped, or not finished yet, since this
  * function never waits. `age`: 0 is the last frame, 1 the one before, up to `frames` - 1 of the host; all

@@ -52,8 +52,7 @@ struct dt_gl_runtime *dt_gl_open(const struct dt_gl_host *host)
         free(rt);
         return NULL;
     }
-    bool good =
-        gl_state_enter(&rt->core) && gl_cache_take(rt, &host->cache) && gl_builtin_create(rt);
+    bool good = gl_state_enter(&rt->core) && gl_builtin_create(rt);
     if (leave(rt, good))
         return rt;
     dt_gl_close(rt);
@@ -69,7 +68,6 @@ void dt_gl_close(struct dt_gl_runtime *rt)
     gl_scene_destroy(rt);
     gl_builtin_destroy(rt);
     gl_state_leave(&rt->core);
-    free(rt->cache.data);
     free(rt);
 }
 
@@ -219,15 +217,4 @@ bool dt_gl_get_resource(struct dt_gl_runtime *rt, uint32_t resource, struct dt_g
 bool dt_gl_timings(struct dt_gl_runtime *rt, uint32_t age, double *pass_ms)
 {
     return rt && dt_front_timings(&rt->core, age, pass_ms);
-}
-
-bool dt_gl_get_cache(struct dt_gl_runtime *rt, struct dt_bytes *out)
-{
-    if (!dt_front_given(core_of(rt), out, "get_cache: the struct dt_bytes"))
-        return false;
-    *out = (struct dt_bytes){0};
-    if (!rt->core.panel)
-        return dt_error(&rt->core, "get_cache: no pipeline yet; create comes first");
-    bool good = gl_state_enter(&rt->core) && gl_cache_give(rt, out);
-    return leave(rt, good);
 }

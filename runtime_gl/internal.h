@@ -91,8 +91,7 @@ struct dt_gl_runtime {
 
     /* with a host's context, which is current in every call */
     bool leave_state;
-    struct dt_bytes cache; /* of the host; see cache.c */
-    struct gl_kept *kept;  /* NULL: nothing to restore */
+    struct gl_kept *kept; /* NULL: nothing to restore */
 };
 
 /* Makes an OpenGL call that can fail. True, or logs one DT_ERROR that names the call and the
@@ -178,12 +177,6 @@ bool gl_sampler_create(struct dt_core *core, void *sampler, const struct dt_samp
 void gl_sampler_destroy(struct dt_core *core, void *sampler);
 
 /* ---- program.c ------------------------------------------------------------------------------- */
-
-/* cache.c: keeps the cache, if this driver made it. */
-bool gl_cache_take(struct dt_gl_runtime *rt, const struct dt_bytes *cache);
-/* Whether the program was linked with a binary of the cache. */
-bool gl_cache_link(struct dt_gl_runtime *rt, GLuint program, const struct dt_stages *stages);
-bool gl_cache_give(struct dt_gl_runtime *rt, struct dt_bytes *out);
 
 bool gl_program_create(struct dt_gl_runtime *rt, GLuint *program, const char *name,
                        const struct dt_stages *stages);

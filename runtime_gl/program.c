@@ -78,10 +78,6 @@ bool gl_program_create(struct dt_gl_runtime *rt, GLuint *program, const char *na
     *program = rt->gl.CreateProgram();
     if (!gl_check(rt, "CreateProgram", name))
         return false;
-    if (gl_cache_link(rt, *program, stages))
-        return true;
-    if (rt->core.hosted)
-        rt->gl.ProgramParameteri(*program, GL_PROGRAM_BINARY_RETRIEVABLE_HINT, GL_TRUE);
     return attach_stage(rt, *program, name, GL_COMPUTE_SHADER, "compiling the compute shader",
                         &stages->compute) &&
            attach_stage(rt, *program, name, GL_VERTEX_SHADER, "compiling the vertex shader",

@@ -1,5 +1,5 @@
 /* The OpenGL library in a context of the host's: wrong calls, vertices of another layout, shared
- * programs, inputs, caches, imports, parts of frames, times. */
+ * programs, inputs, imports, parts of frames, times. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -308,60 +308,6 @@ TEST_WITH(opengl_takes_inputs, NULL, is_without_error)
 TEST_WITH(opengl_takes_text, NULL, is_without_error)
 {
     take_inputs(true);
-}
-
-static int links; /* programs that the runtime links itself */
-
-static void APIENTRY count_link(GLuint program)
-{
-    links++;
-    glLinkProgram(program);
-}
-
-static void (*address_of(const char *name))(void)
-{
-    return strcmp(name, "glLinkProgram") == 0 ? (void (*)(void))count_link
-                                              : eglGetProcAddress(name);
-}
-
-/* Renders a frame with a cache. Returns how many programs were linked. */
-static int links_with(struct dt_bytes cache)
-{
-    outside_gl_runtime = dt_gl_open(&(struct dt_gl_host){
-        .log = test_log, .get_proc_address = address_of, .glsl = true, .cache = cache});
-    links = 0;
-    assert_true(outside_gl_runtime && dt_gl_create(outside_gl_runtime, &outside_gl) &&
-                dt_gl_resize(outside_gl_runtime, WIDTH, HEIGHT));
-    hand_in(opengl_writes, opengl_records, first_color);
-    opengl_paints(first_color);
-    dt_gl_close(outside_gl_runtime);
-    return links;
-}
-
-TEST_WITH(opengl_takes_and_gives_a_cache, NULL, is_without_error)
-{
-    struct dt_bytes cache;
-    for (int text = 0; text < 2; text++) {
-        struct dt_gl_runtime *rt = dt_gl_open(&(struct dt_gl_host){
-            .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = text});
-        REFUSED(dt_gl_get_cache(rt, &cache), "get_cache: no pipeline yet");
-        assert_true(dt_gl_create(rt, &outside_gl) && dt_gl_get_cache(rt, &cache));
-        dt_gl_close(rt);
-        if (!text)
-            free(cache.data);
-    }
-    assert_int_equal(links_with((struct dt_bytes){0}), OUTSIDE_PASSES);
-    if (cache.size > 64) { /* the driver gives binaries */
-        assert_int_equal(links_with(cache), 0);
-        cache.data[cache.size / 2] ^= 1; /* each damage costs what it hits */
-        assert_int_equal(links_with(cache), 1);
-        assert_in_range(links_with((struct dt_bytes){cache.data, cache.size / 3, {0}}), 1,
-                        OUTSIDE_PASSES);
-    }
-    assert_int_equal(links_with((struct dt_bytes){cache.data, 7, {0}}), OUTSIDE_PASSES);
-    cache.data[8] ^= 1; /* of another driver */
-    assert_int_equal(links_with(cache), OUTSIDE_PASSES);
-    free(cache.data);
 }
 
 TEST_WITH(opengl_takes_buffers_and_describes_all, NULL, is_without_error)

@@ -41,7 +41,6 @@ TEST(nothing_for_vulkan)
 TEST(nothing_for_opengl)
 {
     struct dt_gl_resource resource;
-    struct dt_bytes bytes;
     assert_null(dt_gl_open(NULL));
     dt_gl_close(NULL);
     assert_false(dt_gl_import_scene(NULL, NULL) || dt_gl_create(NULL, NULL));
@@ -50,7 +49,6 @@ TEST(nothing_for_opengl)
     assert_false(dt_gl_resize(NULL, 0, 0) || dt_gl_write(NULL, 0, 0, NULL));
     assert_false(dt_gl_record(NULL, NULL, NULL) || dt_gl_record_passes(NULL, NULL, NULL, 0, 0));
     assert_false(dt_gl_get_resource(NULL, 0, NULL) || dt_gl_get_resource(NULL, 0, &resource));
-    assert_false(dt_gl_get_cache(NULL, NULL) || dt_gl_get_cache(NULL, &bytes));
     assert_false(dt_gl_timings(NULL, 0, NULL));
 }
 
@@ -99,7 +97,6 @@ TEST_WITH(opengl_names_what_is_missing, open_opengl, close_opengl)
     REFUSED(dt_gl_create_from(rt, NULL), "create_from: the other runtime has no pipeline");
     REFUSED(dt_gl_import_buffer(rt, kernel, NULL), "import_buffer: the struct dt_gl_range is NULL");
     REFUSED(dt_gl_get_resource(rt, 0, NULL), "resource: the struct dt_gl_resource is NULL");
-    REFUSED(dt_gl_get_cache(rt, NULL), "get_cache: the struct dt_bytes is NULL");
     REFUSED(dt_gl_write(rt, kernel, 0, NULL), "write: the struct dt_bytes is NULL");
     assert_true(dt_gl_create(rt, &outside_gl) && dt_gl_resize(rt, 16, 8));
     REFUSED(dt_gl_write(rt, OUTSIDE_RESOURCE_WEIGHTS, 0, &weights),
