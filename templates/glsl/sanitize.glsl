@@ -137,35 +137,24 @@ void diptych_texel(const int p, const int size, const uint site, const uint what
 
 /* ---- Integers -------------------------------------------------------------------------------- */
 
-bool diptych_divide(const int a, const int b, const uint site, const uint what)
-{
-    return diptych_told(any(bvec2(b == 0, all(bvec2(b == -1, uint(a) == 0x80000000u)))), uint(a), uint(b), site, what);
+/* A check of one or two operands of type T, x and y, which the message has. */
+#define DIPTYCH_INTEGERS(check, T, wrong) \
+bool diptych_##check(const T x, const T y, const uint site, const uint what) \
+{ \
+    return diptych_told(wrong, uint(x), uint(y), site, what); \
 }
+#define DIPTYCH_INTEGER(check, T, wrong) \
+bool diptych_##check(const T x, const uint site, const uint what) { return diptych_told(wrong, uint(x), 0u, site, what); }
 
-bool diptych_divide(const uint a, const uint b, const uint site, const uint what)
-{
-    return diptych_told(b == 0u, a, b, site, what);
-}
-
-bool diptych_modulo(const int a, const int b, const uint site, const uint what)
-{
-    return diptych_told(any(bvec2(b <= 0, a < 0)), uint(a), uint(b), site, what);
-}
-
-bool diptych_modulo(const uint a, const uint b, const uint site, const uint what)
-{
-    return diptych_told(b == 0u, a, b, site, what);
-}
-
-bool diptych_shift(const uint count, const uint site, const uint what)
-{
-    return diptych_told(count >= 32u, count, 0u, site, what);
-}
-
-bool diptych_shift(const int count, const uint site, const uint what)
-{
-    return diptych_shift(uint(count), site, what);
-}
+DIPTYCH_INTEGERS(divide, int, any(bvec2(y == 0, all(bvec2(y == -1, uint(x) == 0x80000000u)))))
+DIPTYCH_INTEGERS(divide, uint, y == 0u)
+DIPTYCH_INTEGERS(modulo, int, any(bvec2(y <= 0, x < 0)))
+DIPTYCH_INTEGERS(modulo, uint, y == 0u)
+DIPTYCH_INTEGERS(bits, int, any(bvec3(x < 0, y < 0, y > 32 - x))) /* offset and count */
+DIPTYCH_INTEGERS(clamp, int, x > y)
+DIPTYCH_INTEGERS(clamp, uint, x > y)
+DIPTYCH_INTEGER(shift, uint, x >= 32u)
+DIPTYCH_INTEGER(shift, int, uint(x) >= 32u)
 
 /* What is computed with instead, where the check finds a fault: CPUs end a program that divides by zero, or INT_MIN by -1. */
 int diptych_safe_divide(const int a, const int b)
@@ -198,21 +187,6 @@ uint diptych_safe_shift(const uint count)
     return count & 31u;
 }
 
-bool diptych_bits(const int offset, const int bits, const uint site, const uint what)
-{
-    return diptych_told(any(bvec3(offset < 0, bits < 0, bits > 32 - offset)), uint(offset), uint(bits), site, what);
-}
-
-bool diptych_clamp(const int low, const int high, const uint site, const uint what)
-{
-    return diptych_told(low > high, uint(low), uint(high), site, what);
-}
-
-bool diptych_clamp(const uint low, const uint high, const uint site, const uint what)
-{
-    return diptych_told(low > high, low, high, site, what);
-}
-
 /* ---- Floats ---------------------------------------------------------------------------------- */
 
 bool diptych_finite(const float x)
@@ -220,20 +194,12 @@ bool diptych_finite(const float x)
     return (floatBitsToUint(x) & 0x7f800000u) != 0x7f800000u;
 }
 
-bool diptych_finite(const vec2 x)
-{
-    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec2(0x7f800000u)));
-}
+#define DIPTYCH_VECTOR(T, U) \
+bool diptych_finite(const T x) { return all(lessThan(floatBitsToUint(x) & 0x7f800000u, U(0x7f800000u))); }
 
-bool diptych_finite(const vec3 x)
-{
-    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec3(0x7f800000u)));
-}
-
-bool diptych_finite(const vec4 x)
-{
-    return all(lessThan(floatBitsToUint(x) & 0x7f800000u, uvec4(0x7f800000u)));
-}
+DIPTYCH_VECTOR(vec2, uvec2)
+DIPTYCH_VECTOR(vec3, uvec3)
+DIPTYCH_VECTOR(vec4, uvec4)
 
 bool diptych_nan(const float x)
 {
@@ -261,60 +227,32 @@ void diptych_made(const vec4 result, const bool finite, const uint site, const u
     diptych_made(mix(result.xy, result.zw, bvec2(diptych_finite(result.xy))), finite, site, what);
 }
 
-bool diptych_to_int(const float x, const uint site, const uint what)
-{
-    return diptych_told(!all(bvec2(x >= -2147483648.0, x < 2147483648.0)), x, 0.0, site, what);
-}
+#define DIPTYCH_FLOAT(check, wrong) \
+bool diptych_##check(const float x, const uint site, const uint what) { return diptych_told(wrong, x, 0.0, site, what); }
+#define DIPTYCH_FLOATS(check, wrong) \
+bool diptych_##check(const float x, const float y, const uint site, const uint what) { return diptych_told(wrong, x, y, site, what); }
 
-bool diptych_to_uint(const float x, const uint site, const uint what)
-{
-    return diptych_told(!all(bvec2(x >= 0.0, x < 4294967296.0)), x, 0.0, site, what);
-}
+DIPTYCH_FLOAT(to_int, !all(bvec2(x >= -2147483648.0, x < 2147483648.0)))
+DIPTYCH_FLOAT(to_uint, !all(bvec2(x >= 0.0, x < 4294967296.0)))
+DIPTYCH_FLOAT(sqrt, x < 0.0)
+DIPTYCH_FLOAT(positive, x <= 0.0)
+DIPTYCH_FLOAT(unit, abs(x) > 1.0)
+DIPTYCH_FLOAT(acosh, x < 1.0)
+DIPTYCH_FLOAT(atanh, abs(x) >= 1.0)
+DIPTYCH_FLOAT(half, all(bvec2(abs(x) >= 65520.0, diptych_finite(x)))) /* finite numbers that are infinite as halves */
+DIPTYCH_FLOATS(pow, any(bvec2(x < 0.0, all(bvec2(x == 0.0, y <= 0.0)))))
+DIPTYCH_FLOATS(atan, vec2(y, x) == vec2(0.0))
+DIPTYCH_FLOATS(smoothstep, x >= y)
+DIPTYCH_FLOATS(clamp, x > y)
 
-bool diptych_sqrt(const float x, const uint site, const uint what)
-{
-    return diptych_told(x < 0.0, x, 0.0, site, what);
-}
+/* A check whose message has no operand. */
+#define DIPTYCH_UNTOLD(check, T, wrong) \
+bool diptych_##check(const T x, const uint site, const uint what) { return diptych_told(wrong, 0u, 0u, site, what); }
 
-bool diptych_positive(const float x, const uint site, const uint what)
-{
-    return diptych_told(x <= 0.0, x, 0.0, site, what);
-}
-
-bool diptych_pow(const float x, const float y, const uint site, const uint what)
-{
-    return diptych_told(any(bvec2(x < 0.0, all(bvec2(x == 0.0, y <= 0.0)))), x, y, site, what);
-}
-
-bool diptych_unit(const float x, const uint site, const uint what)
-{
-    return diptych_told(abs(x) > 1.0, x, 0.0, site, what);
-}
-
-bool diptych_acosh(const float x, const uint site, const uint what)
-{
-    return diptych_told(x < 1.0, x, 0.0, site, what);
-}
-
-bool diptych_atanh(const float x, const uint site, const uint what)
-{
-    return diptych_told(abs(x) >= 1.0, x, 0.0, site, what);
-}
-
-bool diptych_atan(const float y, const float x, const uint site, const uint what)
-{
-    return diptych_told(vec2(x, y) == vec2(0.0), y, x, site, what);
-}
-
-bool diptych_smoothstep(const float low, const float high, const uint site, const uint what)
-{
-    return diptych_told(low >= high, low, high, site, what);
-}
-
-bool diptych_clamp(const float low, const float high, const uint site, const uint what)
-{
-    return diptych_told(low > high, low, high, site, what);
-}
+DIPTYCH_UNTOLD(normalize, float, x == 0.0)
+DIPTYCH_UNTOLD(normalize, vec2, x == vec2(0.0))
+DIPTYCH_UNTOLD(normalize, vec3, x == vec3(0.0))
+DIPTYCH_UNTOLD(normalize, vec4, x == vec4(0.0))
 
 bool diptych_mix(const float x, const float y, const float a, const uint site, const uint what)
 {
@@ -330,32 +268,6 @@ bool diptych_dropped(const float x, const float y, const uint site, const uint w
 bool diptych_dropped(const float x, const float low, const float high, const uint site, const uint what)
 {
     return diptych_dropped(x, mix(low, high, diptych_nan(high)), site, what);
-}
-
-/* Finite numbers that are infinite as halves. */
-bool diptych_half(const float x, const uint site, const uint what)
-{
-    return diptych_told(all(bvec2(abs(x) >= 65520.0, diptych_finite(x))), x, 0.0, site, what);
-}
-
-bool diptych_normalize(const float x, const uint site, const uint what)
-{
-    return diptych_told(x == 0.0, 0u, 0u, site, what);
-}
-
-bool diptych_normalize(const vec2 x, const uint site, const uint what)
-{
-    return diptych_told(x == vec2(0.0), 0u, 0u, site, what);
-}
-
-bool diptych_normalize(const vec3 x, const uint site, const uint what)
-{
-    return diptych_told(x == vec3(0.0), 0u, 0u, site, what);
-}
-
-bool diptych_normalize(const vec4 x, const uint site, const uint what)
-{
-    return diptych_told(x == vec4(0.0), 0u, 0u, site, what);
 }
 
 /* ---- Variables ------------------------------------------------------------------------------- */

@@ -15,26 +15,13 @@ vec4 decode_fixed(const vec4 texel, const vec4 most, const vec4 step, const vec4
     return (code + code * step) * share;
 }
 
-vec4 decode_unorm8(const vec4 texel)
-{
-    return decode_fixed(texel, vec4(255.0), vec4(1.0 / 255.0), vec4(1.0 / 256.0));
-}
+#define DECODE_FIXED(format, most, step, share) \
+vec4 decode_##format(const vec4 texel) { return decode_fixed(texel, most, step, share); }
 
-vec4 decode_unorm16(const vec4 texel)
-{
-    return decode_fixed(texel, vec4(65535.0), vec4(1.0 / 65535.0), vec4(1.0 / 65536.0));
-}
-
-/* The two least codes are -1. */
-vec4 decode_snorm16(const vec4 texel)
-{
-    return decode_fixed(texel, vec4(32767.0), vec4(1.0 / 32767.0), vec4(1.0 / 32768.0));
-}
-
-vec4 decode_rgb10a2(const vec4 texel)
-{
-    return decode_fixed(texel, vec4(vec3(1023.0), 3.0), vec4(vec3(1.0 / 1023.0), 1.0 / 3.0), vec4(vec3(1.0 / 1024.0), 0.25));
-}
+DECODE_FIXED(unorm8, vec4(255.0), vec4(1.0 / 255.0), vec4(1.0 / 256.0))
+DECODE_FIXED(unorm16, vec4(65535.0), vec4(1.0 / 65535.0), vec4(1.0 / 65536.0))
+DECODE_FIXED(snorm16, vec4(32767.0), vec4(1.0 / 32767.0), vec4(1.0 / 32768.0)) /* the two least codes are -1 */
+DECODE_FIXED(rgb10a2, vec4(vec3(1023.0), 3.0), vec4(vec3(1.0 / 1023.0), 1.0 / 3.0), vec4(vec3(1.0 / 1024.0), 0.25))
 
 /* sRGB of 8 bits (IEC 61966-2-1). share: code / 255. A fit of the decoding is 4e-5 off, relative: 0.006 codes. */
 float decode_share(const float code)
@@ -113,20 +100,12 @@ vec4 store_fixed(const vec4 value, const vec4 most, const vec4 step)
     return stored;
 }
 
-vec4 store_unorm8(const vec4 value)
-{
-    return store_fixed(value, vec4(255.0), vec4(1.0 / 255.0));
-}
+#define STORE_FIXED(format, most, step) \
+vec4 store_##format(const vec4 value) { return store_fixed(value, most, step); }
 
-vec4 store_unorm16(const vec4 value)
-{
-    return store_fixed(value, vec4(65535.0), vec4(1.0 / 65535.0));
-}
-
-vec4 store_rgb10a2(const vec4 value)
-{
-    return store_fixed(value, vec4(vec3(1023.0), 3.0), vec4(vec3(1.0 / 1023.0), 1.0 / 3.0));
-}
+STORE_FIXED(unorm8, vec4(255.0), vec4(1.0 / 255.0))
+STORE_FIXED(unorm16, vec4(65535.0), vec4(1.0 / 65535.0))
+STORE_FIXED(rgb10a2, vec4(vec3(1023.0), 3.0), vec4(vec3(1.0 / 1023.0), 1.0 / 3.0))
 
 vec4 store_snorm16(const vec4 value)
 {
@@ -135,22 +114,12 @@ vec4 store_snorm16(const vec4 value)
 }
 
 /* Integers beyond the codes: the nearest code, where some drivers keep the low bits. */
-uvec4 store_uint8(const uvec4 value)
-{
-    return min(value, uvec4(255u));
-}
+#define STORE_UINT(bits, most) \
+uvec4 store_uint##bits(const uvec4 value) { return min(value, uvec4(most)); }
+#define STORE_INT(bits, least, most) \
+ivec4 store_int##bits(const ivec4 value) { return clamp(value, ivec4(least), ivec4(most)); }
 
-uvec4 store_uint16(const uvec4 value)
-{
-    return min(value, uvec4(65535u));
-}
-
-ivec4 store_int8(const ivec4 value)
-{
-    return clamp(value, ivec4(-128), ivec4(127));
-}
-
-ivec4 store_int16(const ivec4 value)
-{
-    return clamp(value, ivec4(-32768), ivec4(32767));
-}
+STORE_UINT(8, 255u)
+STORE_UINT(16, 65535u)
+STORE_INT(8, -128, 127)
+STORE_INT(16, -32768, 32767)

@@ -89,6 +89,15 @@ def argument(text, start):
     raise ValueError(text[start:])
 
 
+def parts(function, text, begin, end):
+    for found in re.finditer(r"any\(bvec[234]\(", text[begin:end]):
+        start = begin + found.end()
+        while text[start - 1] != ")":
+            end = argument(text, start)
+            yield function, start, end
+            start = end + 1 + (text[end] == "," and text[end + 1] == " ")
+
+
 def conditions(text):
     """(function, begin, end) of each condition, and of the parts that `any` joins."""
     for call in re.finditer(r"\n(?:bool|void|u?int) (diptych_\w+\([^\n]*)\n{(.*?)\n}", text, re.S):
@@ -97,12 +106,11 @@ def conditions(text):
         for found in re.finditer(r"diptych_(?:told|note)\(", call[2]):
             start = call.start(2) + found.end()
             yield call[1], start, argument(text, start)
-        for found in re.finditer(r"any\(bvec[234]\(", call[2]):
-            start = call.start(2) + found.end()
-            while text[start - 1] != ")":
-                end = argument(text, start)
-                yield call[1], start, end
-                start = end + 1 + (text[end] == "," and text[end + 1] == " ")
+        yield from parts(call[1], text, call.start(2), call.end(2))
+    for row in re.finditer(r"\nDIPTYCH_\w+\((\w+), (?:(?:u?int|float|vec\d), )?(?=.*[<>=])", text):
+        end = argument(text, row.end())
+        yield f"diptych_{row[1]}", row.end(), end
+        yield from parts(f"diptych_{row[1]}", text, row.end(), end)
 
 
 def table_rows(text):
