@@ -11,8 +11,7 @@ import statistics
 import subprocess
 import sys
 
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)) + "/../../templates/ssvp")
-from causes import COLUMNS, INDIRECT, SIZE, __file__ as causes, errors, run  # noqa: E402: from the path above
+from causes import COLUMNS, INDIRECT, SIZE, __file__ as causes, errors, run
 
 ERRORS = ("relative_mse", "smape", "flip", "ratio", "darker", "brighter")
 MORE = ("whole `flip`", "energy", "flicker", "… last five")

@@ -1,7 +1,7 @@
 """Splits the error of indirect light by cause: each picture replaces one more approximation by its exact form. Errors are against a
 path-traced reference.
 
-usage: /usr/bin/python3 templates/ssvp/causes.py BUILD SCENE.yaml REFERENCE.exr
+usage: /usr/bin/python3 tests/app/causes.py BUILD SCENE.yaml REFERENCE.exr
 
 REFERENCE.exr: 192x108 pixels of `reference --from-bounce 1 --quantity irradiance`. Prints a row of a Markdown table for each of MEASURES.
 tests/app/quality.py calls this for its scenes."""
