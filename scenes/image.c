@@ -10,45 +10,21 @@
 #include "picture_size.h"
 
 #include <dlfcn.h>
-#include <limits.h>
 #include <png.h>
 #include <setjmp.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #define SHIM             "libdiptych_image.so"
 #define MOST_IMAGE_BYTES ((size_t)1 << 30)
 
 /* The shim stays loaded after its first use (RTLD_NODELETE), so every call can open it again
- * without global state. Search order: beside the executable; its parent folder (tests);
- * ../lib/diptych/ of an installation; beside the library that contains this code, diptych/ there,
- * and beside its folder, as from lib/TRIPLET; the path of the loader. */
-static const char *const places[] = {"", "../", "../lib/diptych/", "", "diptych/", "../diptych/"};
-enum { PLACES = DT_ARRAY_COUNT(places), IN_LIBRARY = PLACES - 3 };
-
-static bool shim_path(int place, char path[static PATH_MAX])
-{
-    char file[PATH_MAX] = "";
-    Dl_info library;
-    if (place >= IN_LIBRARY && dladdr((const void *)places, &library))
-        snprintf(file, sizeof file, "%s", library.dli_fname);
-    else if (readlink("/proc/self/exe", file, sizeof file - 1) < 0)
-        return false;
-    const char *slash = strrchr(file, '/');
-    int folder = slash ? (int)(slash - file) + 1 : 0;
-    return snprintf(path, PATH_MAX, "%.*s%s%s", folder, file, places[place], SHIM) < PATH_MAX &&
-           access(path, R_OK) == 0;
-}
-
+ * without global state. It is found by the run path of the executable or library that contains this
+ * code (ldflags in build.ninja), then by the path of the loader. */
 static void *shim_open(const struct dt_log *log)
 {
-    char path[PATH_MAX];
-    int place = 0;
-    while (place < PLACES && !shim_path(place, path))
-        place++;
-    void *shim = dlopen(place < PLACES ? path : SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    void *shim = dlopen(SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
     if (!shim)
         report_error(log, "cannot read images: " SHIM " is not beside the executable (%s)",
                      dlerror());
