@@ -247,19 +247,23 @@ bool vk_device_suits_panel(struct dt_vk_runtime *rt, const struct dt_panel *pane
                         : "does not have; use another device");
 }
 
-uint32_t vk_device_queue_family(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
-                                uint32_t *timestamp_bits)
+bool vk_device_family_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                            uint32_t family, uint32_t *timestamp_bits)
 {
     VkQueueFamilyProperties families[MAX_QUEUE_FAMILIES];
     uint32_t count = MAX_QUEUE_FAMILIES;
     const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
     rt->vk.GetPhysicalDeviceQueueFamilyProperties(physical, &count, families);
-    for (uint32_t i = 0; i < count; i++) {
-        if ((families[i].queueFlags & wanted) == wanted) {
-            *timestamp_bits = families[i].timestampValidBits;
+    *timestamp_bits = family < count ? families[family].timestampValidBits : 0;
+    return family < count && (families[family].queueFlags & wanted) == wanted;
+}
+
+uint32_t vk_device_queue_family(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                                uint32_t *timestamp_bits)
+{
+    for (uint32_t i = 0; i < MAX_QUEUE_FAMILIES; i++)
+        if (vk_device_family_suits(rt, physical, i, timestamp_bits))
             return i;
-        }
-    }
     return UINT32_MAX;
 }
 

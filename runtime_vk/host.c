@@ -42,19 +42,7 @@ static bool load_device(struct dt_vk_runtime *rt, PFN_vkGetInstanceProcAddr get)
 
 static bool check_family(struct dt_vk_runtime *rt)
 {
-    const VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;
-    uint32_t count = 0;
-    rt->vk.GetPhysicalDeviceQueueFamilyProperties(rt->physical, &count, NULL);
-    VkQueueFamilyProperties *families = calloc(count ? count : 1, sizeof *families);
-    if (!families)
-        return dt_error(&rt->core, "Vulkan: out of memory; free some");
-    rt->vk.GetPhysicalDeviceQueueFamilyProperties(rt->physical, &count, families);
-    VkQueueFamilyProperties family = {0};
-    if (rt->queue_family < count)
-        family = families[rt->queue_family];
-    free(families);
-    rt->timestamp_bits = family.timestampValidBits;
-    if ((family.queueFlags & wanted) != wanted)
+    if (!vk_device_family_suits(rt, rt->physical, rt->queue_family, &rt->timestamp_bits))
         return dt_error(&rt->core,
                         "queue family %u of %s: must have graphics and compute; give another "
                         "queue_family",

@@ -204,7 +204,10 @@ bool vk_device_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
 /* Whether its limits are enough for the panel's passes (NULL: none); if not, `text` gets a sentence. */
 bool vk_device_is_enough(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                          const struct dt_panel *panel, char *text, size_t size);
-/* The first queue family with graphics and compute; UINT32_MAX: there is none. */
+/* Whether the queue family is there, with graphics and compute. */
+bool vk_device_family_suits(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
+                            uint32_t family, uint32_t *timestamp_bits);
+/* The first such queue family; UINT32_MAX: there is none. */
 uint32_t vk_device_queue_family(const struct dt_vk_runtime *rt, VkPhysicalDevice physical,
                                 uint32_t *timestamp_bits);
 /* Stores the device, its name and its limits in the runtime. */
@@ -328,16 +331,8 @@ void vk_program_destroy(struct dt_core *core, void *made);
 /* Of a pass of the core's panel (panel.c). */
 struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t pass);
 
-/* Content of one binding: a buffer, or an image with or without sampler. */
-struct vk_descriptor {
-    VkDescriptorBufferInfo buffer;
-    VkBufferView texels;
-    VkDescriptorImageInfo image;
-};
-/* Writes all bindings of the program in one call. Not allowed while recording. */
-void vk_program_bind(const struct dt_vk_runtime *rt, const struct vk_program *program,
-                     const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
-                     uint32_t count);
+/* Of struct dt_backend: writes all bindings of the program in one call. */
+bool vk_program_connect(struct dt_core *core, void *made, uint32_t pass);
 
 /* ---- Commands (frame.c) ---------------------------------------------------------------------- */
 

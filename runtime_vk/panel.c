@@ -374,71 +374,6 @@ static bool fill_resource(struct dt_core *core, uint32_t index, int byte)
                                   : vk_buffer_fill(rt, &resource->buffer, byte);
 }
 
-/* ---- Descriptors ----------------------------------------------------------------------------- */
-
-static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
-                                                const struct dt_binding *binding)
-{
-    const struct vk_buffer *buffer = vk_buffer_at(rt, binding->resource);
-    bool block = binding->kind == DT_BIND_UNIFORM && buffer->block;
-    return (VkDescriptorBufferInfo){buffer->handle, buffer->offset,
-                                    block ? buffer->block : buffer->size};
-}
-
-static struct vk_image *image_of(struct dt_vk_runtime *rt, const struct dt_binding *binding)
-{
-    return binding->resource == DT_SCENE_TEXTURES ? &rt->builtin.textures
-                                                  : &vk_resource_at(rt, binding->resource)->image;
-}
-
-static VkDescriptorImageInfo image_descriptor(struct dt_vk_runtime *rt,
-                                              const struct dt_binding *binding)
-{
-    bool scene = binding->resource == DT_SCENE_TEXTURES;
-    const struct vk_image *image = image_of(rt, binding);
-    bool cube = vk_is_cube(image->shape) && !binding->one_layer &&
-                (binding->kind == DT_BIND_IMAGE || binding->sampler >= 0);
-    VkDescriptorImageInfo info = {
-        .imageView = binding->codes                ? image->codes
-                     : binding->mip == DT_ALL_MIPS ? image->view
-                     : cube
-                         ? image->cube_views[binding->mip]
-                         : vk_image_view(image, binding->mip, binding->one_layer, binding->layer),
-        .imageLayout = vk_layout(binding->layout),
-    };
-    if (scene)
-        info.sampler = rt->builtin.texture_sampler;
-    else if (binding->kind == DT_BIND_TEXTURE)
-        info.sampler = binding->sampler < 0
-                           ? rt->builtin.texel_sampler
-                           : *(VkSampler *)dt_sampler(&rt->core, (uint32_t)binding->sampler);
-    return info;
-}
-
-static bool connect_program(struct dt_core *core, void *program, uint32_t pass)
-{
-    struct dt_vk_runtime *rt = vk_runtime_of(core);
-    const struct dt_program *state = &core->panel->programs[pass];
-    struct vk_descriptor descriptors[DT_MAX_BINDINGS];
-    for (uint32_t i = 0; i < state->binding_count; i++) {
-        const struct dt_binding *binding = &state->bindings[i];
-        if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE) {
-            descriptors[i].buffer = buffer_descriptor(rt, binding);
-        } else if (binding->kind == DT_BIND_TEXELS) {
-            struct vk_buffer *buffer = vk_buffer_at(rt, binding->resource);
-            if (!vk_buffer_texels(rt, buffer, binding->resource))
-                return false;
-            descriptors[i].texels = buffer->texels;
-        } else if (binding->codes && !vk_image_codes(rt, image_of(rt, binding))) {
-            return false;
-        } else {
-            descriptors[i].image = image_descriptor(rt, binding);
-        }
-    }
-    vk_program_bind(rt, program, state->bindings, descriptors, state->binding_count);
-    return true;
-}
-
 static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
 {
     const struct vk_builtin *builtin = &((const struct dt_vk_runtime *)core)->builtin;
@@ -468,7 +403,7 @@ const struct dt_backend vk_backend = {
     .create_resource = create_resource,
     .place_resources = place_resources,
     .fill_resource = fill_resource,
-    .connect_program = connect_program,
+    .connect_program = vk_program_connect,
     .destroy_resource = destroy_resource,
     .detach_resource = detach_resource,
     .adopt_resource = adopt_resource,

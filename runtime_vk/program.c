@@ -1,5 +1,5 @@
 /* One program: shader modules, descriptor set and its layout, compute or graphics pipeline. panel.c
- * creates one for every pass; vk_program_bind then sets the resources. */
+ * creates one for every pass. */
 #include "internal.h"
 
 #include <stdlib.h>
@@ -94,27 +94,88 @@ static bool create_set(struct dt_vk_runtime *rt, struct vk_program *program,
     return VK(rt, rt->vk.AllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
 }
 
-void vk_program_bind(const struct dt_vk_runtime *rt, const struct vk_program *program,
-                     const struct dt_binding *bindings, const struct vk_descriptor *descriptors,
-                     uint32_t count)
+static VkDescriptorBufferInfo buffer_descriptor(struct dt_vk_runtime *rt,
+                                                const struct dt_binding *binding)
 {
+    const struct vk_buffer *buffer = vk_buffer_at(rt, binding->resource);
+    bool block = binding->kind == DT_BIND_UNIFORM && buffer->block;
+    return (VkDescriptorBufferInfo){buffer->handle, buffer->offset,
+                                    block ? buffer->block : buffer->size};
+}
+
+static struct vk_image *image_of(struct dt_vk_runtime *rt, const struct dt_binding *binding)
+{
+    return binding->resource == DT_SCENE_TEXTURES ? &rt->builtin.textures
+                                                  : &vk_resource_at(rt, binding->resource)->image;
+}
+
+static VkDescriptorImageInfo image_descriptor(struct dt_vk_runtime *rt,
+                                              const struct dt_binding *binding)
+{
+    bool scene = binding->resource == DT_SCENE_TEXTURES;
+    const struct vk_image *image = image_of(rt, binding);
+    bool cube = vk_is_cube(image->shape) && !binding->one_layer &&
+                (binding->kind == DT_BIND_IMAGE || binding->sampler >= 0);
+    VkDescriptorImageInfo info = {
+        .imageView = binding->codes                ? image->codes
+                     : binding->mip == DT_ALL_MIPS ? image->view
+                     : cube
+                         ? image->cube_views[binding->mip]
+                         : vk_image_view(image, binding->mip, binding->one_layer, binding->layer),
+        .imageLayout = vk_layout(binding->layout),
+    };
+    if (scene)
+        info.sampler = rt->builtin.texture_sampler;
+    else if (binding->kind == DT_BIND_TEXTURE)
+        info.sampler = binding->sampler < 0
+                           ? rt->builtin.texel_sampler
+                           : *(VkSampler *)dt_sampler(&rt->core, (uint32_t)binding->sampler);
+    return info;
+}
+
+/* What a binding has: a buffer, or an image with or without sampler. */
+static bool fill_write(struct dt_vk_runtime *rt, const struct dt_binding *binding,
+                       VkWriteDescriptorSet *write, VkDescriptorBufferInfo *range,
+                       VkDescriptorImageInfo *image)
+{
+    if (binding->kind == DT_BIND_TEXELS) {
+        struct vk_buffer *buffer = vk_buffer_at(rt, binding->resource);
+        write->pTexelBufferView = &buffer->texels;
+        return vk_buffer_texels(rt, buffer, binding->resource);
+    }
+    if (binding->kind == DT_BIND_UNIFORM || binding->kind == DT_BIND_STORAGE) {
+        *range = buffer_descriptor(rt, binding);
+        write->pBufferInfo = range;
+        return true;
+    }
+    if (binding->codes && !vk_image_codes(rt, image_of(rt, binding)))
+        return false;
+    *image = image_descriptor(rt, binding);
+    write->pImageInfo = image;
+    return true;
+}
+
+bool vk_program_connect(struct dt_core *core, void *made, uint32_t pass)
+{
+    struct dt_vk_runtime *rt = vk_runtime_of(core);
+    const struct vk_program *program = made;
+    const struct dt_program *state = &core->panel->programs[pass];
     VkWriteDescriptorSet writes[DT_MAX_BINDINGS];
-    for (uint32_t i = 0; i < count; i++) {
-        enum dt_binding_kind kind = bindings[i].kind;
-        bool buffer = kind == DT_BIND_UNIFORM || kind == DT_BIND_STORAGE;
-        bool texels = kind == DT_BIND_TEXELS;
+    VkDescriptorBufferInfo ranges[DT_MAX_BINDINGS];
+    VkDescriptorImageInfo images[DT_MAX_BINDINGS];
+    for (uint32_t i = 0; i < state->binding_count; i++) {
         writes[i] = (VkWriteDescriptorSet){
             .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
             .dstSet = program->set,
-            .dstBinding = bindings[i].binding,
+            .dstBinding = state->bindings[i].binding,
             .descriptorCount = 1,
-            .descriptorType = descriptor_types[kind],
-            .pBufferInfo = buffer ? &descriptors[i].buffer : NULL,
-            .pTexelBufferView = texels ? &descriptors[i].texels : NULL,
-            .pImageInfo = buffer || texels ? NULL : &descriptors[i].image,
+            .descriptorType = descriptor_types[state->bindings[i].kind],
         };
+        if (!fill_write(rt, &state->bindings[i], &writes[i], &ranges[i], &images[i]))
+            return false;
     }
-    rt->vk.UpdateDescriptorSets(rt->device, count, writes, 0, NULL);
+    rt->vk.UpdateDescriptorSets(rt->device, state->binding_count, writes, 0, NULL);
+    return true;
 }
 
 /* ---- Pipelines ------------------------------------------------------------------------------- */
