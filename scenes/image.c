@@ -19,26 +19,6 @@
 #define SHIM             "libdiptych_image.so"
 #define MOST_IMAGE_BYTES ((size_t)1 << 30)
 
-/* The shim stays loaded after its first use (RTLD_NODELETE), so every call can open it again
- * without global state. It is found by the run path of the executable or library that contains this
- * code (ldflags in build.ninja), then by the path of the loader. */
-static void *shim_open(const struct dt_log *log)
-{
-    void *shim = dlopen(SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
-    if (!shim)
-        report_error(log, "cannot read images: " SHIM " is not beside the executable (%s)",
-                     dlerror());
-    return shim;
-}
-
-static void *shim_function(void *shim, const char *name, const struct dt_log *log)
-{
-    void *function = dlsym(shim, name);
-    if (!function)
-        report_error(log, SHIM " has no %s; build it again", name);
-    return function;
-}
-
 /* Libraries open the file by its name. */
 bool image_may_open(const char *path, const struct dt_log *log)
 {
@@ -199,40 +179,35 @@ void image_check_claims(const char *path, enum image_encoding encoding, const st
 
 /* ---- Reading --------------------------------------------------------------------------------- */
 
-bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
-{
-    if (!image_may_open(path, log))
-        return false;
-    struct png_file png;
-    if (read_png(path, NULL, &png, NULL)) {
-        *width = png.width, *height = png.height;
-        return true;
-    }
-    void *shim = shim_open(log);
-    if (!shim)
-        return false;
-    image_oiio_size_fn *size = (image_oiio_size_fn *)shim_function(shim, "image_oiio_size", log);
-    struct image_error error = {""};
-    bool ok = size && size(path, width, height, &error);
-    if (size && !ok)
-        report_error(log, "cannot read image %s: %s", path, error.text);
-    dlclose(shim);
-    return ok;
-}
-
+/* By the shim, which stays loaded after its first use (RTLD_NODELETE), so every call can open it again
+ * without global state. It is found by the run path of the program or library that contains this code
+ * (ldflags in build.ninja), then by the path of the loader. texels NULL: the size alone. */
 static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                        void **texels, const struct dt_log *log)
 {
-    void *shim = shim_open(log);
-    if (!shim)
-        return false;
-    image_oiio_read_fn *read = (image_oiio_read_fn *)shim_function(shim, "image_oiio_read", log);
+    void *shim = dlopen(SHIM, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    image_oiio_read_fn *read = shim ? (image_oiio_read_fn *)dlsym(shim, "image_oiio_read") : NULL;
     struct image_error error = {""};
-    bool ok = read && read(path, is_float, width, height, texels, &error);
-    if (read && !ok)
-        report_error(log, "cannot read image %s: %s", path, error.text);
+    if (!read)
+        return report_error(log,
+                            "cannot read images: " SHIM " is not beside the executable, or of "
+                            "another version (%s)",
+                            dlerror());
+    bool good = read(path, is_float, width, height, texels, &error) ||
+                report_error(log, "cannot read image %s: %s", path, error.text);
     dlclose(shim);
-    return ok;
+    return good;
+}
+
+bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
+{
+    struct png_file png;
+    if (!image_may_open(path, log))
+        return false;
+    if (!read_png(path, NULL, &png, NULL))
+        return image_read(path, false, width, height, NULL, log);
+    *width = png.width, *height = png.height;
+    return true;
 }
 
 bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8_t **texels,

@@ -1,4 +1,4 @@
-/* OpenImageIO behind two C functions (image_oiio.h). Built into its own shared object, so that
+/* OpenImageIO behind a C function (image_oiio.h). Built into its own shared object, so that
  * only programs that use image files pay for loading the library. No exception leaves this file. */
 #include "image_oiio.h"
 
@@ -140,19 +140,6 @@ OIIO::ImageBuf whole_window(const OIIO::ImageBuf &image)
 
 } // namespace
 
-extern "C" bool image_oiio_size(const char *path, uint32_t *width, uint32_t *height,
-                                image_error *error)
-try {
-    auto input = OIIO::ImageInput::open(path);
-    if (!input)
-        return fail(error, OIIO::geterror());
-    *width = (uint32_t)(has_windows(*input) ? input->spec().full_width : input->spec().width);
-    *height = (uint32_t)(has_windows(*input) ? input->spec().full_height : input->spec().height);
-    return true;
-} catch (const std::exception &exception) {
-    return fail(error, exception.what());
-}
-
 extern "C" bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                                 void **texels, image_error *error)
 try {
@@ -166,6 +153,11 @@ try {
         spec.x = spec.y = spec.full_x = spec.full_y = 0;
         spec.full_width = spec.width;
         spec.full_height = spec.height;
+    }
+    if (!texels) {
+        *width = (uint32_t)spec.full_width;
+        *height = (uint32_t)spec.full_height;
+        return true;
     }
     uint64_t whole = (uint64_t)spec.full_width * (uint64_t)spec.full_height;
     if (spec.image_pixels() > IMAGE_MOST_PIXELS || whole > IMAGE_MOST_PIXELS)

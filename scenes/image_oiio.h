@@ -1,5 +1,5 @@
 /* C interface of the OpenImageIO shim, image_oiio.cpp, which becomes build/libdiptych_image.so.
- * image.c loads the shim with dlopen and finds these functions by name. All return false with a
+ * image.c loads the shim with dlopen and finds the function by name. It returns false with a
  * reason in `error`. */
 #pragma once
 
@@ -17,14 +17,11 @@ struct image_error {
     char text[512];
 };
 
-typedef bool image_oiio_size_fn(const char *path, uint32_t *width, uint32_t *height,
-                                struct image_error *error);
-/* Four channels; `is_float`: float, else uint8_t. *texels is malloc'ed. Resizes if both sizes
- * are non-zero. */
+/* Four channels; `is_float`: float, else uint8_t. *texels is malloc'ed; texels NULL: only the size. Else
+ * resizes if both sizes are non-zero. */
 typedef bool image_oiio_read_fn(const char *path, bool is_float, uint32_t *width, uint32_t *height,
                                 void **texels, struct image_error *error);
 
-image_oiio_size_fn image_oiio_size;
 image_oiio_read_fn image_oiio_read;
 
 #ifdef __cplusplus

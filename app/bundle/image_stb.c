@@ -1,4 +1,4 @@
-/* The functions of image_oiio.h by libstb, for the bundle: OpenImageIO needs 260 libraries. Reads PNG,
+/* The function of image_oiio.h by libstb, for the bundle: OpenImageIO needs 260 libraries. Reads PNG,
  * JPEG and HDR. bundle.sh makes libdiptych_image.so of it. */
 #include "image_oiio.h"
 
@@ -11,16 +11,6 @@ static bool stb_fail(struct image_error *error, const char *reason)
 {
     snprintf(error->text, sizeof error->text, "%s", reason ? reason : "unknown reason");
     return false;
-}
-
-bool image_oiio_size(const char *path, uint32_t *width, uint32_t *height, struct image_error *error)
-{
-    int x, y, channels;
-    if (!stbi_info(path, &x, &y, &channels))
-        return stb_fail(error, stbi_failure_reason());
-    *width = (uint32_t)x;
-    *height = (uint32_t)y;
-    return true;
 }
 
 /* Averages light, not codes. */
@@ -43,6 +33,11 @@ bool image_oiio_read(const char *path, bool is_float, uint32_t *width, uint32_t 
     int size[2], channels;
     if (!stbi_info(path, &size[0], &size[1], &channels))
         return stb_fail(error, stbi_failure_reason());
+    if (!texels) {
+        *width = (uint32_t)size[0];
+        *height = (uint32_t)size[1];
+        return true;
+    }
     if ((int64_t)size[0] * size[1] > IMAGE_MOST_PIXELS)
         return stb_fail(error, "too many pixels");
     stbi_ldr_to_hdr_gamma(1.0f); /* codes as they are, divided by 255 */
