@@ -38,7 +38,7 @@ static bool device_lost(struct dt_gl_runtime *rt, const char *call, const char *
                         GLenum status)
 {
     struct dt_core *core = &rt->core;
-    const char *name = rt->recording ? core->pipeline->passes[core->pass].name : object;
+    const char *name = rt->recording ? dt_pass_name(core, core->pass) : object;
     core->lost = true;
     return dt_error(core, "%s%s: gl%.*s: the device was reset %s", rt->recording ? "pass " : "",
                     name, (int)strcspn(call, "("), call,

@@ -2,11 +2,6 @@
  * verb runs at once. */
 #include "internal.h"
 
-static const char *pass_name(const struct dt_gl_runtime *rt, uint32_t pass)
-{
-    return rt->core.pipeline->passes[pass].name;
-}
-
 static const struct dt_program *info_of(const struct dt_gl_runtime *rt, uint32_t pass)
 {
     return &rt->core.panel->programs[pass];
@@ -22,7 +17,7 @@ static const struct gl_program *program_of(const struct dt_gl_runtime *rt, uint3
 static bool begin(struct dt_core *core, uint32_t pass, bool runs)
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
-    const char *name = pass_name(rt, pass);
+    const char *name = dt_pass_name(&rt->core, pass);
     uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass);
     (void)runs;
     rt->recording = true;
@@ -37,7 +32,7 @@ static bool begin(struct dt_core *core, uint32_t pass, bool runs)
 static bool end(struct dt_core *core, uint32_t pass)
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
-    const char *name = pass_name(rt, pass);
+    const char *name = dt_pass_name(&rt->core, pass);
     uint32_t query = 2 * dt_run(&rt->core, rt->core.slot, pass) + 1;
     if (rt->queries && !GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)))
         return false;
@@ -78,7 +73,7 @@ static bool barriers(struct dt_core *core, uint32_t pass, const struct dt_barrie
     GLbitfield bits = 0;
     for (uint32_t i = 0; i < count; i++)
         bits |= bits_of(rt, &list[i]);
-    return !bits || GL(rt, pass_name(rt, pass), MemoryBarrier(bits));
+    return !bits || GL(rt, dt_pass_name(&rt->core, pass), MemoryBarrier(bits));
 }
 
 /* ---- Bindings -------------------------------------------------------------------------------- */
@@ -140,7 +135,7 @@ static bool bind(struct dt_core *core, uint32_t pass)
 static bool dispatch(struct dt_core *core, uint32_t pass, uint32_t x, uint32_t y, uint32_t z)
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
-    const char *name = pass_name(rt, pass);
+    const char *name = dt_pass_name(&rt->core, pass);
     return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
            GL(rt, name, DispatchCompute(x, y, z));
 }
@@ -149,7 +144,7 @@ static bool dispatch_indirect(struct dt_core *core, uint32_t pass, uint32_t argu
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
     const struct gl_buffer *buffer = gl_buffer_of(rt, arguments);
-    const char *name = pass_name(rt, pass);
+    const char *name = dt_pass_name(&rt->core, pass);
     return GL(rt, name, UseProgram(program_of(rt, pass)->handle)) &&
            GL(rt, buffer->name, BindBuffer(GL_DISPATCH_INDIRECT_BUFFER, buffer->handle)) &&
            GL(rt, name, DispatchComputeIndirect(0));
@@ -191,7 +186,7 @@ static bool clear_targets(struct dt_core *core, uint32_t pass, uint32_t layers)
     if (!info->depth || info->depth->load)
         return true;
     rt->gl.DepthMask(GL_TRUE);
-    return GL(rt, pass_name(rt, pass),
+    return GL(rt, dt_pass_name(&rt->core, pass),
               ClearNamedFramebufferfv(framebuffer, GL_DEPTH, 0,
                                       rt->core.panel->storage[info->depth->resource].clear));
 }
@@ -291,7 +286,7 @@ static bool begin_draw(struct dt_gl_runtime *rt, uint32_t pass, const struct dt_
                        GLuint input)
 {
     const struct gl_program *program = program_of(rt, pass);
-    const char *name = pass_name(rt, pass);
+    const char *name = dt_pass_name(&rt->core, pass);
     if (!GL(rt, name, BindFramebuffer(GL_FRAMEBUFFER, program->framebuffer)) ||
         !clear_targets(&rt->core, pass, draw->layers))
         return false;
@@ -326,7 +321,7 @@ static bool draw_indirect(struct dt_gl_runtime *rt, const char *name, GLenum top
 static bool draw_pass(struct dt_core *core, uint32_t pass, const struct dt_draw *draw)
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
-    const char *name = pass_name(rt, pass);
+    const char *name = dt_pass_name(&rt->core, pass);
     GLenum topology = topologies[info_of(rt, pass)->topology];
     GLsizei count = (GLsizei)draw->count, instances = (GLsizei)draw->instances;
     bool scene = core->pipeline->passes[pass].kind == DT_PASS_DRAW_SCENE;
@@ -376,7 +371,7 @@ bool gl_render(struct dt_core *core, const struct dt_frame *frame, const void *l
 
 bool gl_pause(struct dt_core *core)
 {
-    return gl_finish((struct dt_gl_runtime *)core, core->pipeline->passes[core->pass].name);
+    return gl_finish((struct dt_gl_runtime *)core, dt_pass_name(core, core->pass));
 }
 
 /* A host never waits here; the app waits. */

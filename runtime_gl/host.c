@@ -118,7 +118,8 @@ static bool import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *sce
 bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scene)
 {
     if (!dt_front_given(core_of(rt), scene, "import_scene: the struct dt_gl_scene") ||
-        !dt_front_import_scene(&rt->core, scene->index_count, scene->numbered))
+        !dt_front_import_scene(&rt->core, scene->vertices.buffer ? scene->vertices.size : 0,
+                               scene->index_count, scene->numbered))
         return false;
     bool good = gl_state_enter(&rt->core);
     gl_scene_destroy(rt);

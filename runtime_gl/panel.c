@@ -122,7 +122,7 @@ static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
     struct gl_program *program = made;
-    const char *name = core->pipeline->passes[pass].name;
+    const char *name = dt_pass_name(core, pass);
     if (!(program->users = calloc(1, sizeof *program->users)))
         return dt_error(core, "pass %s: out of memory; free some", name);
     *program->users = 1;
@@ -178,7 +178,7 @@ static bool create_views(struct dt_gl_runtime *rt, struct gl_program *program,
 static bool create_framebuffer(struct dt_gl_runtime *rt, GLuint *framebuffer, uint32_t pass)
 {
     const struct dt_program *info = &rt->core.panel->programs[pass];
-    const char *name = rt->core.pipeline->passes[pass].name;
+    const char *name = dt_pass_name(&rt->core, pass);
     GLenum buffers[DT_MAX_COLOR_TARGETS] = {GL_NONE};
     if (!GL(rt, name, CreateFramebuffers(1, framebuffer)))
         return false;
@@ -351,13 +351,6 @@ static bool adopt_resource(struct dt_core *core, uint32_t index, void *resource)
     return core->panel->storage[index].share < 0;
 }
 
-static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
-{
-    const struct gl_builtin *b = &((const struct dt_gl_runtime *)core)->builtin;
-    return (uint64_t)b->buffers[resource - DT_FRAME].size /
-           (resource == DT_SCENE_VERTICES ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL);
-}
-
 const struct dt_backend gl_backend = {
     .name = "gl",
     .api = "OpenGL",
@@ -370,7 +363,6 @@ const struct dt_backend gl_backend = {
     .rest = rest,
     .suits = panel_suits,
     .upload_scene = gl_scene_upload,
-    .texels = scene_texels,
     .begin_panel = begin_panel,
     .end_panel = end_panel,
     .create_sampler = gl_sampler_create,

@@ -166,13 +166,13 @@ bool vk_frame_render(struct dt_core *core, const struct dt_frame *frame, const v
 bool vk_frame_pause(struct dt_core *core)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
-    return run_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name);
+    return run_commands(rt, rt->frame_commands, dt_pass_name(core, core->pass));
 }
 
 bool vk_frame_resume(struct dt_core *core)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
-    return begin_commands(rt, rt->frame_commands, core->pipeline->passes[core->pass].name);
+    return begin_commands(rt, rt->frame_commands, dt_pass_name(core, core->pass));
 }
 
 /* Timestamps wrap after timestamp_bits bits. A host has waited for the frame, so the query does not wait. */

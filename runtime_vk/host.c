@@ -186,7 +186,8 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
     struct vk_builtin *builtin = &rt->builtin;
     const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
     release_scene(rt);
-    if (!dt_front_import_scene(&rt->core, scene->index_count, scene->numbered) ||
+    if (!dt_front_import_scene(&rt->core, scene->vertices.buffer ? scene->vertices.size : 0,
+                               scene->index_count, scene->numbered) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
          !vk_buffer_import(rt, vk_buffer_at(rt, DT_SCENE_VERTICES), "scene_vertices",
                            &scene->vertices, sizeof(struct dt_vertex))) ||

@@ -124,7 +124,7 @@ struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t p
 {
     const struct dt_program *state = &core->panel->programs[pass];
     struct vk_program_info info = {
-        .name = core->pipeline->passes[pass].name,
+        .name = dt_pass_name(core, pass),
         .stages = &core->shaders.stages[pass],
         .state = state,
         .depth_format = state->depth ? format_of(core->panel, state->depth) : VK_FORMAT_UNDEFINED,
@@ -144,7 +144,7 @@ static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
 {
     const struct vk_program *adopted = program;
     vk_set_name(vk_runtime_of(core), VK_OBJECT_TYPE_PIPELINE, (uint64_t)adopted->pipeline->handle,
-                core->pipeline->passes[pass].name);
+                dt_pass_name(core, pass));
 }
 
 struct compiling {
@@ -178,7 +178,7 @@ static bool compile_programs(struct dt_core *core)
     for (uint32_t i = 0; good && i < count; i++) {
         if (!threads)
             compile_pass(&compiling, i);
-        good = vk_check(rt, outcomes[i].result, outcomes[i].call, core->pipeline->passes[i].name);
+        good = vk_check(rt, outcomes[i].result, outcomes[i].call, dt_pass_name(core, i));
         if (good && outcomes[i].call)
             adopt_program(core, dt_program(core, i), i);
     }
@@ -374,13 +374,6 @@ static bool fill_resource(struct dt_core *core, uint32_t index, int byte)
                                   : vk_buffer_fill(rt, &resource->buffer, byte);
 }
 
-static uint64_t scene_texels(const struct dt_core *core, uint16_t resource)
-{
-    const struct vk_builtin *builtin = &((const struct dt_vk_runtime *)core)->builtin;
-    return builtin->buffers[resource - DT_FRAME].size /
-           (resource == DT_SCENE_VERTICES ? DT_VERTEX_TEXEL : DT_INDEX_TEXEL);
-}
-
 const struct dt_backend vk_backend = {
     .name = "vk",
     .api = "Vulkan",
@@ -389,7 +382,6 @@ const struct dt_backend vk_backend = {
     .sampler_size = sizeof(VkSampler),
     .choice_size = sizeof(struct vk_choice),
     .rest = rest,
-    .texels = scene_texels,
     .suits = panel_suits,
     .begin_panel = begin_panel,
     .end_panel = end_panel,

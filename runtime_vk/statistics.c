@@ -41,7 +41,7 @@ static bool ask_executable(struct vk_asking *asking, VkPipeline pipeline, uint32
             .sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_STATISTIC_KHR};
     VkResult result = asking->statistics(rt->device, &info, &out->count, list);
     if (result != VK_INCOMPLETE && !vk_check(rt, result, "vkGetPipelineExecutableStatisticsKHR",
-                                             rt->core.pipeline->passes[out->pass].name))
+                                             dt_pass_name(&rt->core, out->pass)))
         return false;
     for (uint32_t i = 0; i < out->count; i++) {
         snprintf(out->list[i].name, sizeof out->list[i].name, "%s", list[i].name);
@@ -62,7 +62,7 @@ static bool ask_pipeline(struct vk_asking *asking, uint32_t pass, VkPipeline pip
             .sType = VK_STRUCTURE_TYPE_PIPELINE_EXECUTABLE_PROPERTIES_KHR};
     VkResult result = asking->properties(rt->device, &info, &out->count, list);
     if (result != VK_INCOMPLETE && !vk_check(rt, result, "vkGetPipelineExecutablePropertiesKHR",
-                                             rt->core.pipeline->passes[pass].name))
+                                             dt_pass_name(&rt->core, pass)))
         return false;
     for (uint32_t i = 0; i < out->count; i++) {
         out->list[i] = (struct vk_executable){

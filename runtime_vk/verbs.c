@@ -8,11 +8,6 @@ enum { BARRIER_BATCH = 64 };
 
 /* ---- Passes ---------------------------------------------------------------------------------- */
 
-static const char *pass_name(const struct dt_vk_runtime *rt, uint32_t pass)
-{
-    return rt->core.pipeline->passes[pass].name;
-}
-
 /* `end`: 0 or 1. */
 static void write_timestamp(const struct dt_vk_runtime *rt, uint32_t pass, uint32_t end)
 {
@@ -25,7 +20,7 @@ static bool begin(struct dt_core *core, uint32_t pass, bool runs)
     const struct dt_vk_runtime *rt = vk_runtime_of(core);
     VkDebugUtilsLabelEXT label = {
         .sType = VK_STRUCTURE_TYPE_DEBUG_UTILS_LABEL_EXT,
-        .pLabelName = pass_name(rt, pass),
+        .pLabelName = dt_pass_name(&rt->core, pass),
     };
     if (rt->begin_label)
         rt->begin_label(rt->frame_commands, &label);
@@ -360,7 +355,8 @@ static bool counts_from_start(const struct dt_vk_runtime *rt, uint32_t pass,
            dt_error(&rt->core,
                     "pass %s: scene indices at byte %llu, but indirect draws of %s count from the "
                     "start of the buffer; give them a buffer of their own",
-                    pass_name(rt, pass), (unsigned long long)indices->offset, rt->core.device_name);
+                    dt_pass_name(&rt->core, pass), (unsigned long long)indices->offset,
+                    rt->core.device_name);
 }
 
 static void record_draw(struct dt_vk_runtime *rt, const struct dt_draw *draw, bool indexed)

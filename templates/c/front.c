@@ -60,11 +60,6 @@ static bool leave(struct dt_core *core, bool good)
 
 /* ---- Limits ---------------------------------------------------------------------------------- */
 
-static const char *pass_name(const struct dt_core *core, uint32_t pass)
-{
-    return core->pipeline->passes[pass].name;
-}
-
 static const char *const limit_words[DT_LIMITS] = {
 #define ROW(name, words, ...) [DT_LIMIT_##name] = (words),
     DT_DEVICE_LIMITS(ROW)
@@ -114,8 +109,8 @@ static bool has_limit(const struct dt_core *core, uint32_t pass, enum dt_device_
     char text[512];
     if (needed <= core->limits.most[limit])
         return true;
-    describe_lack(pass_name(core, pass), limit, needed, core->limits.most[limit], core->device_name,
-                  text, sizeof text);
+    describe_lack(dt_pass_name(core, pass), limit, needed, core->limits.most[limit],
+                  core->device_name, text, sizeof text);
     return dt_error(core, "%s", text);
 }
 
@@ -475,16 +470,17 @@ bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel)
                     DT_VERSION_MINOR, DT_VERSION_PATCH);
 }
 
-/* Elements of the longest texel buffer of the scene that the pipeline binds. */
+/* Elements of the longest texel buffer of the scene that the pipeline binds; 0: no scene yet. */
 static uint64_t longest_texels(const struct dt_core *core, const struct dt_panel *panel)
 {
     uint64_t longest = 0;
     for (uint32_t pass = 0; pass < panel->pipeline->pass_count; pass++)
         for (uint32_t i = 0; i < panel->programs[pass].binding_count; i++) {
             const struct dt_binding *binding = &panel->programs[pass].bindings[i];
-            uint64_t count = binding->kind == DT_BIND_TEXELS
-                                 ? core->backend->texels(core, binding->resource)
-                                 : 0;
+            uint64_t count = binding->kind != DT_BIND_TEXELS ? 0
+                             : binding->resource == DT_SCENE_VERTICES
+                                 ? core->vertex_bytes / DT_VERTEX_TEXEL
+                                 : core->index_count;
             longest = count > longest ? count : longest;
         }
     return longest;
@@ -619,18 +615,18 @@ static bool check_geometry(const struct dt_core *core, uint32_t pass)
         if ((objects && !core->has_objects) ||
             (resource == DT_SCENE_VERTICES && !core->has_vertices))
             return dt_error(core, "resize: the pass %s reads scene_%s; give `%s` to import_scene",
-                            pass_name(core, pass), objects ? "objects" : "vertices",
+                            dt_pass_name(core, pass), objects ? "objects" : "vertices",
                             objects ? "objects" : "vertices");
     }
     for (int i = 0; i < DT_ATTRIBUTES; i++)
         if ((program->attributes & ~core->attributes) >> i & 1)
             return dt_error(core, "resize: the pass %s reads %s; give it to import_scene",
-                            pass_name(core, pass), dt_attributes[i].name);
+                            dt_pass_name(core, pass), dt_attributes[i].name);
     return core->numbered || !(program->attributes >> DT_TRIANGLE & 1) ||
            dt_error(core,
                     "resize: the pass %s reads vertex_triangle; number the triangles by "
                     "dt_number_triangles, and tell import_scene that they are `numbered`",
-                    pass_name(core, pass));
+                    dt_pass_name(core, pass));
 }
 
 static bool check_work(struct dt_core *core);
@@ -711,8 +707,10 @@ bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offse
                     (unsigned long long)size, core->device_name, (unsigned long long)most);
 }
 
-bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered)
+bool dt_front_import_scene(struct dt_core *core, uint64_t vertex_bytes, uint32_t index_count,
+                           bool numbered)
 {
+    core->vertex_bytes = vertex_bytes;
     core->numbered = numbered;
     core->index_count = index_count;
     core->sized = false; /* programs are connected with the former scene until the next resize */
@@ -978,8 +976,8 @@ static bool check_target(const struct dt_core *core, uint32_t pass, const struct
     extent_of(core, target->resource, extent);
     return (layers >= 1 && layers <= extent[2]) ||
            dt_error(core, "pass %s: draws into %u layers, and image %s has %u",
-                    pass_name(core, pass), layers, core->pipeline->resources[target->resource].name,
-                    extent[2]);
+                    dt_pass_name(core, pass), layers,
+                    core->pipeline->resources[target->resource].name, extent[2]);
 }
 
 static bool check_layers(const struct dt_core *core, uint32_t pass, uint32_t layers)
@@ -1166,7 +1164,7 @@ static bool check_part(const struct dt_core *core, const char *verb, uint32_t fi
     uint32_t count = core->pipeline->pass_count;
     if (first != core->next_pass)
         return dt_error(core, "%s: begins with pass %u, but the frame goes on with pass %u, %s",
-                        verb, first, core->next_pass, pass_name(core, core->next_pass));
+                        verb, first, core->next_pass, dt_pass_name(core, core->next_pass));
     return (end <= count && (first < end || !count)) ||
            dt_error(core, "%s: passes %u to %u, but the pipeline has %u, and a part at least one",
                     verb, first, end, count);
@@ -1184,7 +1182,7 @@ static bool check_frame(const struct dt_core *core, const char *verb, const stru
             return dt_error(core,
                             "%s: `camera` of the struct dt_frame is zero, and the pass %s uses the "
                             "scene; dt_scene_compose of diptych_scene.h fills the frame",
-                            verb, pass_name(core, i));
+                            verb, dt_pass_name(core, i));
     return true;
 }
 
@@ -1231,7 +1229,8 @@ bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++) {
         uint32_t run = dt_run(core, slot, i);
         pass_ms[i] = (double)NAN;
-        good = !core->ran[run] || core->backend->timing(core, run, pass_name(core, i), &pass_ms[i]);
+        good =
+            !core->ran[run] || core->backend->timing(core, run, dt_pass_name(core, i), &pass_ms[i]);
     }
     return leave(core, good);
 }
@@ -1302,6 +1301,7 @@ bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
     core->numbered = true;
     if (!check_scene(core, scene, buffers))
         return false;
+    core->vertex_bytes = buffers[0].size;
     core->index_count = scene->index_count;
     core->has_scene = enter(core) && core->backend->upload_scene(core, scene, buffers);
     core->has_objects = core->has_scene;

@@ -29,6 +29,7 @@ struct dt_core {
     bool has_scene, has_objects, has_vertices; /* vertices: as struct dt_vertex[] */
     bool numbered;                             /* the scene's triangles, for vertex_triangle */
     uint8_t attributes;                        /* mask by enum dt_attribute */
+    uint64_t vertex_bytes;                     /* of the scene, as struct dt_vertex[] */
     uint32_t index_count;                      /* of the scene */
 
     /* The pipeline; NULL before create. */
@@ -119,8 +120,6 @@ struct dt_backend {
     /* Replaces the scene. */
     bool (*upload_scene)(struct dt_core *core, const struct dt_scene *scene,
                          const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS]);
-    /* Elements that DT_SCENE_VERTICES or DT_SCENE_INDICES would have as a texel buffer; 0: none yet. */
-    uint64_t (*texels)(const struct dt_core *core, uint16_t resource);
 
     /* Whether the device has what the passes need. Called before create changes anything. */
     bool (*suits)(struct dt_core *core, const struct dt_panel *panel);
@@ -246,7 +245,8 @@ extern const struct dt_field_place dt_attributes[DT_ATTRIBUTES];
 /* Whether elements of a host's buffer can be this attribute. */
 bool dt_front_attribute(struct dt_core *core, int attribute, uint64_t offset, uint32_t stride);
 /* Checks that index_count fits triangles. A resize must follow. */
-bool dt_front_import_scene(struct dt_core *core, uint32_t index_count, bool numbered);
+bool dt_front_import_scene(struct dt_core *core, uint64_t vertex_bytes, uint32_t index_count,
+                           bool numbered);
 /* `age`: 0 is the frame rendered last, 1 the one before. */
 bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms);
 void dt_front_destroy(struct dt_core *core); /* destroys the pipeline and its objects */
@@ -261,6 +261,10 @@ bool dt_history_goes_on(const struct dt_core *core);
 static inline void *dt_resource(const struct dt_core *core, uint32_t resource)
 {
     return (char *)core->resources + resource * core->backend->resource_size;
+}
+static inline const char *dt_pass_name(const struct dt_core *core, uint32_t pass)
+{
+    return core->pipeline->passes[pass].name;
 }
 static inline void *dt_program(const struct dt_core *core, uint32_t pass)
 {
