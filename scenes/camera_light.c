@@ -58,7 +58,7 @@ void camera_keys(struct key keys[CAMERA_KEYS])
 }
 
 void camera_take(struct reader *reader, int errors, const struct key keys[CAMERA_KEYS],
-                 struct fy_node *place, struct scene_camera *camera)
+                 struct fy_node *place, struct dt_scene_camera *camera)
 {
     float view[3], up[3];
     const double zero[3] = {0};
@@ -78,7 +78,7 @@ void camera_take(struct reader *reader, int errors, const struct key keys[CAMERA
     camera->fov_y = radians(keys[CAMERA_FOV_Y].number[0]);
 }
 
-void camera_tell(const struct scene_camera *camera, struct key keys[CAMERA_KEYS])
+void camera_tell(const struct dt_scene_camera *camera, struct key keys[CAMERA_KEYS])
 {
     tell3(&keys[CAMERA_EYE], camera->eye);
     tell3(&keys[CAMERA_TARGET], camera->target);

@@ -19,10 +19,10 @@ int light_keys(int kind, struct key keys[LIGHT_KEYS]);
  * at `place`. If the reader has more than `errors` errors, further checks are skipped. `reader` may
  * be NULL for valid keys. */
 void camera_take(struct reader *reader, int errors, const struct key keys[CAMERA_KEYS],
-                 struct fy_node *place, struct scene_camera *camera);
+                 struct fy_node *place, struct dt_scene_camera *camera);
 void light_take(struct reader *reader, int errors, int kind, const struct key keys[LIGHT_KEYS],
                 struct fy_node *place, struct scene_light *light);
 
 /* Convert a camera or light to keys. */
-void camera_tell(const struct scene_camera *camera, struct key keys[CAMERA_KEYS]);
+void camera_tell(const struct dt_scene_camera *camera, struct key keys[CAMERA_KEYS]);
 void light_tell(const struct scene_light *light, struct key keys[LIGHT_KEYS]);

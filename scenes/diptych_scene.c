@@ -47,19 +47,10 @@ const struct dt_scene *dt_scene_data(const struct dt_scene_file *file)
     return file ? &file->scene.data : NULL;
 }
 
-static void set_camera(struct scene *scene, const struct dt_scene_camera *camera)
-{
-    struct scene_camera *own = &scene->camera;
-    memcpy(own->eye, camera->eye, sizeof own->eye);
-    memcpy(own->target, camera->target, sizeof own->target);
-    memcpy(own->up, camera->up, sizeof own->up);
-    own->fov_y = camera->fov_y;
-}
-
 void dt_scene_look(struct dt_scene_file *file, const struct dt_scene_camera *camera)
 {
     if (file && camera)
-        set_camera(&file->scene, camera);
+        file->scene.camera = *camera;
 }
 
 static void set_light(struct scene *scene, const struct dt_scene_light *light)
@@ -87,9 +78,9 @@ void dt_scene_compose(const struct dt_scene_camera *camera, const struct dt_scen
         *frame = (struct dt_frame){0};
     if (!frame || !camera || !light || !extent)
         return;
-    struct scene scene = {.radius = extent->radius,
+    struct scene scene = {.camera = *camera,
+                          .radius = extent->radius,
                           .data = {.index_count = 3 * extent->triangle_count}};
-    set_camera(&scene, camera);
     set_light(&scene, light);
     for (int i = 0; i < 3; i++) {
         scene.bounds_min[i] = extent->low[i];

@@ -52,7 +52,7 @@ static bool in_range(const struct key *keys, int count)
 
 static void check_camera(struct mesh_view *view)
 {
-    struct scene_camera *camera = &view->camera;
+    struct dt_scene_camera *camera = &view->camera;
     struct key keys[CAMERA_KEYS];
     float along = 0;
     bool good = make_unit(camera->target), upright = make_unit(camera->up);

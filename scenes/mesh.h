@@ -20,7 +20,7 @@ struct mesh_view {
     char *name; /* of its node, owned */
     bool is_light;
     const char *trouble; /* why it cannot be used; NULL: it can */
-    struct scene_camera camera;
+    struct dt_scene_camera camera;
     struct scene_light light;
 };
 

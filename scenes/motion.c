@@ -108,7 +108,7 @@ static void group_at(const struct group *group, bool linear, double frame,
     }
 }
 
-void motion_at(const struct motion *motion, uint32_t frame, struct scene_camera *camera,
+void motion_at(const struct motion *motion, uint32_t frame, struct dt_scene_camera *camera,
                struct scene_light *light)
 {
     struct key keys[GROUP_KEYS];
@@ -231,7 +231,7 @@ static bool try_frame(struct reader *reader, const struct motion *motion, const 
                       uint32_t frame, struct fy_node *place)
 {
     struct key keys[GROUP_KEYS];
-    struct scene_camera camera;
+    struct dt_scene_camera camera;
     struct scene_light light;
     int errors = reader->errors;
     snprintf(reader->context, sizeof reader->context, "in frame %u, ", frame);

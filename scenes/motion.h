@@ -16,5 +16,5 @@ uint32_t motion_frames(const struct motion *motion);
 const char *motion_path(const struct motion *motion);
 
 /* Camera and light in a frame, counted from 0; constant after the last keyframe. */
-void motion_at(const struct motion *motion, uint32_t frame, struct scene_camera *camera,
+void motion_at(const struct motion *motion, uint32_t frame, struct dt_scene_camera *camera,
                struct scene_light *light);

@@ -34,7 +34,8 @@ enum { MAX_TEXTURE_SIZE = 4096, MOST_OPEN_FILES = 8 };
 
 /* ---- Camera and light ------------------------------------------------------------------------ */
 
-static void read_camera(struct reader *reader, const struct key *self, struct scene_camera *camera)
+static void read_camera(struct reader *reader, const struct key *self,
+                        struct dt_scene_camera *camera)
 {
     struct key keys[CAMERA_KEYS];
     int errors = reader->errors;

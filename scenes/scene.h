@@ -3,12 +3,7 @@
  * image.h. */
 #pragma once
 
-#include "diptych.h"
-
-struct scene_camera {
-    float eye[3], target[3], up[3];
-    float fov_y; /* radians */
-};
+#include "diptych_scene.h"
 
 struct scene_light {
     int kind; /* DT_LIGHT_DIRECTIONAL or DT_LIGHT_SPOT */
@@ -25,7 +20,7 @@ struct scene_light {
 
 struct scene {
     struct dt_scene data; /* arrays are owned by the scene */
-    struct scene_camera camera;
+    struct dt_scene_camera camera;
     struct scene_light light;
     float bounds_min[3], bounds_max[3];
     float center[3], radius;       /* bounding sphere */

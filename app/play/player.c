@@ -294,7 +294,7 @@ bool dt_play_write(struct dt_player *player, const char *name, uint32_t mip, con
 }
 
 /* Whether the camera sees something, and knows which way is up. */
-static bool is_camera(const struct scene_camera *camera)
+static bool is_camera(const struct dt_scene_camera *camera)
 {
     float length = 0, ahead[3];
     for (int i = 0; i < 3; i++)
@@ -309,7 +309,7 @@ static bool is_camera(const struct scene_camera *camera)
 bool dt_play_camera(struct dt_player *player, const float eye[3], const float target[3],
                     const float up[3], float fov_y)
 {
-    struct scene_camera camera = {.fov_y = fov_y * (float)(M_PI / 180)};
+    struct dt_scene_camera camera = {.fov_y = fov_y * (float)(M_PI / 180)};
     if (!is_own(player, "camera") || !is_given(player, "camera", eye && target ? up : NULL))
         return false;
     memcpy(camera.eye, eye, sizeof camera.eye);

@@ -22,7 +22,7 @@ static struct vec3 unit(struct vec3 v)
     return length > 0 ? scale(v, 1 / length) : v;
 }
 
-static struct axes axes_of(const struct scene_camera *camera)
+static struct axes axes_of(const struct dt_scene_camera *camera)
 {
     struct axes axes;
     axes.forward = unit(subtract(vec3_of(camera->target), vec3_of(camera->eye)));
@@ -38,7 +38,7 @@ static void store(float out[3], struct vec3 v)
     out[2] = v.z;
 }
 
-void camera_move(struct scene_camera *camera, float right, float up, float forward)
+void camera_move(struct dt_scene_camera *camera, float right, float up, float forward)
 {
     struct axes axes = axes_of(camera);
     struct vec3 way = add(add(scale(axes.right, right), scale(unit(vec3_of(camera->up)), up)),
@@ -47,7 +47,7 @@ void camera_move(struct scene_camera *camera, float right, float up, float forwa
     store(camera->target, add(vec3_of(camera->target), way));
 }
 
-void camera_turn(struct scene_camera *camera, float right, float up)
+void camera_turn(struct dt_scene_camera *camera, float right, float up)
 {
     static const float steepest = 1.5f; /* radians from the horizon */
     struct axes axes = axes_of(camera);
@@ -62,9 +62,9 @@ void camera_turn(struct scene_camera *camera, float right, float up)
     store(camera->target, add(vec3_of(camera->eye), scale(way, distance)));
 }
 
-void camera_orbit(struct scene_camera *camera, float right, float up)
+void camera_orbit(struct dt_scene_camera *camera, float right, float up)
 {
-    struct scene_camera back = *camera; /* from the target to the eye */
+    struct dt_scene_camera back = *camera; /* from the target to the eye */
     memcpy(back.eye, camera->target, sizeof back.eye);
     memcpy(back.target, camera->eye, sizeof back.target);
     camera_turn(&back, right, -up);
@@ -159,7 +159,7 @@ static void print_number(char out[24], float number, double factor)
     }
 }
 
-char *camera_text(const struct scene_camera *camera)
+char *camera_text(const struct dt_scene_camera *camera)
 {
     const float *vectors[3] = {camera->eye, camera->target, camera->up};
     char numbers[3][3][24], degrees[24];
@@ -172,7 +172,7 @@ char *camera_text(const struct scene_camera *camera)
                          numbers[1][2], numbers[2][0], numbers[2][1], numbers[2][2], degrees);
 }
 
-bool camera_save(const struct scene_camera *camera, const char *path, const struct dt_log *log)
+bool camera_save(const struct dt_scene_camera *camera, const char *path, const struct dt_log *log)
 {
     size_t size;
     struct camera_place place;

@@ -4,17 +4,17 @@
 #include "scenes/scene.h"
 
 /* Moves eye and target along the camera's axes; distances in lengths of the scene. */
-void camera_move(struct scene_camera *camera, float right, float up, float forward);
+void camera_move(struct dt_scene_camera *camera, float right, float up, float forward);
 
 /* Turns the view right and up, in radians; pitch is clamped below the vertical. */
-void camera_turn(struct scene_camera *camera, float right, float up);
+void camera_turn(struct dt_scene_camera *camera, float right, float up);
 
 /* Moves the eye around the target, right and up, in radians. */
-void camera_orbit(struct scene_camera *camera, float right, float up);
+void camera_orbit(struct dt_scene_camera *camera, float right, float up);
 
 /* The camera as a mapping in YAML; free(). NULL: out of memory. */
-char *camera_text(const struct scene_camera *camera);
+char *camera_text(const struct dt_scene_camera *camera);
 
 /* Replaces only the camera's mapping in the scene file. Writes the file whole or leaves it as it
  * was; errors are logged. */
-bool camera_save(const struct scene_camera *camera, const char *path, const struct dt_log *log);
+bool camera_save(const struct dt_scene_camera *camera, const char *path, const struct dt_log *log);

@@ -11,7 +11,7 @@
 #include "base/files.h"
 #include "app/run/camera.h"
 
-static const struct scene_camera ahead = {{1, 2, 3}, {1, 2, -1}, {0, 1, 0}, 0.7f};
+static const struct dt_scene_camera ahead = {{1, 2, 3}, {1, 2, -1}, {0, 1, 0}, 0.7f};
 
 static void assert_at(const float found[3], double x, double y, double z)
 {
@@ -22,7 +22,7 @@ static void assert_at(const float found[3], double x, double y, double z)
 
 TEST(it_moves_along_its_axes)
 {
-    struct scene_camera camera = ahead; /* looks along -z: right is +x, up +y */
+    struct dt_scene_camera camera = ahead; /* looks along -z: right is +x, up +y */
     camera_move(&camera, 0.5f, 0, 0);
     assert_at(camera.eye, 1.5, 2, 3);
     assert_at(camera.target, 1.5, 2, -1);
@@ -33,7 +33,7 @@ TEST(it_moves_along_its_axes)
 
 TEST(it_turns_about_its_eye)
 {
-    struct scene_camera camera = ahead;
+    struct dt_scene_camera camera = ahead;
     camera_turn(&camera, (float)M_PI / 2, 0);
     assert_at(camera.eye, 1, 2, 3);
     assert_at(camera.target, 5, 2, 3); /* to the right, as far as before */
@@ -43,7 +43,7 @@ TEST(it_turns_about_its_eye)
 
 TEST(it_never_tips_over)
 {
-    struct scene_camera camera = ahead;
+    struct dt_scene_camera camera = ahead;
     for (int i = 0; i < 50; i++)
         camera_turn(&camera, 0.01f, 0.3f);
     assert_true(camera.target[1] < 2 + 4 && camera.target[1] > 2 + 3.9);
@@ -63,7 +63,7 @@ static void ignore(void *user, enum dt_level level, const char *message)
 }
 
 /* Floats that need many digits: a file with few digits does not restore most of them. */
-static const struct scene_camera odd = {
+static const struct dt_scene_camera odd = {
     {0.278f, 1.0f / 3, 1e-7f}, {-123456.789f, 0.1f, -0.8f}, {0, 1, 0}, 0.685914397f};
 
 /* Saves the camera into a file with this content. Returns the new content, to free(). */
