@@ -137,17 +137,6 @@ struct dt_vk_runtime *dt_vk_open(const struct dt_vk_host *host)
     return NULL;
 }
 
-static void release_scene(struct dt_vk_runtime *rt)
-{
-    struct vk_builtin *builtin = &rt->builtin;
-    if (builtin->textures.imported)
-        builtin->textures = (struct vk_image){0};
-    vk_image_destroy(rt, &builtin->textures);
-    for (uint32_t i = DT_SCENE_VERTICES; i < DT_SCENE_TEXTURES; i++)
-        vk_buffer_destroy(rt, vk_buffer_at(rt, i));
-    rt->core.has_scene = rt->core.has_objects = false;
-}
-
 void dt_vk_close(struct dt_vk_runtime *rt)
 {
     if (!rt)
@@ -155,7 +144,7 @@ void dt_vk_close(struct dt_vk_runtime *rt)
     if (rt->physical) { /* the functions are loaded */
         dt_front_destroy(&rt->core);
         vk_buffer_destroy(rt, &rt->upload);
-        release_scene(rt);
+        vk_scene_destroy(rt);
         vk_builtin_destroy(rt);
     }
     free(rt);
@@ -185,7 +174,7 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
         return false;
     struct vk_builtin *builtin = &rt->builtin;
     const VkDeviceSize index_bytes = (VkDeviceSize)scene->index_count * sizeof(uint32_t);
-    release_scene(rt);
+    vk_scene_destroy(rt);
     if (!dt_front_import_scene(&rt->core, scene->vertices.buffer ? scene->vertices.size : 0,
                                scene->index_count, scene->numbered) ||
         ((scene->vertices.buffer || !scene->attributes[DT_POSITION].buffer) &&
@@ -411,12 +400,6 @@ static void update(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
         rt->vk.CmdUpdateBuffer(commands, buffer->handle, offset + whole, sizeof rest, &rest);
 }
 
-static void write_uniform(const struct dt_vk_runtime *rt, const struct vk_buffer *buffer,
-                          VkDeviceSize offset, const void *data, VkDeviceSize size)
-{
-    update(rt, rt->frame_commands, buffer, offset, data, size);
-}
-
 /* Leaves the image in the layout that it had; a new one as resize leaves images with history. */
 static void write_host_image(const struct dt_vk_runtime *rt, VkCommandBuffer commands,
                              struct vk_image *image, uint32_t mip, const struct dt_bytes *bytes)
@@ -453,10 +436,10 @@ static void write_uniforms(struct dt_vk_runtime *rt, const struct dt_frame *fram
 {
     const struct dt_pipeline *pipeline = rt->core.pipeline;
     uint32_t size = pipeline->live_size; /* then come parameters that a frame cannot change */
-    write_uniform(rt, vk_buffer_at(rt, DT_FRAME), 0, frame, sizeof *frame);
-    write_uniform(rt, vk_buffer_at(rt, DT_LIVE), 0, live, size);
-    write_uniform(rt, vk_buffer_at(rt, DT_LIVE), size, (const char *)pipeline->live_defaults + size,
-                  pipeline->block_size - size);
+    update(rt, rt->frame_commands, vk_buffer_at(rt, DT_FRAME), 0, frame, sizeof *frame);
+    update(rt, rt->frame_commands, vk_buffer_at(rt, DT_LIVE), 0, live, size);
+    update(rt, rt->frame_commands, vk_buffer_at(rt, DT_LIVE), size,
+           (const char *)pipeline->live_defaults + size, pipeline->block_size - size);
 }
 
 static void clear(const struct dt_vk_runtime *rt, struct vk_image *image, float value,
@@ -591,14 +574,6 @@ static struct write write_of(const struct dt_pass *pass, const struct dt_resourc
     return (struct write){DT_WRITE_COLOR, DT_STAGE_COLOR};
 }
 
-static bool writes_resource(const struct dt_pass *pass, uint32_t resource)
-{
-    for (uint32_t i = 0; i < pass->write_count; i++)
-        if (pass->writes[i] == resource)
-            return true;
-    return false;
-}
-
 /* The last write of the commands recorded last; zero: only the host writes the resource. */
 static struct write last_write(const struct dt_vk_runtime *rt, uint32_t resource)
 {
@@ -606,7 +581,7 @@ static struct write last_write(const struct dt_vk_runtime *rt, uint32_t resource
     const struct dt_core *core = &rt->core;
     const struct dt_resource *what = &core->pipeline->resources[resource];
     for (uint32_t i = core->next_pass ? core->next_pass : core->pipeline->pass_count; i-- > 0;)
-        if (writes_resource(&core->pipeline->passes[i], resource))
+        if (dt_writes(core, i, resource))
             return core->recorded && !core->ran[dt_run(core, core->slot, i)]
                        ? clear
                        : write_of(&core->pipeline->passes[i], what);

@@ -366,6 +366,7 @@ extern const struct dt_runtime runtime_vk; /* runtime.c */
 
 bool vk_builtin_create(struct dt_vk_runtime *rt); /* all except the live block and the scene */
 void vk_builtin_destroy(struct dt_vk_runtime *rt);
+void vk_scene_destroy(struct dt_vk_runtime *rt); /* what is not imported */
 
 /* ---- For the app: read-back (readback.c), scene (scene.c) ------------------------------------- */
 
@@ -377,4 +378,3 @@ bool vk_scene_attributes(struct dt_vk_runtime *rt,
                          const struct dt_vk_attribute given[DT_ATTRIBUTES]);
 bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene,
                      const struct dt_scene_buffer buffers[DT_SCENE_BUFFERS]);
-void vk_scene_destroy(struct dt_vk_runtime *rt);

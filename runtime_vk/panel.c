@@ -36,6 +36,17 @@ void vk_builtin_destroy(struct dt_vk_runtime *rt)
     vk_sampler_destroy(&rt->core, &rt->builtin.texture_sampler);
 }
 
+void vk_scene_destroy(struct dt_vk_runtime *rt)
+{
+    struct vk_image *textures = &rt->builtin.textures;
+    if (textures->imported) /* its views are the host's */
+        *textures = (struct vk_image){0};
+    vk_image_destroy(rt, textures);
+    for (uint32_t i = DT_SCENE_VERTICES; i < DT_SCENE_TEXTURES; i++)
+        vk_buffer_destroy(rt, vk_buffer_at(rt, i));
+    rt->core.has_scene = rt->core.has_objects = false;
+}
+
 /* ---- The panel ------------------------------------------------------------------------------- */
 
 /* Makes sure that no frame is in flight: a host guarantees this, the app's runtime waits. */

@@ -64,11 +64,3 @@ bool vk_scene_upload(struct dt_core *core, const struct dt_scene *scene,
     vk_buffer_destroy(rt, &rt->staging); /* as large as the scene: free it */
     return good;
 }
-
-void vk_scene_destroy(struct dt_vk_runtime *rt)
-{
-    for (uint32_t i = DT_SCENE_VERTICES; i < DT_SCENE_TEXTURES; i++)
-        vk_buffer_destroy(rt, vk_buffer_at(rt, i));
-    vk_image_destroy(rt, &rt->builtin.textures);
-    rt->core.has_scene = rt->core.has_objects = false;
-}

@@ -749,15 +749,12 @@ bool dt_front_find(const struct dt_core *core, const char *verb, uint32_t resour
     return true;
 }
 
-/* Whether the passes of the frame that were recorded so far write the resource. */
-static bool is_written(const struct dt_core *core, uint32_t resource)
+/* Whether a pass before `end` writes the resource. */
+static bool is_written(const struct dt_core *core, uint32_t end, uint32_t resource)
 {
-    for (uint32_t i = 0; i < core->next_pass; i++) {
-        const struct dt_pass *pass = &core->pipeline->passes[i];
-        for (uint32_t k = 0; k < pass->write_count; k++)
-            if (pass->writes[k] == resource)
-                return true;
-    }
+    for (uint32_t pass = 0; pass < end; pass++)
+        if (dt_writes(core, pass, resource))
+            return true;
     return false;
 }
 
@@ -774,7 +771,7 @@ bool dt_front_take(const struct dt_core *core, uint32_t resource, struct dt_byte
                         "resource %s: other passes may reuse its memory; give it `keep: true` in "
                         "the spec, or import it",
                         what->name);
-    return !core->next_pass || is_written(core, resource) ||
+    return !core->next_pass || is_written(core, core->next_pass, resource) ||
            dt_error(core,
                     "resource %s: a later part of this frame writes it, and earlier passes use its "
                     "memory; take it after that part, or give it `keep: true` in the spec",
@@ -860,24 +857,11 @@ static enum dt_action ask_observer(struct dt_core *core, uint32_t pass)
     return enter(core) ? action : DT_STOP; /* the observer may have used other contexts */
 }
 
-static bool writes(const struct dt_core *core, uint32_t pass, uint32_t resource)
-{
-    const struct dt_pass *info = &core->pipeline->passes[pass];
-    for (uint32_t i = 0; i < info->write_count; i++)
-        if (info->writes[i] == resource)
-            return true;
-    return false;
-}
-
 /* Whether a frame uses the resource from this pass on, which discards what its memory held. */
 static bool is_discarded(const struct dt_core *core, uint32_t pass, uint32_t resource)
 {
-    if (core->pipeline->resources[resource].history || !writes(core, pass, resource))
-        return false;
-    for (uint32_t earlier = 0; earlier < pass; earlier++)
-        if (writes(core, earlier, resource))
-            return false;
-    return true;
+    return !core->pipeline->resources[resource].history && dt_writes(core, pass, resource) &&
+           !is_written(core, pass, resource);
 }
 
 static bool resume(struct dt_core *core)

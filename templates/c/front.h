@@ -266,6 +266,14 @@ static inline const char *dt_pass_name(const struct dt_core *core, uint32_t pass
 {
     return core->pipeline->passes[pass].name;
 }
+static inline bool dt_writes(const struct dt_core *core, uint32_t pass, uint32_t resource)
+{
+    const struct dt_pass *info = &core->pipeline->passes[pass];
+    uint32_t i = 0;
+    while (i < info->write_count && info->writes[i] != resource)
+        i++;
+    return i < info->write_count;
+}
 static inline void *dt_program(const struct dt_core *core, uint32_t pass)
 {
     return (char *)core->programs + pass * core->backend->program_size;
