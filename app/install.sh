@@ -23,7 +23,7 @@ esac
 list=$root/share/diptych/installed
 if [ "${2:-}" = uninstall ]; then
     [ -e "$list" ] || { echo "uninstall: $list is missing: nothing was installed there" >&2 && exit 1; }
-    while read -r file; do rm -f "$root/$file"; done <"$list"
+    (cd "$root" && xargs -d '\n' rm -f <"$list")
     rm -f "$list"
     find "$root/share/diptych" "$root/include/diptych" "$root/lib/diptych" "$root/$lib/cmake/diptych" \
         "$root/share/doc/diptych" "$root/lib/python3/dist-packages/diptych" -depth -type d -empty -delete
@@ -35,7 +35,7 @@ mkdir -p "$(dirname "$list")"
 # Each file appears whole: under a name of its own first.
 put() { # mode file target
     echo "$3" >>"$list"
-    install -d -m 755 "$(dirname "$root/$3")"
+    [ -d "$root/${3%/*}" ] || install -d -m 755 "$root/${3%/*}"
     install -m "$1" "$2" "$root/$3.new.$$"
     mv -f "$root/$3.new.$$" "$root/$3"
 }

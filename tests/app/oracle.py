@@ -1,7 +1,7 @@
-"""oracle.py [TEXT]: stages of templates/ssvp.yaml against their definition, in double precision in NumPy, on what both backends leave: sampling
-patterns, VPLs, clusters, second-bounce flux, interleaving, shading, tone mapping. Shares no code with the shaders; formulas
-and names of quantities are the papers'. Prints TAP; called by oracle_test.sh. TEXT: only
-tests with it in their names."""
+"""oracle.py [TEXT]: stages of templates/ssvp.yaml against their definition, in double precision in NumPy: sampling patterns, VPLs,
+clusters, second-bounce flux, interleaving, shading, tone mapping. SEED draws the backend of each test, since parity_test.sh shows
+that both leave the same bits; long runs take both. Shares no code with the shaders; formulas and names of quantities are the
+papers'. Prints TAP; called by oracle_test.sh. TEXT: only tests with it in their names."""
 import functools
 import os
 import sys
@@ -395,4 +395,4 @@ def test_display_is_reinhards_curve_of_radiance(backend):
 
 
 if __name__ == "__main__":
-    bodies.run_tests(globals(), ("gl", "vk"), "".join(sys.argv[1:]), (AssertionError, diptych.Error))
+    bodies.run_tests(globals(), ("gl", "vk"), "".join(sys.argv[1:]), (AssertionError, diptych.Error), drawn=True)

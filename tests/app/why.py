@@ -2,7 +2,7 @@
 """Plants faults in pictures made with NumPy, and decoys without a simple cause; holds that `why` names the faults and stays silent about the decoys.
 
     why.py [SEED]      prints what is wrong, and "# counted: ..."; other seeds are other pictures. DIPTYCH_LONG: each fault at all
-                       three strengths and all decoys; else a quarter of them at one and a third of the kinds, as SEED draws
+                       three strengths and all decoys; else an eighth of them at one and a sixth of the kinds, as SEED draws
 """
 import multiprocessing, os, random, sys
 root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -253,11 +253,11 @@ chosen = int(os.environ.get("SEED", random.randrange(1 << 20)))
 jobs = [(True, number, k) for number in range(len(FAULTS)) for k in (range(3) if LONG else [(number + seed) % 3])]
 jobs += [(False, kind, number) for kind in range(len(DECOYS)) for number in (range(11) if LONG else [(kind + seed) % 11])]
 if not LONG:
-    jobs = [*random.Random(chosen).sample(jobs[:len(FAULTS)], len(FAULTS) // 4), *random.Random(chosen).sample(jobs[len(FAULTS):], len(DECOYS) // 3)]
+    jobs = [*random.Random(chosen).sample(jobs[:len(FAULTS)], len(FAULTS) // 8), *random.Random(chosen).sample(jobs[len(FAULTS):], len(DECOYS) // 6)]
 with multiprocessing.Pool(os.cpu_count() if LONG else 1) as pool:
     results = pool.map(judged, jobs, 1)
     pool.close(), pool.join()
 print(*(text for good, text in results if not good), sep="\n")
 named, false = ([good for job, (good, _) in zip(jobs, results) if job[0] == kind] for kind in (True, False))
 print(f"# counted: SEED={chosen}: {sum(named)} of {len(named)} planted faults named first, {false.count(False)} false reasons in {len(false)} decoys, {sum(os.times()[2:4]):.0f} s")
-sys.exit(sum(named) < 0.95 * len(named) or not all(false))
+sys.exit(sum(named) < 0.94 * len(named) or not all(false))

@@ -4,6 +4,7 @@ A body is compute GLSL for one invocation. It reads the live parameters one, two
 `result[i]`."""
 import json
 import os
+import random
 import re
 import resource
 import shutil
@@ -158,11 +159,16 @@ class Tap:
         raise SystemExit(self.failed != 0)
 
 
-def run_tests(names, sides, chosen="", errors=(AssertionError, OSError, ValueError, subprocess.CalledProcessError)):
-    """Runs every test_NAME of a module for each side; where there are none, `sides` is (None,). A test that raises fails."""
+def run_tests(names, sides, chosen="", errors=(AssertionError, OSError, ValueError, subprocess.CalledProcessError), drawn=False):
+    """Runs every test_NAME of a module for each side; where there are none, `sides` is (None,). A test that raises fails. If
+    `drawn`, SEED draws one side for each test; long runs take all."""
     tap = Tap()
+    drawn, seed = drawn and not os.environ.get("DIPTYCH_LONG"), os.environ.get("SEED", str(random.randrange(32768)))
+    if drawn:
+        print(f"# SEED={seed}")
     for name, test in list(names.items()):
-        for side in sides if name.startswith("test_") and chosen in name else ():
+        of_test = (random.Random(seed + name).choice(sides),) if drawn else sides
+        for side in of_test if name.startswith("test_") and chosen in name else ():
             reasons = []
             try:
                 test(*([side] if side else []))

@@ -41,22 +41,27 @@ def diptych(*words):
     return bodies.limited([BUILD + "/diptych", *words, "--size", "8x8"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
 
 
-def numbers(kind="f"):
-    """The first 16 bytes of what the pass leaves with Vulkan."""
-    done = diptych("render", "--spec", "a.yaml", "--backend", "vk", "--dump", "dump")
+def left(side):
+    """What each pass leaves on that side."""
+    done = diptych("render", "--spec", "a.yaml", "--backend", side, "--dump", "dump")
     if done.returncode:
         return [done.stdout]
     with open("dump/manifest.json", encoding="utf-8") as file:
-        name = json.load(file)["entries"][-1]["file"]
-    with open("dump/" + name, "rb") as file:
-        return list(struct.unpack("<4" + kind, file.read(16)))
+        names = [entry["file"] for entry in json.load(file)["entries"]]
+    found = []
+    for name in names:
+        with open("dump/" + name, "rb") as file:
+            found.append(file.read())
+    return found
 
 
 def agrees(want, kind="f"):
-    """Why it does not: both backends leave the same bits, and Vulkan `want`."""
-    done = diptych("compare", "--spec", "a.yaml")
-    got = numbers(kind)
-    return ([done.stdout] if done.returncode else []) + ([] if got == want else [f"{got}, not {want}"])
+    """Why it does not: both backends leave the same bits, and the first 16 bytes of the last pass are `want`."""
+    gl, vk = left("gl"), left("vk")
+    if isinstance(vk[-1], str) or gl != vk:
+        return ["gl and vk differ", *(text for text in gl + vk if isinstance(text, str))]
+    got = list(struct.unpack("<4" + kind, vk[-1][:16]))
+    return [] if got == want else [f"{got}, not {want}"]
 
 
 def told(words, *options):
@@ -299,8 +304,10 @@ def large(tap):
     setting = {key: os.environ.pop(key) for key in ["GALLIVM_PERF"] if key in os.environ}
     for mode, words in ((1, "are not optimized"), (0, "of a branch that a global decides go")):
         compute(f"float mode = {mode};\n" + LOOPS % (1000 * "x = abs(x); ", "if (mode > 0.5) {" + 100 * "idle(x); " + "} x += float(turns);"), head=head, kind="float")
-        done = diptych("render", "--spec", "a.yaml", "--backend", "vk", "--dump", "dump")
-        tap.result(f"100,000 operations {words}", [] if ("GALLIVM_PERF=nopt" in done.stdout) == bool(mode) and not done.returncode else [done.stdout])
+        side = "vk@none" if mode and not os.environ.get("DIPTYCH_LONG") else "vk"  # no device: the driver compiles them for 6 s
+        done = diptych("render", "--spec", "a.yaml", "--backend", side, "--dump", "dump")
+        good = ("GALLIVM_PERF=nopt" in done.stdout) == bool(mode) and bool(done.returncode) == (side != "vk")
+        tap.result(f"100,000 operations {words}", [] if good else [done.stdout])
     os.environ.update(setting)
 
 
@@ -470,21 +477,22 @@ def forms(tap):
     tap.result(f"{len(drawn)} shaders in {len(FORMS)} forms", [] if len(drawn) == count else ["too few"])
     made = Forms(os.getcwd(), {name: len(every[name].expected) for name in drawn}, drawn)
     for side, exactness in [(side, "exact") for side in sys.argv[1:]] + [(sys.argv[2], "fast")]:
+        chosen = list(drawn)[:len(drawn) if "@Swift" not in side or os.environ.get("DIPTYCH_LONG") else 4]  # it keeps nothing it compiled
         try:
-            results, reasons = made.render(list(drawn), side, exactness), []
+            results, reasons = made.render(chosen, side, exactness), []
         except bodies.Failure:
-            failed = bodies.guilty(list(drawn), lambda some, side=side, exactness=exactness: made.render(some, side, exactness))
+            failed = bodies.guilty(chosen, lambda some, side=side, exactness=exactness: made.render(some, side, exactness))
             reasons = [f"{name}, {drawn[name]}: {text}" for name, text in failed.items()]
-            results = made.render([name for name in drawn if name not in failed], side, exactness)
+            results = made.render([name for name in chosen if name not in failed], side, exactness)
         for name, seen in results.items():
             body = every[name]
             reasons += [f"{drawn[name]}: {text}" for text in body.wrong(seen, side, lambda got, want, body=body: (
                 got == want or bodies.ulp(got, want) <= body.ulp > 0 or (
                     exactness == "fast" and (not body.fast or bodies.near(bodies.as_float(got), bodies.as_float(want))))))]
         tap.result(f"they compute what GLSL says, on {side}, {exactness}", reasons)
-    made.spec(list(drawn)[:6], "a")
+    made.spec(list(drawn)[:3], "a")
     done = diptych("compare", "--spec", "a.yaml", "--sanitize")
-    tap.result("some of them agree when sanitized", [] if f"resources of {min(len(drawn), 6)} passes agree" in done.stdout else [done.stdout])
+    tap.result("some of them agree when sanitized", [] if f"resources of {min(len(drawn), 3)} passes agree" in done.stdout else [done.stdout])
 
 
 HLSL_SPEC = """pipeline: tried

@@ -62,6 +62,7 @@ check "so is another value of a parameter" is_as_without --set samples=16
 check "and the other way to compile" is_as_without --set exactness=fast
 
 rm -rf "$cache"
+spec=$root/tests/specs/mips.yaml # any, and a small one
 generate plain && generate cached --cache "$cache"
 mapfile -t entries < <(find "$cache" -name '*.spv' | sort)
 entry=${entries[0]} other=${entries[1]}
@@ -77,6 +78,7 @@ check "another shader's entry under its name is a miss, and made anew" is_mended
 check "an entry that is a pipe is a miss, and made anew" is_mended by_pipe
 check "an entry that is missing is made anew" is_mended rm "$entry"
 
+spec=$work/templates/rsm.yaml
 # An entry larger than the default limit, last used two days ago: a new entry evicts it, unless DIPTYCH_CACHE_MIB is large.
 keeps_old() { # samples, which makes new entries
     truncate -s 65M "$cache/old.spv" && touch -d '2 days ago' "$cache/old.spv" &&

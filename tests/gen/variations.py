@@ -79,7 +79,7 @@ class Draw:
     def frame(self):
         kind, tile = self.random.randrange(8), self.tree["params"].get("tile", {}).get("value", [8, 8])
         sides = [1 if kind in (0, i + 1) else tile[i] * self.random.randint(1, 6) if kind == 3
-                 else self.random.randint(2, 64) if kind == 4 else self.random.randint(97, 160) if kind == 5
+                 else self.random.randint(2, 64) if kind == 4 else self.random.randint(97, 112) if kind == 5
                  else 2 * self.random.randrange(32) + 1 for i in range(2)]
         self.size = sides
         self.kinds["one texel wide"] += 1 in sides

@@ -34,15 +34,22 @@ compile_with() { # what compiler standard files
         skip "$2 -std=$3 compiles $1" "not here"
     fi
 }
+seed=${SEED:-$RANDOM}
+echo "# SEED=$seed"
+drawn() { # compiler word word: both words for GCC and in long runs, else one of them
+    local words=("$2" "$3")
+    [[ $1 = g* || -n ${DIPTYCH_LONG:-} ]] || words=("${words[seed % 2]}")
+    echo "${words[@]}"
+}
 # The oldest and the newest standard: those between forbid nothing that both allow.
 for compiler in gcc clang $mingw-gcc; do
-    for standard in c11 c2x; do
-        compile_with "headers and generated C" "$compiler" $standard "$(echo "$work"/hosts/*.c)"
+    for standard in $(drawn "$compiler" c11 c2x); do
+        compile_with "headers and generated C" "$compiler" "$standard" "$(echo "$work"/hosts/*.c)"
     done
 done
 for compiler in g++ clang++ $mingw-g++; do
-    for standard in c++11 c++20; do
-        compile_with headers "$compiler" $standard "$work/hosts/all.cpp"
+    for standard in $(drawn "$compiler" c++11 c++20); do
+        compile_with headers "$compiler" "$standard" "$work/hosts/all.cpp"
     done
 done
 # Defines macros as <windows.h> does, for systems without MinGW.
@@ -67,9 +74,9 @@ links_dll() { # gl|vk
     done < <(sed -nE "s#^build \\\$obj/runtime_$1/[a-z_]+\.o: cc ([^ ]+).*#\1#p" "runtime_$1/build.ninja")
     [ ${#objects[@]} -gt 5 ] && "$mingw-gcc" -shared "${objects[@]}" -o "$work/$1.dll" -lpthread
 }
-for api in gl vk; do
+for api in $(drawn $mingw gl vk); do
     if command -v "$mingw-gcc" >/dev/null; then
-        check "MinGW builds the $api runtime as a DLL" links_dll $api
+        check "MinGW builds the $api runtime as a DLL" links_dll "$api"
     else
         skip "MinGW builds the $api runtime" "not here"
     fi

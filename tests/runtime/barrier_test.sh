@@ -33,11 +33,11 @@ pipelines() { # size
     audit "memory at $1" "$specs/memory.yaml" --size "$1"
 }
 
-pipelines 97x65
+pipelines 24x16
 if [ -n "${DIPTYCH_LONG:-}" ]; then
     pipelines 1x1
     pipelines 17x9
-    pipelines 24x16
+    pipelines 97x65
 fi
 
 # The recorder sees only the functions of Vulkan that it intercepts. Of the commands left out here, vkCmdClearDepthStencilImage
