@@ -273,7 +273,7 @@ bool spirv_combine(struct spirv *module)
     struct combining c = {.from = module};
     size_t uses = 1;
     if ((spirv_passes_textures(module) && !spirv_reread(module, SPIRV_INLINE | SPIRV_CHAINS)) ||
-        !spirv_split(module) || !spirv_spread(module))
+        !spirv_split(module) || !spirv_spread(module) || !spirv_texel_buffers(module))
         return false;
     SPIRV_EACH(module, at, module->code, module->count)
     uses +=

@@ -35,7 +35,8 @@ bool spirv_can_demote(const struct spirv *module);
 bool spirv_lower_phis(struct spirv *module);
 
 /* combine.c, for texts as well: textures and samplers as passes have them. split.c, textures in structs, and spread.c, arrays
- * of resources, which combine.c calls. False: out of memory. */
+ * of resources, texel_buffers.c, which combine.c calls. False: out of memory. */
 bool spirv_combine(struct spirv *module);
 bool spirv_split(struct spirv *module);
 bool spirv_spread(struct spirv *module);
+bool spirv_texel_buffers(struct spirv *module);

@@ -285,6 +285,11 @@ def widths(tap):
     put("a.yaml", COMPUTE.format(local=8, head="", kind="uint", file="a.comp").replace("count: 8", "count: 8, history: true")
         .replace("writes: [Sums]", "updates: [{name: Sums, as: gl_AtomicCounterBlock_0}]"))
     tap.result("an atomic counter", agrees([0, 8, 0, 0], "I"))
+    compute("layout(local_size_x = 8) in; layout(r32ui) uniform uimageBuffer Sums; uniform usamplerBuffer From;\n"
+            "void main() { int i = int(gl_GlobalInvocationID.x); imageStore(Sums, i, uvec4(i * 3 + imageSize(Sums), 9, 9, 9)); imageAtomicAdd(Sums, i, 1u);\n"
+            "uvec4 own = imageLoad(Sums, i); imageStore(Sums, i, own + own.w * 100u + own.yyyy + texelFetch(From, i).wwww + textureSize(From) * 1000u); }\n")
+    put("a.yaml", COMPUTE.format(local=8, head="", kind="uint", file="a.comp").replace("buffers: {", "buffers: {From: {of: uvec4, count: 8, history: true}, ").replace("writes", "reads: [From], writes"))
+    tap.result("texel buffers", agrees([8109, 8112, 8115, 8118], "I"))
 
 
 LOOPS = """layout(local_size_x = 8) in;
