@@ -260,4 +260,4 @@ with multiprocessing.Pool(os.cpu_count() if LONG else 1) as pool:
 print(*(text for good, text in results if not good), sep="\n")
 named, false = ([good for job, (good, _) in zip(jobs, results) if job[0] == kind] for kind in (True, False))
 print(f"# counted: SEED={chosen}: {sum(named)} of {len(named)} planted faults named first, {false.count(False)} false reasons in {len(false)} decoys, {sum(os.times()[2:4]):.0f} s")
-sys.exit(sum(named) < 0.94 * len(named) or not all(false))
+sys.exit(named.count(False) > max(2, 0.05 * len(named)) or not all(false))  # a few are too faint for some pictures
