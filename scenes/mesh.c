@@ -8,6 +8,8 @@
 #include "base/input.h"
 #include "gltf.h"
 
+#include <meshoptimizer.h>
+
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -217,60 +219,18 @@ bool mesh_add(struct mesh *mesh, const struct mesh_part *part, const double matr
 
 /* ---- Welding --------------------------------------------------------------------------------- */
 
-enum { VERTEX_WORDS = sizeof(struct dt_vertex) / sizeof(uint32_t) };
-
-static void vertex_bits(const struct dt_vertex *vertex, uint32_t bits[VERTEX_WORDS])
-{
-    memcpy(bits, vertex, sizeof *vertex);
-}
-
-static uint32_t hash_bits(const uint32_t bits[VERTEX_WORDS])
-{
-    uint32_t hash = 2166136261u; /* FNV-1a by words, with the high bits folded down */
-    for (int i = 0; i < VERTEX_WORDS; i++) {
-        hash = (hash ^ bits[i]) * 16777619u;
-        hash ^= hash >> 15;
-    }
-    return hash;
-}
-
-static bool has_bits(const struct dt_vertex *vertex, const uint32_t bits[VERTEX_WORDS])
-{
-    uint32_t own[VERTEX_WORDS];
-    vertex_bits(vertex, own);
-    return memcmp(own, bits, sizeof own) == 0;
-}
-
 /* One vertex for all corners with the same bits, in order of first use; fills the indices. */
 static bool weld(struct mesh *mesh)
 {
-    uint32_t slots = 16;
-    while (slots < 2 * (uint64_t)mesh->vertex_count && slots < 1u << 31)
-        slots *= 2;
-    uint32_t *table = malloc((size_t)slots * sizeof *table);
-    mesh->indices = malloc((mesh->vertex_count ? mesh->vertex_count : 1) * sizeof *mesh->indices);
-    if (!table || !mesh->indices) {
-        free(table);
+    uint32_t count = mesh->vertex_count;
+    mesh->indices = malloc(count * sizeof *mesh->indices);
+    if (!mesh->indices)
         return false;
-    }
-    memset(table, 0xff, (size_t)slots * sizeof *table);
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        const struct dt_vertex vertex = mesh->vertices[i];
-        uint32_t bits[VERTEX_WORDS];
-        vertex_bits(&vertex, bits);
-        uint32_t slot = hash_bits(bits) & (slots - 1);
-        while (table[slot] != UINT32_MAX && !has_bits(&mesh->vertices[table[slot]], bits))
-            slot = (slot + 1) & (slots - 1);
-        if (table[slot] == UINT32_MAX) {
-            mesh->vertices[count] = vertex;
-            table[slot] = count++;
-        }
-        mesh->indices[i] = table[slot];
-    }
-    mesh->index_count = mesh->vertex_count;
-    mesh->vertex_count = count;
-    free(table);
+    mesh->vertex_count = (uint32_t)meshopt_generateVertexRemap(
+        mesh->indices, NULL, count, mesh->vertices, count, sizeof *mesh->vertices);
+    for (uint32_t i = 0; i < count; i++) /* no index is above its corner's */
+        mesh->vertices[mesh->indices[i]] = mesh->vertices[i];
+    mesh->index_count = count;
     return true;
 }
 
