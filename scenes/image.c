@@ -22,18 +22,23 @@
 /* Libraries open the file by its name. */
 bool image_may_open(const char *path, const struct dt_log *log)
 {
-    const char *reason;
+    const char *reason, *other;
+    struct picture picture;
     child_opens(path);
-    return (input_check(path, MOST_IMAGE_BYTES, &reason) && picture_check(path, &reason)) ||
-           report_error(log, "cannot read image %s: %s", path, reason);
+    bool good = input_check(path, MOST_IMAGE_BYTES, &reason);
+    if (good && picture_read(path, &picture, &other) && *picture.trouble) {
+        reason = picture.trouble;
+        good = false;
+    }
+    return good || report_error(log, "cannot read image %s: %s", path, reason);
 }
 
 /* ---- PNG ------------------------------------------------------------------------------------- */
 
 struct png_file {
     uint32_t width, height, bits; /* of a channel */
-    char space[PICTURE_SPACE];    /* as picture_space */
-    uint32_t turn;                /* as picture_turn */
+    char space[PICTURE_SPACE];    /* as struct picture has them */
+    uint32_t turn;
 };
 
 static _Noreturn void png_fail(png_structp png, png_const_charp text)
@@ -159,13 +164,14 @@ void image_check_claims(const char *path, enum image_encoding encoding, const st
     static const char *const taken[] = {[IMAGE_AS_NUMBERS] = "are kept",
                                         [IMAGE_AS_LIGHT] = "are taken as linear",
                                         [IMAGE_AS_SRGB] = "are taken as sRGB codes"};
-    struct png_file png = {.space = "", .turn = 1};
-    char space[PICTURE_SPACE];
-    picture_space(path, space);
+    struct png_file png;
+    struct picture picture;
+    const char *reason, *space = picture.space;
+    picture_read(path, &picture, &reason);
     bool is_png = read_png(path, NULL, &png, NULL);
     if (is_png && !*space)
-        memcpy(space, png.space, sizeof space);
-    uint32_t turn = is_png ? png.turn : picture_turn(path);
+        space = png.space;
+    uint32_t turn = is_png ? png.turn : picture.turn;
     if (turn != 1)
         report_message(
             log, DT_WARNING,

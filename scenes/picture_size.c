@@ -1,5 +1,5 @@
-/* Headers of picture files; see picture_size.h. The file may come from anyone: every number is read
- * through `take`, which fails at the end of the file. */
+/* Headers of picture files; see picture_size.h. The file may come from anyone. A function for each kind reads
+ * its header once; false: it is damaged. */
 #include "picture_size.h"
 
 #include "base/input.h"
@@ -35,35 +35,27 @@ static uint32_t little(const uint8_t *at)
 
 /* ---- PNG: the first chunk is IHDR ------------------------------------------------------------ */
 
-static bool png(FILE *file, uint32_t size[2])
+/* The chunk cICP has precedence over those that libpng reads. */
+static bool png(FILE *file, struct picture *picture)
 {
-    uint8_t head[16];
+    uint8_t head[16], codes[4];
     if (!skip(file, 8) || !read_bytes(file, head, sizeof head) || memcmp(head + 4, "IHDR", 4) != 0)
         return false;
-    size[0] = big(head + 8, 4);
-    size[1] = big(head + 12, 4);
-    return true;
-}
-
-/* Of the chunk cICP, which has precedence over those that libpng reads. */
-static void png_space(FILE *file, char space[PICTURE_SPACE])
-{
-    uint8_t head[8], codes[4];
-    if (!skip(file, 8))
-        return;
-    while (read_bytes(file, head, sizeof head) && memcmp(head + 4, "IDAT", 4) != 0) {
-        if (memcmp(head + 4, "cICP", 4) != 0 || big(head, 4) != sizeof codes) {
-            if (!skip(file, (uint64_t)big(head, 4) + 4))
-                return;
-        } else if (read_bytes(file, codes, sizeof codes)) {
-            snprintf(space, PICTURE_SPACE,
+    picture->width = big(head + 8, 4);
+    picture->height = big(head + 12, 4);
+    bool more = fseek(file, 8, SEEK_SET) == 0;
+    while (more && read_bytes(file, head, 8) && memcmp(head + 4, "IDAT", 4) != 0) {
+        more = memcmp(head + 4, "cICP", 4) != 0 || big(head, 4) != sizeof codes;
+        if (more)
+            more = skip(file, (uint64_t)big(head, 4) + 4);
+        else if (read_bytes(file, codes, sizeof codes))
+            snprintf(picture->space, PICTURE_SPACE,
                      codes[0] == 1 && codes[1] == 13  ? "sRGB"
                      : codes[0] == 1 && codes[1] == 8 ? "linear"
                                                       : "one of primaries %d, transfer %d (cICP)",
                      codes[0], codes[1]);
-            return;
-        }
     }
+    return true;
 }
 
 /* ---- JPEG: segments up to the start of a frame ----------------------------------------------- */
@@ -89,69 +81,39 @@ static bool next_segment(FILE *file, uint8_t *marker, uint32_t *length)
     return true;
 }
 
-/* Reads the start of a frame: bits, height, width, components. */
-static bool jpeg_frame(FILE *file, uint8_t frame[6])
+/* Whether a segment's content begins with these `head` bytes, and goes on. */
+static bool begins(const uint8_t *content, uint32_t length, const char *mark, size_t head)
 {
-    uint8_t marker = 0;
-    uint32_t length;
-    bool good = skip(file, 2);
-    while (good && (good = next_segment(file, &marker, &length)) && !is_frame(marker))
-        good = skip(file, length);
-    return good && read_bytes(file, frame, 6);
+    return length > head && memcmp(content, mark, head) == 0;
 }
 
-static bool jpeg(FILE *file, uint32_t size[2])
+/* Libraries warn of an early end, which the reader of pixels takes for an error. The description of an ICC
+ * profile stands in its first segment. */
+static bool jpeg(FILE *file, struct picture *picture)
 {
-    uint8_t frame[6];
-    if (!jpeg_frame(file, frame))
+    static const char icc[] = "ICC_PROFILE"; /* then the segment's number, and how many there are */
+    static const char exif[] = "Exif\0";
+    uint8_t marker, content[1 << 16];
+    uint32_t length;
+    bool good = skip(file, 2), turns = false; /* the first EXIF data counts */
+    while (good && (good = next_segment(file, &marker, &length)) && !is_frame(marker)) {
+        good = read_bytes(file, content, length);
+        if (good && marker == 0xe2 && !*picture->space &&
+            begins(content, length, icc, sizeof icc) && length > sizeof icc + 2)
+            picture_profile(content + sizeof icc + 2, length - sizeof icc - 2, picture->space);
+        if (good && marker == 0xe1 && !turns && begins(content, length, exif, sizeof exif)) {
+            picture->turn = picture_exif_turn(content + sizeof exif, length - sizeof exif);
+            turns = true;
+        }
+    }
+    if (!good || !read_bytes(file, content, 6)) /* bits, height, width, components */
         return false;
-    size[0] = big(frame + 3, 2);
-    size[1] = big(frame + 1, 2);
+    picture->width = big(content + 3, 2);
+    picture->height = big(content + 1, 2);
+    if (content[5] == 4)
+        snprintf(picture->trouble, PICTURE_TROUBLE,
+                 "its colours are CMYK; grey and RGB are supported");
     return true;
-}
-
-/* Libraries warn of an early end, which the reader of pixels takes for an error. */
-static const char *jpeg_trouble(FILE *file)
-{
-    uint8_t frame[6];
-    return jpeg_frame(file, frame) && frame[5] == 4
-               ? "its colours are CMYK; grey and RGB are supported"
-               : NULL;
-}
-
-/* Reads the first segment of a kind whose content begins with these `head` bytes, and returns how many
- * bytes follow them; 0: there is none. */
-static size_t jpeg_segment(FILE *file, uint8_t wanted, const char *mark, size_t head,
-                           uint8_t content[static 1 << 16])
-{
-    uint8_t marker;
-    uint32_t length;
-    if (!skip(file, 2))
-        return 0;
-    while (next_segment(file, &marker, &length) && !is_frame(marker) &&
-           read_bytes(file, content, length))
-        if (marker == wanted && length > head && memcmp(content, mark, head) == 0)
-            return length - head;
-    return 0;
-}
-
-/* Of the ICC profile, whose description stands in its first segment. */
-static void jpeg_space(FILE *file, char space[PICTURE_SPACE])
-{
-    static const char mark[] =
-        "ICC_PROFILE"; /* then the segment's number, and how many there are */
-    uint8_t content[1 << 16];
-    size_t size = jpeg_segment(file, 0xe2, mark, sizeof mark, content);
-    if (size > 2)
-        picture_profile(content + sizeof mark + 2, size - 2, space);
-}
-
-static uint32_t jpeg_turn(FILE *file)
-{
-    static const char mark[] = "Exif\0";
-    uint8_t content[1 << 16];
-    size_t size = jpeg_segment(file, 0xe1, mark, sizeof mark, content);
-    return picture_exif_turn(content + sizeof mark, size);
 }
 
 /* ---- EXIF: TIFF's header, then a directory of entries of 12 bytes ------------------------------ */
@@ -235,56 +197,12 @@ static bool take_word(FILE *file, char word[MOST_WORD])
     return false;
 }
 
-/* Reads an attribute of this name and length. */
-static bool attribute(FILE *file, const char *wanted, uint8_t *value, uint32_t size)
-{
-    char name[MOST_WORD], type[MOST_WORD];
-    uint8_t box[4];
-    if (!skip(file, 8))
-        return false;
-    while (take_word(file, name) && *name && take_word(file, type) && read_bytes(file, box, 4)) {
-        uint32_t length = little(box);
-        if (strcmp(name, wanted) == 0 && length == size)
-            return read_bytes(file, value, size);
-        if (!skip(file, length))
-            return false;
-    }
-    return false;
-}
-
-/* Of the display window: what lies in it and not in the data window is zero. */
-static bool exr(FILE *file, uint32_t size[2])
-{
-    uint8_t box[16];
-    if (!attribute(file, "displayWindow", box, sizeof box))
-        return false;
-    for (int i = 0; i < 2; i++)
-        size[i] = little(box + 8 + 4 * i) - little(box + 4 * i) + 1;
-    return true;
-}
-
-static const char *exr_trouble(FILE *file)
-{
-    enum { DEEP = 1 << 11, PARTS = 1 << 12 }; /* of the word behind the magic number */
-    uint8_t head[8];
-    if (!read_bytes(file, head, sizeof head))
-        return NULL; /* damaged: its readers say so */
-    if (little(head + 4) & DEEP)
-        return "it is deep, with any number of samples in a pixel; flat pictures are supported";
-    return little(head + 4) & PARTS ? "it has several parts; pictures of one part are supported"
-                                    : NULL;
-}
-
-/* Linear, with the primaries of Rec. 709 unless it says otherwise. */
-static void exr_space(FILE *file, char space[PICTURE_SPACE])
+/* Of eight numbers behind each other; primaries of Rec. 709 have no name. */
+static void name_primaries(const uint8_t bytes[32], char space[PICTURE_SPACE])
 {
     static const float rec709[8] = {0.64f, 0.33f, 0.3f, 0.6f, 0.15f, 0.06f, 0.3127f, 0.329f};
-    uint8_t bytes[32];
     float at[8];
     bool far = false;
-    snprintf(space, PICTURE_SPACE, "linear");
-    if (!attribute(file, "chromaticities", bytes, sizeof bytes))
-        return;
     memcpy(at, bytes, sizeof at); /* little-endian */
     for (int i = 0; i < 8; i++)
         far = far || !(at[i] > rec709[i] - 0.01f && at[i] < rec709[i] + 0.01f);
@@ -292,6 +210,38 @@ static void exr_space(FILE *file, char space[PICTURE_SPACE])
         snprintf(space, PICTURE_SPACE, "one of the chromaticities (%g, %g), (%g, %g), (%g, %g)",
                  (double)at[0], (double)at[1], (double)at[2], (double)at[3], (double)at[4],
                  (double)at[5]);
+}
+
+/* Linear, with the primaries of Rec. 709 unless it says otherwise. Its size is that of the display window:
+ * what lies in it and not in the data window is zero. */
+static bool exr(FILE *file, struct picture *picture)
+{
+    enum { DEEP = 1 << 11, PARTS = 1 << 12 }; /* of the word behind the magic number */
+    char name[MOST_WORD], type[MOST_WORD];
+    uint8_t head[8], bytes[32];
+    bool good = read_bytes(file, head, sizeof head), found = false;
+    uint32_t flags = good ? little(head + 4) : 0;
+    snprintf(picture->space, PICTURE_SPACE, "linear");
+    if (flags & (DEEP | PARTS))
+        snprintf(picture->trouble, PICTURE_TROUBLE, "%s",
+                 flags & DEEP ? "it is deep, with any number of samples in a pixel; flat pictures "
+                                "are supported"
+                              : "it has several parts; pictures of one part are supported");
+    while (good && take_word(file, name) && *name && take_word(file, type) &&
+           read_bytes(file, head, 4)) {
+        uint32_t length = little(head);
+        bool window = strcmp(name, "displayWindow") == 0 && length == 16;
+        bool primaries = strcmp(name, "chromaticities") == 0 && length == sizeof bytes;
+        good = window || primaries ? read_bytes(file, bytes, length) : skip(file, length);
+        if (good && window) {
+            picture->width = little(bytes + 8) - little(bytes) + 1;
+            picture->height = little(bytes + 12) - little(bytes + 4) + 1;
+        } else if (good && primaries) {
+            name_primaries(bytes, picture->space);
+        }
+        found |= good && window;
+    }
+    return found;
 }
 
 /* ---- Radiance HDR: lines, an empty one, the size, rows ----------------------------------------- */
@@ -306,32 +256,6 @@ static bool take_header_line(FILE *file, char line[MOST_WORD])
         byte = fgetc(file);
     line[strcspn(line, "\r\n")] = '\0';
     return true;
-}
-
-static bool hdr(FILE *file, uint32_t size[2])
-{
-    char line[MOST_WORD];
-    while (take_header_line(file, line) && *line)
-        continue;
-    return take_header_line(file, line) && sscanf(line, "-Y %u +X %u", &size[1], &size[0]) == 2;
-}
-
-/* Linear, unless a line says that the numbers were changed or have other primaries. */
-static void hdr_space(FILE *file, char space[PICTURE_SPACE])
-{
-    static const char *const keys[] = {"EXPOSURE=", "COLORCORR=", "PRIMARIES=", "GAMMA="};
-    char line[MOST_WORD];
-    snprintf(space, PICTURE_SPACE, "linear");
-    while (take_header_line(file, line) && *line)
-        for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
-            const char *value = line + strlen(keys[i]);
-            double number;
-            int end = 0;
-            if (strncmp(line, keys[i], strlen(keys[i])) == 0 &&
-                !(sscanf(value, "%lf %n", &number, &end) == 1 && number == 1 && !value[end]))
-                snprintf(space, PICTURE_SPACE, "linear, changed by `%.*s`", PICTURE_SPACE - 24,
-                         line);
-        }
 }
 
 /* Skips a row of the run lengths in use since 1991: the bytes of each channel apart. */
@@ -369,116 +293,94 @@ static bool has_old_runs(FILE *file, const uint32_t size[2])
     return false;
 }
 
-static const char *hdr_trouble(FILE *file)
+/* A line of the header: the colours are linear, unless it says that the numbers were changed or have other
+ * primaries. */
+static void take_hdr_line(const char *line, struct picture *picture)
 {
-    static _Thread_local char text[MOST_WORD + 64];
-    char line[MOST_WORD];
-    uint32_t size[2];
-    while (take_header_line(file, line) && *line)
-        if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line, "FORMAT=32-bit_rle_rgbe") != 0) {
-            snprintf(text, sizeof text, "its `%s` is not supported; 32-bit_rle_rgbe is", line);
-            return text;
-        }
-    if (!take_header_line(file, line))
-        return NULL; /* damaged: its readers say so */
-    if (sscanf(line, "-Y %u +X %u", &size[1], &size[0]) != 2) {
-        snprintf(text, sizeof text,
-                 "its rows and columns are `%s`; `-Y height +X width` is supported", line);
-        return text;
+    static const char *const keys[] = {"EXPOSURE=", "COLORCORR=", "PRIMARIES=", "GAMMA="};
+    for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
+        const char *value = line + strlen(keys[i]);
+        double number;
+        int end = 0;
+        if (strncmp(line, keys[i], strlen(keys[i])) == 0 &&
+            !(sscanf(value, "%lf %n", &number, &end) == 1 && number == 1 && !value[end]))
+            snprintf(picture->space, PICTURE_SPACE, "linear, changed by `%.*s`", PICTURE_SPACE - 24,
+                     line);
     }
-    return has_old_runs(file, size)
-               ? "it has run lengths of Radiance's first version, which are not supported"
-               : NULL;
+    if (strncmp(line, "FORMAT=", 7) == 0 && strcmp(line, "FORMAT=32-bit_rle_rgbe") != 0)
+        snprintf(picture->trouble, PICTURE_TROUBLE, "its `%s` is not supported; 32-bit_rle_rgbe is",
+                 line);
+}
+
+static bool hdr(FILE *file, struct picture *picture)
+{
+    char line[MOST_WORD];
+    uint32_t size[2] = {0};
+    snprintf(picture->space, PICTURE_SPACE, "linear");
+    while (take_header_line(file, line) && *line)
+        take_hdr_line(line, picture);
+    if (!take_header_line(file, line))
+        return false;
+    if (sscanf(line, "-Y %u +X %u", &size[1], &size[0]) != 2)
+        snprintf(picture->trouble, PICTURE_TROUBLE,
+                 "its rows and columns are `%s`; `-Y height +X width` is supported", line);
+    else if (!*picture->trouble && has_old_runs(file, size))
+        snprintf(picture->trouble, PICTURE_TROUBLE,
+                 "it has run lengths of Radiance's first version, which are not supported");
+    picture->width = size[0];
+    picture->height = size[1];
+    return true;
 }
 
 /* ---- All ------------------------------------------------------------------------------------- */
 
-static const struct kind {
-    const char *name, *magic;
-    bool (*read)(FILE *file, uint32_t size[2]);
-    void (*space)(FILE *file, char space[PICTURE_SPACE]);
-    const char *(*trouble)(FILE *file); /* why no reader reads it right, or NULL */
-} kinds[] = {{"PNG", "\x89PNG", png, png_space, NULL},
-             {"JPEG", "\xff\xd8\xff", jpeg, jpeg_space, jpeg_trouble},
-             {"OpenEXR", "\x76\x2f\x31\x01", exr, exr_space, exr_trouble},
-             {"HDR", "#?", hdr, hdr_space, hdr_trouble}};
-
-/* Opens a file of a kind, at its start. NULL: *reason; *kind is NULL for another kind. */
-static FILE *open_kind(const char *path, const struct kind **kind, const char **reason)
+bool picture_read(const char *path, struct picture *picture, const char **reason)
 {
+    static const struct {
+        const char *name, *magic;
+        bool (*read)(FILE *file, struct picture *picture);
+    } kinds[] = {{"PNG", "\x89PNG", png},
+                 {"JPEG", "\xff\xd8\xff", jpeg},
+                 {"OpenEXR", "\x76\x2f\x31\x01", exr},
+                 {"HDR", "#?", hdr}};
+    static _Thread_local char text[128];
     char start[8] = "";
-    *kind = NULL;
+    *picture = (struct picture){.turn = 1};
     FILE *file = input_open(path, MOST_BYTES, reason);
-    size_t got = file ? fread(start, 1, sizeof start, file) : 0;
-    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++)
-        if (got >= strlen(kinds[i].magic) &&
-            memcmp(start, kinds[i].magic, strlen(kinds[i].magic)) == 0)
-            *kind = &kinds[i];
-    if (file && !*kind) {
-        static _Thread_local char text[128];
+    size_t got = file ? fread(start, 1, sizeof start, file) : 0, i = 0;
+    while (i < sizeof kinds / sizeof *kinds &&
+           (got < strlen(kinds[i].magic) ||
+            memcmp(start, kinds[i].magic, strlen(kinds[i].magic)) != 0))
+        i++;
+    bool known = file && i < sizeof kinds / sizeof *kinds;
+    if (known) {
+        rewind(file);
+        picture->kind = kinds[i].name;
+        if (!kinds[i].read(file, picture))
+            picture->width = picture->height = 0;
+    } else if (file) {
         const char *seen = input_seen(path);
         snprintf(text, sizeof text, "it is no PNG, JPEG, OpenEXR or HDR picture%s%s",
                  seen ? "; it is " : "", seen ? seen : "");
         *reason = text;
-        fclose(file);
-        return NULL;
     }
     if (file)
-        rewind(file);
-    return file;
+        fclose(file);
+    return known;
 }
 
 bool picture_size(const char *path, uint32_t *width, uint32_t *height, const char **reason)
 {
-    static _Thread_local char text[64];
-    uint32_t size[2] = {0};
-    const struct kind *kind;
-    if (!picture_check(path, reason))
+    static _Thread_local char text[PICTURE_TROUBLE];
+    struct picture picture;
+    if (!picture_read(path, &picture, reason))
         return false;
-    FILE *file = open_kind(path, &kind, reason);
-    if (!file)
-        return false;
-    bool good = kind->read(file, size) && size[0] && size[1];
-    snprintf(text, sizeof text, "its %s header is damaged", kind->name);
+    if (*picture.trouble)
+        memcpy(text, picture.trouble, sizeof text);
+    else
+        snprintf(text, sizeof text, "its %s header is damaged", picture.kind);
     *reason = text;
-    fclose(file);
-    *width = size[0];
-    *height = size[1];
-    return good;
-}
-
-bool picture_check(const char *path, const char **reason)
-{
-    const struct kind *kind;
-    const char *other;
-    FILE *file = open_kind(path, &kind, &other);
-    const char *trouble = file && kind->trouble ? kind->trouble(file) : NULL;
-    if (file)
-        fclose(file);
-    if (trouble)
-        *reason = trouble;
-    return !trouble;
-}
-
-void picture_space(const char *path, char space[PICTURE_SPACE])
-{
-    const struct kind *kind;
-    const char *reason;
-    FILE *file = open_kind(path, &kind, &reason);
-    *space = '\0';
-    if (file)
-        kind->space(file, space);
-    if (file)
-        fclose(file);
-}
-
-uint32_t picture_turn(const char *path)
-{
-    const struct kind *kind;
-    const char *reason;
-    FILE *file = open_kind(path, &kind, &reason);
-    uint32_t turn = file && kind->read == jpeg ? jpeg_turn(file) : 1;
-    if (file)
-        fclose(file);
-    return turn;
+    *width = picture.width;
+    *height = picture.height;
+    return !*picture.trouble && picture.width && picture.height;
 }
