@@ -141,9 +141,7 @@ unsigned hlsl_stages(const char *text)
 static bool check_matrices(const struct spirv *m, char **why)
 {
     uint32_t line = 0;
-    SPIRV_EACH(m, at, m->code, m->count)
-    {
-        const uint32_t *i = m->words + at;
+    SPIRV_EACH(m, i, m->code, m->count) {
         line = spirv_is(i, SpvOpLine) ? i[2] : line;
         const uint32_t *type = spirv_result(i) ? spirv_type(m, spirv_result(i)) : NULL;
         type = type && spirv_is(type, SpvOpTypePointer) ? spirv_definition(m, type[3]) : type;
@@ -208,12 +206,9 @@ static void name_link(const struct spirv *m, uint32_t variable, const char *sema
 
 static uint32_t *find_location(struct spirv *m, uint32_t variable)
 {
-    SPIRV_EACH(m, at, m->annotations, m->declarations)
-    {
-        uint32_t *i = m->words + at;
+    SPIRV_CHANGE(m, i, m->annotations, m->declarations)
         if (spirv_is(i, SpvOpDecorate) && i[1] == variable && i[2] == SpvDecorationLocation)
             return i + 3;
-    }
     return NULL;
 }
 
@@ -248,9 +243,7 @@ static bool link_stage(struct spirv *m, int stage, struct hlsl_links *links, cha
 {
     uint32_t class = stage == REFLECT_VERTEX ? SpvStorageClassOutput : SpvStorageClassInput;
     bool good = true;
-    SPIRV_EACH(m, at, m->annotations, m->declarations)
-    {
-        const uint32_t *i = m->words + at;
+    SPIRV_EACH(m, i, m->annotations, m->declarations) {
         bool named = spirv_is(i, SpvOpDecorateString) && i[2] == SpvDecorationUserSemantic &&
                      spirv_definition(m, i[1])[3] == class;
         uint32_t *location = named && good ? find_location(m, i[1]) : NULL;
@@ -268,9 +261,7 @@ static bool link_stage(struct spirv *m, int stage, struct hlsl_links *links, cha
 /* Buffers of registers t, which are only read, and u become of one class. Those of t get numbers behind all others. */
 static void part_registers(struct spirv *m)
 {
-    SPIRV_EACH(m, at, m->annotations, m->declarations)
-    {
-        uint32_t *i = m->words + at;
+    SPIRV_CHANGE(m, i, m->annotations, m->declarations) {
         const uint32_t *variable = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBinding
                                        ? spirv_definition(m, i[1])
                                        : NULL;
@@ -285,9 +276,7 @@ static void part_registers(struct spirv *m)
 static void put_offsets(struct spirv_edit *edit)
 {
     const struct spirv *m = edit->from;
-    SPIRV_EACH(m, at, m->annotations, edit->failed ? 0 : m->declarations)
-    {
-        const uint32_t *i = m->words + at;
+    SPIRV_EACH(m, i, m->annotations, edit->failed ? 0 : m->declarations) {
         bool block = spirv_is(i, SpvOpDecorate) &&
                      (i[2] == SpvDecorationBufferBlock || i[2] == SpvDecorationBlock);
         if (block && spirv_length(spirv_definition(m, i[1])) == 3 &&
@@ -343,9 +332,7 @@ static void put_capability(struct spirv_edit *edit)
     memcpy(words, name, sizeof name);
     edit->front.count = SPIRV_HEADER;
     SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityDemoteToHelperInvocation);
-    SPIRV_EACH(edit->from, at, SPIRV_HEADER, edit->failed ? 0 : edit->from->annotations)
-    {
-        const uint32_t *i = edit->from->words + at;
+    SPIRV_EACH(edit->from, i, SPIRV_HEADER, edit->failed ? 0 : edit->from->annotations) {
         if (spirv_is(i, SpvOpExtInstImport))
             spirv_put(edit, &edit->front, SpvOpExtension, words, sizeof name / 4);
         spirv_copy(edit, &edit->front, i);
@@ -370,19 +357,18 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
     spirv_edit_annotations(&edit);
     put_offsets(&edit);
     bool demotes = false;
-    SPIRV_EACH(&module, at, module.code, module.count)
-    demotes |= spirv_is(module.words + at, SpvOpKill);
+    SPIRV_EACH(&module, i, module.code, module.count)
+        demotes |= spirv_is(i, SpvOpKill);
     demotes = demotes && stage == REFLECT_FRAGMENT && spirv_can_demote(&module);
     struct constructs constructs = {0};
     if (demotes)
         put_capability(&edit);
-    SPIRV_EACH(&module, at, module.code, edit.failed ? 0 : module.count)
-    {
-        follow_constructs(&constructs, module.words + at);
-        if (demotes && spirv_is(module.words + at, SpvOpKill))
+    SPIRV_EACH(&module, i, module.code, edit.failed ? 0 : module.count) {
+        follow_constructs(&constructs, i);
+        if (demotes && spirv_is(i, SpvOpKill))
             put_demotion(&edit, &constructs);
         else
-            put_meant(&edit, module.words + at);
+            put_meant(&edit, i);
     }
     if (spirv_edit_end(&edit, &module))
         return spirv_take(&module, count);

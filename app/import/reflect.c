@@ -106,9 +106,7 @@ static const char *storage_format(uint32_t format)
 static bool is_stored(const struct spirv *module, uint32_t image)
 {
     bool stored = false;
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->code, module->count) {
         const uint32_t *load = spirv_is(i, SpvOpImageWrite) ? spirv_definition(module, i[1]) : i;
         if (spirv_is(load, SpvOpLoad) ? load != i && load[3] == image
                                       : spirv_is(i, SpvOpImageTexelPointer) && i[3] == image)
@@ -125,9 +123,7 @@ static bool gives_value(const struct spirv *module, uint32_t variable)
     bool *led = calloc(module->words[3], sizeof *led), found = !led; /* to the variable */
     if (led)
         led[variable] = true;
-    SPIRV_EACH(module, at, module->code, found ? 0 : module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->code, found ? 0 : module->count) {
         uint32_t opcode = spirv_opcode(i);
         bool image = opcode == SpvOpLoad && led[i[3]] &&
                      spirv_is(spirv_definition(module, i[1]), SpvOpTypeImage);
@@ -284,9 +280,7 @@ static void add_variable(struct reflecting *reader, const uint32_t *variable, en
 static void add_constants(struct reflecting *reader)
 {
     const struct spirv *module = reader->module;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->declarations, module->code) {
         bool truth = spirv_is(i, SpvOpSpecConstantTrue), number = spirv_is(i, SpvOpSpecConstant);
         const char *name = spirv_name(module, spirv_result(i));
         bool own = truth || number || spirv_is(i, SpvOpSpecConstantFalse);
@@ -312,16 +306,11 @@ static bool add_variables(struct reflecting *reader)
     const struct spirv *module = reader->module;
     reader->live = spirv_live_functions(module);
     for (int rank = 0; reader->live && rank < RANKS; rank++)
-        SPIRV_EACH(module, at, module->declarations, module->code)
-        {
-            const uint32_t *i = module->words + at;
+        SPIRV_EACH(module, i, module->declarations, module->code)
             if (spirv_is(i, SpvOpVariable) && rank_of(module, i) == (enum rank)rank &&
                 spirv_mentions(module, reader->live, i[2]))
                 add_variable(reader, i, (enum rank)rank);
-        }
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->declarations) {
         if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize)
             memcpy(reader->out->local, i + 3, sizeof reader->out->local);
         if (spirv_is(i, SpvOpCapability))

@@ -130,9 +130,7 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
     free(log);
     if (!words || !spirv_read(&module, words, count))
         return;
-    SPIRV_EACH(&module, at, module.declarations, module.code)
-    {
-        const uint32_t *i = module.words + at;
+    SPIRV_EACH(&module, i, module.declarations, module.code) {
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
             spirv_length(i) > 4)
             take_leaves(&(struct taking){&module, i[4], {0}, take, user}, spirv_pointee(&module, i),
@@ -145,9 +143,7 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
 static bool has_structs(const struct spirv *module)
 {
     bool found = false;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->declarations, module->code) {
         if (!spirv_is(i, SpvOpVariable) || i[3] != SpvStorageClassUniformConstant)
             continue;
         const char *name = spirv_name(module, i[2]);

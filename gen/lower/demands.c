@@ -83,9 +83,9 @@ static bool add_shader(const struct shader *shader, uint64_t demands[DT_LIMITS])
         return true;
     if (!spirv_open(&module, shader->words, shader->word_count))
         return false;
-    SPIRV_EACH(&module, at, module.declarations, module.code)
-    if (spirv_is(module.words + at, SpvOpVariable))
-        add_variable(&module, shader->stage, module.words + at, demands);
+    SPIRV_EACH(&module, i, module.declarations, module.code)
+        if (spirv_is(i, SpvOpVariable))
+            add_variable(&module, shader->stage, i, demands);
     spirv_free(&module);
     return true;
 }

@@ -46,9 +46,8 @@ static bool only_reads(const struct spirv *from)
 {
     bool fragment =
         spirv_entry_point(from) && spirv_entry_point(from)[1] == SpvExecutionModelFragment;
-    SPIRV_EACH(from, at, from->code, from->count)
-    fragment &= !spirv_is(from->words + at, SpvOpImageWrite) &&
-                !spirv_is(from->words + at, SpvOpImageTexelPointer);
+    SPIRV_EACH(from, i, from->code, from->count)
+        fragment &= !spirv_is(i, SpvOpImageWrite) && !spirv_is(i, SpvOpImageTexelPointer);
     return fragment;
 }
 
@@ -70,10 +69,10 @@ static uint32_t plain_type(struct combining *c, uint32_t id)
 
 static uint32_t find_place(const struct spirv *from)
 {
-    SPIRV_EACH(from, at, from->annotations, from->declarations)
-    if (spirv_is(from->words + at, SpvOpDecorate) && from->words[at + 2] == SpvDecorationBuiltIn &&
-        from->words[at + 3] == SpvBuiltInFragCoord)
-        return from->words[at + 1];
+    SPIRV_EACH(from, i, from->annotations, from->declarations)
+        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
+            i[3] == SpvBuiltInFragCoord)
+            return i[1];
     return 0;
 }
 
@@ -101,9 +100,7 @@ static void add_frag_coord(struct combining *c)
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, c->place, SpvDecorationBuiltIn,
               SpvBuiltInFragCoord);
     edit->front.count = SPIRV_HEADER;
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations) {
         size_t start = edit->front.count;
         spirv_copy(edit, &edit->front, i);
         if (!spirv_is(i, SpvOpEntryPoint) || i[1] != SpvExecutionModelFragment)
@@ -223,9 +220,7 @@ static void find_pairs(struct combining *c)
 {
     const struct spirv *from = c->from;
     for (int alone = 0; alone < 2; alone++)
-        SPIRV_EACH(from, at, from->code, from->count)
-        {
-            const uint32_t *i = from->words + at;
+        SPIRV_EACH(from, i, from->code, from->count) {
             uint32_t texture = 0, sampler = 0;
             if (!alone && spirv_is(i, SpvOpSampledImage)) {
                 texture = loaded_from(from, i[3], SpvOpTypeImage);
@@ -244,9 +239,7 @@ static void put_code(struct combining *c)
 {
     const struct spirv *from = c->from;
     struct spirv_edit *edit = &c->edit;
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         bool load = spirv_is(i, SpvOpLoad), sampled = spirv_is(i, SpvOpSampledImage);
         const struct combined *pair =
             sampled ? find_combined(c, loaded_from(from, i[3], SpvOpTypeImage),
@@ -275,9 +268,8 @@ bool spirv_combine(struct spirv *module)
     if ((spirv_passes_textures(module) && !spirv_reread(module, SPIRV_INLINE | SPIRV_CHAINS)) ||
         !spirv_split(module) || !spirv_spread(module) || !spirv_texel_buffers(module))
         return false;
-    SPIRV_EACH(module, at, module->code, module->count)
-    uses +=
-        spirv_is(module->words + at, SpvOpSampledImage) || spirv_is(module->words + at, SpvOpLoad);
+    SPIRV_EACH(module, i, module->code, module->count)
+        uses += spirv_is(i, SpvOpSampledImage) || spirv_is(i, SpvOpLoad);
     c.reads = only_reads(module);
     c.pairs = calloc(uses, sizeof *c.pairs);
     spirv_edit_begin(&c.edit, module);

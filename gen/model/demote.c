@@ -9,9 +9,7 @@ bool spirv_can_demote(const struct spirv *module)
 {
     bool good =
         true; /* no buffer or image is written, which no helper does, and none asks for helpers */
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->code, module->count) {
         uint32_t opcode = spirv_opcode(i);
         uint32_t class = opcode == SpvOpStore || opcode == SpvOpCopyMemory
                              ? spirv_type(module, i[1])[2]
@@ -34,9 +32,7 @@ static void copy_front_without(struct spirv_edit *edit, uint32_t mark)
 {
     const struct spirv *from = edit->from;
     edit->front.count = SPIRV_HEADER;
-    SPIRV_EACH(from, at, SPIRV_HEADER, edit->failed ? 0 : from->annotations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, SPIRV_HEADER, edit->failed ? 0 : from->annotations) {
         size_t start = edit->front.count;
         if (!is_demotion(i))
             spirv_copy(edit, &edit->front, i);
@@ -64,8 +60,8 @@ static void put_end(struct spirv_edit *edit, uint32_t mark, uint32_t truth)
 static bool is_entry(const struct spirv *module, uint32_t function)
 {
     bool found = false;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    found |= spirv_is(module->words + at, SpvOpEntryPoint) && module->words[at + 2] == function;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
+        found |= spirv_is(i, SpvOpEntryPoint) && i[2] == function;
     return found;
 }
 
@@ -76,9 +72,7 @@ static void put_marks(struct spirv_edit *edit, uint32_t mark, uint32_t truth)
     uint32_t yes = spirv_declare(edit, SpvOpConstantTrue, truth, NULL, 0);
     uint32_t labels = 0;
     bool entry = false;
-    SPIRV_EACH(from, at, edit->failed ? from->count : from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, edit->failed ? from->count : from->code, from->count) {
         bool head = spirv_is(i, SpvOpLabel) || spirv_is(i, SpvOpVariable) ||
                     spirv_is(i, SpvOpLine) || spirv_is(i, SpvOpNoLine);
         if (spirv_is(i, SpvOpFunction)) {
@@ -103,8 +97,8 @@ bool spirv_demote(struct spirv *module)
 {
     struct spirv_edit edit;
     bool found = false;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    found |= is_demotion(module->words + at);
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
+        found |= is_demotion(i);
     if (!found || !spirv_can_demote(module))
         return true; /* bind.c refuses the module */
     spirv_edit_begin(&edit, module);

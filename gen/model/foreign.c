@@ -110,9 +110,7 @@ static bool clean_front(struct spirv *module)
     spirv_edit_begin(&edit, module);
     spirv_edit_keep(&edit);
     edit.front.count = SPIRV_HEADER;
-    SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? 0 : module->annotations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, edit.failed ? 0 : module->annotations) {
         if (spirv_is(i, SpvOpMemoryModel) && !spirv_glsl(module)) {
             uint32_t words[1 + sizeof library / 4 + 1] = {edit.bound++};
             memcpy(words + 1, library, sizeof library);
@@ -131,9 +129,7 @@ static bool name_all(struct spirv *module)
 {
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    SPIRV_EACH(module, at, module->declarations, edit.failed ? 0 : module->code)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->declarations, edit.failed ? 0 : module->code) {
         uint32_t number = spirv_decoration(module, spirv_result(i), SpvDecorationSpecId);
         if (spirv_is(i, SpvOpVariable))
             name_variable(&edit, i);
@@ -149,9 +145,7 @@ static bool name_all(struct spirv *module)
 /* In place: the storage class StorageBuffer becomes what it was before SPIR-V 1.3. */
 static void lower_buffers(struct spirv *module)
 {
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        uint32_t *i = module->words + at;
+    SPIRV_CHANGE(module, i, module->declarations, module->code) {
         uint32_t class = spirv_is(i, SpvOpTypePointer) ? 2 : spirv_is(i, SpvOpVariable) ? 3 : 0;
         if (!class || i[class] != SpvStorageClassStorageBuffer)
             continue;
@@ -159,12 +153,9 @@ static void lower_buffers(struct spirv *module)
         if (class == 2)
             continue;
         uint32_t type = spirv_element_type(module, spirv_pointee(module, i));
-        SPIRV_EACH(module, to, module->annotations, module->declarations)
-        {
-            uint32_t *own = module->words + to;
+        SPIRV_CHANGE(module, own, module->annotations, module->declarations)
             if (spirv_is(own, SpvOpDecorate) && own[1] == type && own[2] == SpvDecorationBlock)
                 own[2] = SpvDecorationBufferBlock;
-        }
     }
 }
 
@@ -192,14 +183,11 @@ static bool is_unset(const struct spirv *module, const uint32_t *i)
 /* In place: a value that nothing sets is zero. Optimizers leave such values where no result depends on them. */
 static void set_undefined(struct spirv *module)
 {
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        uint32_t *i = module->words + at;
+    SPIRV_CHANGE(module, i, module->declarations, module->code)
         if (is_unset(module, i))
             i[0] = 3u << 16 | SpvOpConstantNull;
         else if (spirv_is(i, SpvOpSpecConstantOp))
             bound_indices(module, i);
-    }
 }
 
 /* Before SPIR-V 1.4, an entry point lists inputs and outputs alone. */
@@ -254,9 +242,8 @@ static bool is_element_of_textures(const struct spirv *module, const uint32_t *c
 
 bool spirv_passes_textures(const struct spirv *module)
 {
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *i = module->words + at, *type;
+    SPIRV_EACH(module, i, module->code, module->count) {
+        const uint32_t *type;
         for (uint32_t word = 4; spirv_is(i, SpvOpFunctionCall) && word < spirv_length(i); word++)
             if (is_element_of_textures(module, spirv_definition(module, i[word])))
                 return true;
@@ -376,9 +363,7 @@ static bool lower_operations(struct spirv *module)
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
     spirv_edit_annotations(&edit);
-    SPIRV_EACH(module, at, module->code, edit.failed ? 0 : module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->code, edit.failed ? 0 : module->count) {
         uint32_t words[MOST_WORDS], length = spirv_length(i);
         bool writes = spirv_is(i, SpvOpImageWrite), texel = spirv_is(i, SpvOpImageTexelPointer);
         bool reads = spirv_is(i, SpvOpImageFetch) || spirv_is(i, SpvOpImageRead);
@@ -411,8 +396,8 @@ static bool lower_operations(struct spirv *module)
 static bool has_lines(const struct spirv *module)
 {
     bool found = false;
-    SPIRV_EACH(module, at, module->code, module->count)
-    found |= spirv_is(module->words + at, SpvOpLine);
+    SPIRV_EACH(module, i, module->code, module->count)
+        found |= spirv_is(i, SpvOpLine);
     return found;
 }
 
@@ -433,8 +418,7 @@ static bool add_lines(struct spirv *module, const char *path)
         string[1] = file;
         memcpy(string + 2, path, bytes);
     }
-    SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? 0 : module->count)
-    {
+    SPIRV_EACH_AT(module, at, SPIRV_HEADER, edit.failed ? 0 : module->count) {
         const uint32_t *i = module->words + at;
         uint32_t opcode = spirv_opcode(i);
         bool debug = (opcode >= SpvOpSourceContinued && opcode <= SpvOpString) ||
@@ -468,9 +452,7 @@ static char *source_text(const struct spirv *module, uint32_t file)
 {
     bool own = false;
     char *text = NULL;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations) {
         bool source = spirv_is(i, SpvOpSource) && spirv_length(i) > 4;
         if (source)
             own = i[3] == file;
@@ -497,9 +479,7 @@ uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
     spirv_edit_begin(&edit, &module);
     spirv_edit_keep(&edit);
     edit.front.count = SPIRV_HEADER;
-    SPIRV_EACH(&module, at, SPIRV_HEADER, edit.failed ? 0 : module.annotations)
-    {
-        const uint32_t *i = module.words + at;
+    SPIRV_EACH(&module, i, SPIRV_HEADER, edit.failed ? 0 : module.annotations) {
         if (!spirv_is(i, SpvOpString)) {
             spirv_copy(&edit, &edit.front, i);
             continue;
@@ -553,9 +533,7 @@ bool spirv_choose_entry(struct spirv *module, uint32_t model)
     uint32_t function = 0;
     spirv_edit_begin(&edit, module);
     edit.front.count = SPIRV_HEADER;
-    SPIRV_EACH(module, at, SPIRV_HEADER, edit.failed ? SPIRV_HEADER : module->annotations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, edit.failed ? SPIRV_HEADER : module->annotations) {
         bool entry = spirv_is(i, SpvOpEntryPoint);
         bool mode = spirv_is(i, SpvOpExecutionMode) || spirv_is(i, SpvOpExecutionModeId);
         bool name = spirv_is(i, SpvOpName) && i[1] == function;
@@ -589,9 +567,7 @@ static void put_variables(struct spirv_edit *edit, const struct spirv_function *
                           uint32_t *variables)
 {
     const struct spirv *from = edit->from;
-    SPIRV_EACH(from, at, function->begin, function->end)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, function->begin, function->end) {
         if (!is_phi(from, i))
             continue;
         uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0,
@@ -606,9 +582,7 @@ static void put_choices(struct spirv_edit *edit, const struct spirv_function *fu
                         uint32_t label, const uint32_t *variables)
 {
     const struct spirv *from = edit->from;
-    SPIRV_EACH(from, at, function->begin, function->end)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, function->begin, function->end) {
         for (uint32_t word = 3; is_phi(from, i) && word < spirv_length(i); word += 2)
             if (i[word + 1] == label)
                 SPIRV_PUT(edit, &edit->code, SpvOpStore, variables[i[2]], i[word]);
@@ -628,9 +602,7 @@ static void lower_function(struct spirv_edit *edit, const struct spirv_function 
     const struct spirv *from = edit->from;
     uint32_t label = 0;
     bool ended = true, first = true;
-    SPIRV_EACH(from, at, function->begin, function->end)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, function->begin, function->end) {
         if (!ended && ends_block(spirv_opcode(i))) {
             put_choices(edit, function, label, variables);
             ended = true;

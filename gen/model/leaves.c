@@ -136,9 +136,9 @@ static void mark_live(const struct spirv *module, uint32_t function, bool *live)
     if (live[own - module->functions])
         return;
     live[own - module->functions] = true;
-    SPIRV_EACH(module, at, own->begin, own->end)
-    if (spirv_is(module->words + at, SpvOpFunctionCall))
-        mark_live(module, module->words[at + 3], live);
+    SPIRV_EACH(module, i, own->begin, own->end)
+        if (spirv_is(i, SpvOpFunctionCall))
+            mark_live(module, i[3], live);
 }
 
 bool *spirv_live_functions(const struct spirv *module)
@@ -165,13 +165,12 @@ static bool each_use(const struct spirv *module, const bool *live, uint32_t id,
     for (uint32_t f = 0; f < module->function_count; f++) {
         if (!live[f])
             continue;
-        SPIRV_EACH(module, at, module->functions[f].begin, module->functions[f].end)
-        {
-            if (!mentions(module->words + at, id))
+        SPIRV_EACH(module, i, module->functions[f].begin, module->functions[f].end) {
+            if (!mentions(i, id))
                 continue;
             used = true;
             if (use)
-                use(user, module->words + at);
+                use(user, i);
         }
     }
     return used;

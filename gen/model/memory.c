@@ -12,9 +12,9 @@ enum {
 
 static bool has_vulkan_model(const struct spirv *module)
 {
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpMemoryModel))
-        return module->words[at + 2] == SpvMemoryModelVulkan;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
+        if (spirv_is(i, SpvOpMemoryModel))
+            return i[2] == SpvMemoryModelVulkan;
     return false;
 }
 
@@ -22,9 +22,7 @@ static void copy_head(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
     edit->front.count = SPIRV_HEADER;
-    SPIRV_EACH(from, at, SPIRV_HEADER, edit->failed ? 0 : from->annotations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, SPIRV_HEADER, edit->failed ? 0 : from->annotations) {
         bool capability =
             spirv_is(i, SpvOpCapability) && (i[1] == SpvCapabilityVulkanMemoryModel ||
                                              i[1] == SpvCapabilityVulkanMemoryModelDeviceScope);
@@ -95,9 +93,7 @@ static bool copy_code(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
     bool said = false;
-    SPIRV_EACH(from, at, edit->failed ? from->count : from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, edit->failed ? from->count : from->code, from->count) {
         uint32_t kept = words_kept(i), length = spirv_length(i), scope = scope_word(i);
         size_t start = edit->code.count;
         spirv_append(edit, &edit->code, i, kept);
@@ -117,9 +113,8 @@ static bool copy_code(struct spirv_edit *edit)
 static void share_all(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
-    SPIRV_EACH(from, at, from->declarations, from->code)
-    {
-        const uint32_t *i = from->words + at, *type;
+    SPIRV_EACH(from, i, from->declarations, from->code) {
+        const uint32_t *type;
         if (!spirv_is(i, SpvOpVariable))
             continue;
         type = spirv_definition(from, spirv_element_type(from, spirv_pointee(from, i)));

@@ -142,8 +142,7 @@ static bool is_declaration(uint32_t opcode)
 static void find_sections(struct spirv *module)
 {
     module->annotations = module->declarations = module->code = module->count;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->count)
-    {
+    SPIRV_EACH_AT(module, at, SPIRV_HEADER, module->count) {
         uint32_t opcode = spirv_opcode(module->words + at);
         if (is_annotation(opcode) && at < module->annotations)
             module->annotations = at;
@@ -163,8 +162,7 @@ static void find_sections(struct spirv *module)
 static void find_functions(struct spirv *module)
 {
     struct spirv_function *function = module->functions;
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
+    SPIRV_EACH_AT(module, at, module->code, module->count) {
         const uint32_t *instruction = module->words + at;
         if (spirv_is(instruction, SpvOpFunction))
             *function = (struct spirv_function){.id = instruction[2], .begin = at};
@@ -189,8 +187,7 @@ bool spirv_read(struct spirv *module, uint32_t *words, size_t count)
     module->names = all + words[3];
     module->members = module->names + words[3];
     module->decorations = module->members + words[3];
-    SPIRV_EACH(module, at, SPIRV_HEADER, count)
-    {
+    SPIRV_EACH_AT(module, at, SPIRV_HEADER, count) {
         uint32_t result = spirv_result(words + at), opcode = spirv_opcode(words + at);
         if (result)
             module->definitions[result] = (uint32_t)at;
@@ -277,22 +274,18 @@ char spirv_letter(const uint32_t *type)
 
 uint32_t spirv_glsl(const struct spirv *module)
 {
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpExtInstImport) &&
-        !strcmp((const char *)(module->words + at + 2), "GLSL.std.450"))
-        return module->words[at + 1];
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
+        if (spirv_is(i, SpvOpExtInstImport) && !strcmp((const char *)(i + 2), "GLSL.std.450"))
+            return i[1];
     return 0;
 }
 
 uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what)
 {
     size_t first = first_of(module, module->decorations, id);
-    SPIRV_EACH(module, at, first ? first : module->declarations, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, first ? first : module->declarations, module->declarations)
         if (spirv_is(i, SpvOpDecorate) && i[1] == id && i[2] == what)
             return spirv_length(i) > 3 ? i[3] : 0;
-    }
     return UINT32_MAX;
 }
 
@@ -300,32 +293,26 @@ uint32_t spirv_member_decoration(const struct spirv *module, uint32_t id, uint32
                                  uint32_t what)
 {
     size_t first = first_of(module, module->decorations, id);
-    SPIRV_EACH(module, at, first ? first : module->declarations, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, first ? first : module->declarations, module->declarations)
         if (spirv_is(i, SpvOpMemberDecorate) && i[1] == id && i[2] == member && i[3] == what)
             return spirv_length(i) > 4 ? i[4] : 0;
-    }
     return UINT32_MAX;
 }
 
 const char *spirv_member_name(const struct spirv *module, uint32_t type, uint32_t member)
 {
     size_t first = first_of(module, module->members, type);
-    SPIRV_EACH(module, at, first ? first : module->annotations, module->annotations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, first ? first : module->annotations, module->annotations)
         if (spirv_is(i, SpvOpMemberName) && i[1] == type && i[2] == member)
             return (const char *)(i + 3);
-    }
     return NULL;
 }
 
 const uint32_t *spirv_entry_point(const struct spirv *module)
 {
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    if (spirv_is(module->words + at, SpvOpEntryPoint))
-        return module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
+        if (spirv_is(i, SpvOpEntryPoint))
+            return i;
     return NULL;
 }
 
@@ -359,8 +346,8 @@ uint32_t spirv_parameter_index(const struct spirv *module, uint32_t parameter, u
     uint32_t index = 0;
     while (place > own->end)
         own++;
-    SPIRV_EACH(module, at, own->begin, place)
-    index += spirv_is(module->words + at, SpvOpFunctionParameter);
+    SPIRV_EACH(module, i, own->begin, place)
+        index += spirv_is(i, SpvOpFunctionParameter);
     *function = own->id;
     return index;
 }
@@ -565,8 +552,8 @@ void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from)
     spirv_append(edit, &edit->declarations, from->words + from->declarations,
                  from->code - from->declarations);
     size_t declared = 0, slots = 1024;
-    SPIRV_EACH(from, at, from->declarations, from->code)
-    declared++;
+    SPIRV_EACH(from, i, from->declarations, from->code)
+        declared++;
     while (slots < 4 * declared)
         slots *= 2;
     if (!edit->failed)

@@ -72,8 +72,13 @@ static inline uint32_t spirv_pointee(const struct spirv *module, const uint32_t 
 {
     return spirv_definition(module, variable[1])[3];
 }
-/* All instructions between two offsets, in order. */
-#define SPIRV_EACH(module, at, from, to)                                                           \
+/* All instructions between two offsets, in order; to change them in place; by their offsets. */
+#define SPIRV_EACH(module, i, from, to)                                                            \
+    for (const uint32_t *i = (module)->words + (from), *i##_end = (module)->words + (to);          \
+         i < i##_end; i += *i >> 16)
+#define SPIRV_CHANGE(module, i, from, to)                                                          \
+    for (uint32_t *i = (module)->words + (from); i < (module)->words + (to); i += *i >> 16)
+#define SPIRV_EACH_AT(module, at, from, to)                                                        \
     for (size_t at = (from); at < (to); at += (module)->words[at] >> 16)
 
 /* The id that the instruction defines, and the word that holds it; 0: none. */

@@ -128,9 +128,7 @@ static void put_split(struct splitting *s)
 {
     const struct spirv *from = s->from;
     struct spirv_edit *edit = &s->edit;
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         size_t start = edit->code.count;
         bool chain = spirv_is(i, SpvOpAccessChain) && split_variable(from, i);
         char name[NAME_SIZE];
@@ -164,9 +162,7 @@ static void put_split(struct splitting *s)
 static bool can_split(const struct splitting *s)
 {
     const struct spirv *from = s->from;
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         char name[NAME_SIZE];
         uint32_t type, around[2];
         bool chain = spirv_is(i, SpvOpAccessChain) && split_variable(from, i);
@@ -180,8 +176,8 @@ bool spirv_split(struct spirv *module)
 {
     struct splitting s = {.from = module};
     bool found = false;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    found |= split_variable(module, module->words + at) != NULL;
+    SPIRV_EACH(module, i, module->declarations, module->code)
+        found |= split_variable(module, i) != NULL;
     s.arrays = found && !can_split(&s);
     if (!found || (s.arrays && !can_split(&s)))
         return true;

@@ -58,9 +58,7 @@ static bool is_choice(const struct spirv *from, const uint32_t *i)
 static bool follow_array(struct spreading *s)
 {
     const struct spirv *from = s->from;
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         uint32_t chain = 0, result = spirv_result(i);
         for (uint32_t word = 1; word < spirv_length(i); word++) {
             if (spirv_is_literal(i, word))
@@ -106,8 +104,7 @@ static void declare_elements(struct spreading *s)
 static void copy_sections(struct spreading *s)
 {
     const struct spirv *from = s->from;
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->declarations)
-    {
+    SPIRV_EACH_AT(from, at, SPIRV_HEADER, from->declarations) {
         const uint32_t *i = from->words + at;
         struct spirv_words *to = at < from->annotations ? &s->edit.front : &s->edit.annotations;
         bool about = spirv_is(i, SpvOpDecorate) || spirv_is(i, SpvOpName);
@@ -199,9 +196,7 @@ static void put_code(struct spreading *s)
 {
     const struct spirv *from = s->from;
     struct spirv_edit *edit = &s->edit;
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         uint32_t result = spirv_result(i), chain = 0;
         size_t start = edit->code.count;
         if (result && (s->chain[result] || s->known[result]))

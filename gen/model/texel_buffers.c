@@ -47,9 +47,7 @@ static uint32_t pointer_type(struct texel_buffers *t, uint32_t class, uint32_t t
 /* What is said of the old variable is said of the new one. */
 static void copy_decorations(struct texel_buffers *t, uint32_t from, uint32_t to)
 {
-    SPIRV_EACH(t->from, at, t->from->annotations, t->edit.failed ? 0 : t->from->declarations)
-    {
-        const uint32_t *i = t->from->words + at;
+    SPIRV_EACH(t->from, i, t->from->annotations, t->edit.failed ? 0 : t->from->declarations) {
         if (!spirv_is(i, SpvOpDecorate) || i[1] != from)
             continue;
         size_t start = t->edit.annotations.count;
@@ -158,9 +156,8 @@ bool spirv_texel_buffers(struct spirv *module)
 {
     struct texel_buffers t = {.from = module};
     uint32_t most = 0, scalar;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    most += spirv_is(module->words + at, SpvOpVariable) &&
-            texel_channels(module, module->words + at, &scalar);
+    SPIRV_EACH(module, i, module->declarations, module->code)
+        most += spirv_is(i, SpvOpVariable) && texel_channels(module, i, &scalar);
     if (!most)
         return true;
     t.list = calloc(most, sizeof *t.list);
@@ -169,13 +166,10 @@ bool spirv_texel_buffers(struct spirv *module)
     t.edit.failed |= !t.list || !t.known;
     if (!t.edit.failed)
         spirv_edit_annotations(&t.edit);
-    SPIRV_EACH(module, at, module->declarations, t.edit.failed ? 0 : module->code)
-    if (spirv_is(module->words + at, SpvOpVariable) &&
-        texel_channels(module, module->words + at, &scalar))
-        add_buffer_of(&t, module->words + at);
-    SPIRV_EACH(module, at, module->code, t.edit.failed ? 0 : module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->declarations, t.edit.failed ? 0 : module->code)
+        if (spirv_is(i, SpvOpVariable) && texel_channels(module, i, &scalar))
+            add_buffer_of(&t, i);
+    SPIRV_EACH(module, i, module->code, t.edit.failed ? 0 : module->count) {
         uint32_t word = spirv_is(i, SpvOpImageWrite) ? 1 : 3, buffer = 0;
         if (spirv_length(i) > word && !spirv_is_literal(i, word))
             buffer = t.known[i[word]];

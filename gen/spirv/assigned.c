@@ -140,8 +140,7 @@ static void use(struct sanitizer *s, size_t at, uint32_t word)
 void assigned_find(struct sanitizer *s, const struct spirv_function *function)
 {
     uint32_t file = 0, line = 0;
-    SPIRV_EACH(s->from, at, function->begin, function->end)
-    {
+    SPIRV_EACH_AT(s->from, at, function->begin, function->end) {
         const uint32_t *i = s->from->words + at;
         uint32_t result = spirv_result_word(i);
         if (spirv_is(i, SpvOpLine)) {
@@ -182,19 +181,13 @@ static uint32_t flag_of(struct sanitizer *s, const uint32_t *variable)
 void assigned_reset(struct sanitizer *s, const struct spirv_function *function)
 {
     bool entry = function->id == spirv_entry(s->from);
-    SPIRV_EACH(s->from, at, entry ? s->from->declarations : s->from->code, s->from->code)
-    {
-        const uint32_t *i = s->from->words + at;
+    SPIRV_EACH(s->from, i, entry ? s->from->declarations : s->from->code, s->from->code)
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassInput && is_handed_on(s, i) &&
             bits_of(s, i[2]))
             PUT(s, SpvOpStore, bits_of(s, i[2]), sanitizer_load(s, flag_of(s, i)));
-    }
-    SPIRV_EACH(s->from, at, function->begin, function->end)
-    {
-        const uint32_t *i = s->from->words + at;
+    SPIRV_EACH(s->from, i, function->begin, function->end)
         if (spirv_is(i, SpvOpVariable) && bits_of(s, i[2]))
             PUT(s, SpvOpStore, s->ids[i[2]].bits, sanitizer_number(s, 0));
-    }
 }
 
 /* ---- Bits ------------------------------------------------------------------------------------ */
@@ -477,9 +470,7 @@ static void put_outputs(struct sanitizer *s)
 {
     const struct spirv *from = s->from;
     uint32_t file = s->file, line = s->line;
-    SPIRV_EACH(from, at, from->declarations, from->code)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->declarations, from->code) {
         uint32_t wanted = spirv_is(i, SpvOpVariable) && bits_of(s, i[2]) ? final_bits(s, i) : 0;
         bool output = spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput;
         if (output && is_handed_on(s, i) && bits_of(s, i[2]))

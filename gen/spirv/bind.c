@@ -331,9 +331,7 @@ static void copy_annotations(struct binder *binder)
 {
     const struct spirv *module = binder->module;
     struct spirv_edit *edit = &binder->edit;
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->annotations, module->declarations) {
         bool own = spirv_is(i, SpvOpDecorate), member = spirv_is(i, SpvOpMemberDecorate);
         uint32_t decoration = own ? i[2] : member ? i[3] : UINT32_MAX;
         bool placed = binder->bindings[i[1]] && (decoration == SpvDecorationBinding ||
@@ -366,9 +364,7 @@ static void copy_code(struct binder *binder)
     const struct spirv *module = binder->module;
     struct spirv_edit *edit = &binder->edit;
     uint32_t glsl = spirv_glsl(module);
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->code, module->count) {
         size_t start = edit->code.count;
         bool within = spirv_is(i, SpvOpExtInst) && i[3] == glsl &&
                       i[4] >= GLSLstd450InterpolateAtCentroid &&
@@ -428,9 +424,7 @@ static bool check_capabilities(struct binder *binder)
         {SpvCapabilityFragmentShaderPixelInterlockEXT, "interlocks", "passes do"},
         {SpvCapabilityFragmentShaderSampleInterlockEXT, "interlocks", "passes do"}};
     const struct spirv *module = binder->module;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations) {
         for (size_t k = 0; k < DT_ARRAY_COUNT(missing); k++)
             if (spirv_is(i, SpvOpCapability) && i[1] == missing[k].capability)
                 return refuse(binder, "the shader uses %s, which %s not have", missing[k].what,
@@ -454,9 +448,7 @@ static bool check_local(struct binder *binder)
 {
     const struct spirv *module = binder->module;
     const uint32_t *local = binder->request->local;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations) {
         if (local && spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize &&
             memcmp(i + 3, local, 3 * sizeof *local) != 0)
             return refuse(binder,
@@ -473,9 +465,9 @@ static bool each_variable(struct binder *binder,
 {
     const struct spirv *module = binder->module;
     bool good = true;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    if (good && spirv_is(module->words + at, SpvOpVariable) && of(binder, module->words + at))
-        good = act(binder, module->words + at);
+    SPIRV_EACH(module, i, module->declarations, module->code)
+        if (good && spirv_is(i, SpvOpVariable) && of(binder, i))
+            good = act(binder, i);
     return good;
 }
 

@@ -153,9 +153,9 @@ static void add_lines(const char *code, struct text *out)
 static bool has_notes(const struct spirv *module)
 {
     bool found = false;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    found |= spirv_is(module->words + at, SpvOpExtInstImport) &&
-             !strncmp((const char *)(module->words + at + 2), "NonSemantic.", 12);
+    SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
+        found |=
+            spirv_is(i, SpvOpExtInstImport) && !strncmp((const char *)(i + 2), "NonSemantic.", 12);
     return found;
 }
 

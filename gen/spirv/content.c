@@ -228,8 +228,8 @@ static void propagate_all(struct sanitizer *s)
         for (uint32_t f = 0; f < from->function_count; f++) {
             if (sanitizer_is_check(from, &from->functions[f]))
                 continue;
-            SPIRV_EACH(from, at, from->functions[f].begin, from->functions[f].end)
-            changed |= propagate_one(s, from->functions[f].id, from->words + at);
+            SPIRV_EACH(from, i, from->functions[f].begin, from->functions[f].end)
+                changed |= propagate_one(s, from->functions[f].id, i);
         }
     }
 }
@@ -455,9 +455,7 @@ void content_enter(struct sanitizer *s, const struct spirv_function *function)
 {
     if (!is_on(s))
         return;
-    SPIRV_EACH(s->from, at, function->begin, function->end)
-    {
-        const uint32_t *i = s->from->words + at;
+    SPIRV_EACH(s->from, i, function->begin, function->end) {
         bool parameter = spirv_is(i, SpvOpFunctionParameter);
         if (!parameter && !spirv_is(i, SpvOpVariable))
             continue;
@@ -488,9 +486,7 @@ static void put_arguments(struct sanitizer *s, const uint32_t *call, bool back)
 /* Whether the generator wrote the function. */
 static bool is_generated(const struct spirv *from, uint32_t function)
 {
-    SPIRV_EACH(from, at, from->definitions[function], from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->definitions[function], from->count) {
         if (spirv_is(i, SpvOpLine))
             return atoi((const char *)(spirv_definition(from, i[1]) + 2)) == 0;
         if (spirv_is(i, SpvOpFunctionEnd))

@@ -23,13 +23,10 @@ static void rename_entry(struct spirv_edit *edit, uint32_t body, uint32_t entry)
 
 static const uint32_t *find_sample_mask(const struct spirv *module)
 {
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->declarations, module->code)
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput &&
             spirv_decoration(module, i[2], SpvDecorationBuiltIn) == SpvBuiltInSampleMask)
             return i;
-    }
     return NULL;
 }
 

@@ -542,9 +542,7 @@ static bool replace(struct exact *exact, const uint32_t *instruction)
 static void copy_annotations(struct exact *exact)
 {
     const struct spirv *from = exact->from;
-    SPIRV_EACH(from, at, from->annotations, from->declarations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->annotations, from->declarations) {
         bool precision =
             (spirv_is(i, SpvOpDecorate) &&
              (i[2] == SpvDecorationNoContraction || i[2] == SpvDecorationRelaxedPrecision)) ||
@@ -563,8 +561,7 @@ bool spirv_exact(struct spirv *module, tell_form_fn *tell, void *user)
     edit->failed |= !ranges_begin(&exact.ranges, module);
     copy_annotations(&exact);
     size_t begin = edit->failed ? 0 : spirv_function_of(module, spirv_entry(module))->begin;
-    SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
-    {
+    SPIRV_EACH_AT(module, at, module->code, edit->failed ? module->code : module->count) {
         const uint32_t *instruction = module->words + at;
         if (spirv_is(instruction, SpvOpLine))
             exact.line = instruction;

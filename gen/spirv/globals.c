@@ -14,9 +14,7 @@ static void read_code(const struct spirv *from, uint32_t *values)
 {
     uint32_t entry = spirv_entry(from);
     bool first = false;
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         uint32_t opcode = spirv_opcode(i);
         if (opcode == SpvOpFunction)
             first = i[2] == entry;
@@ -39,9 +37,7 @@ static void read_code(const struct spirv *from, uint32_t *values)
 static bool find_constants(const struct spirv *from, uint32_t *values)
 {
     bool any = false;
-    SPIRV_EACH(from, at, from->declarations, from->code)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->declarations, from->code) {
         bool global = spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassPrivate;
         uint32_t id = spirv_result(i);
         any |= global && values[id] && values[id] != id;
@@ -64,9 +60,7 @@ static bool put_constants(struct spirv *module, const uint32_t *values)
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
     spirv_edit_annotations(&edit);
-    SPIRV_EACH(module, at, edit.failed ? module->count : module->code, module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, edit.failed ? module->count : module->code, module->count) {
         uint32_t value = spirv_is(i, SpvOpLoad) ? values[i[3]] : 0;
         if (value && value != i[3])
             SPIRV_PUT(&edit, &edit.code, SpvOpCopyObject, i[1], i[2], value);

@@ -35,21 +35,16 @@ static uint64_t built_ins(const struct spirv *module, const uint32_t *variable)
 /* The shader's variable of the same built-ins, in the same direction; NULL: none. */
 static const uint32_t *find_built_in(const struct spirv *own, uint64_t built_in, uint32_t class)
 {
-    SPIRV_EACH(own, at, own->declarations, own->code)
-    {
-        const uint32_t *i = own->words + at;
+    SPIRV_EACH(own, i, own->declarations, own->code)
         if (spirv_is(i, SpvOpVariable) && i[3] == class && built_ins(own, i) == built_in)
             return i;
-    }
     return NULL;
 }
 
 static void share_built_ins(struct joining *j)
 {
     const struct spirv *more = j->more;
-    SPIRV_EACH(more, at, more->declarations, more->code)
-    {
-        const uint32_t *i = more->words + at;
+    SPIRV_EACH(more, i, more->declarations, more->code) {
         uint64_t built_in = spirv_is(i, SpvOpVariable) ? built_ins(more, i) : 0;
         const uint32_t *own = built_in ? find_built_in(j->own, built_in, i[3]) : NULL;
         if (!own)
@@ -131,9 +126,9 @@ static bool says_same(const uint32_t *a, const uint32_t *b, uint32_t from)
 static const uint32_t *find_same(const struct spirv *own, const uint32_t *i)
 {
     uint32_t from = spirv_is(i, SpvOpExtInstImport) ? 2 : 1;
-    SPIRV_EACH(own, at, SPIRV_HEADER, own->annotations)
-    if (says_same(own->words + at, i, from))
-        return own->words + at;
+    SPIRV_EACH(own, instruction, SPIRV_HEADER, own->annotations)
+        if (says_same(instruction, i, from))
+            return instruction;
     return NULL;
 }
 
@@ -168,15 +163,13 @@ static void join_front(struct joining *j)
     const struct spirv *own = j->own, *more = j->more;
     front->count = SPIRV_HEADER;
     for (int section = 0; section <= 8; section++) {
-        SPIRV_EACH(own, at, SPIRV_HEADER, own->annotations)
-        if (rank(own->words + at) == section && !is_reserved(own->words + at)) {
-            spirv_copy(&j->edit, front, own->words + at);
-            if (section == 4)
-                add_interface(j);
-        }
-        SPIRV_EACH(more, at, SPIRV_HEADER, more->annotations)
-        {
-            const uint32_t *i = more->words + at;
+        SPIRV_EACH(own, i, SPIRV_HEADER, own->annotations)
+            if (rank(i) == section && !is_reserved(i)) {
+                spirv_copy(&j->edit, front, i);
+                if (section == 4)
+                    add_interface(j);
+            }
+        SPIRV_EACH(more, i, SPIRV_HEADER, more->annotations) {
             if (rank(i) != section)
                 continue;
             const uint32_t *same = section < 3 ? find_same(own, i) : NULL;
@@ -197,9 +190,7 @@ static void join_annotations(struct joining *j)
 {
     const struct spirv *own = j->own, *more = j->more;
     spirv_edit_annotations(&j->edit);
-    SPIRV_EACH(more, at, more->annotations, more->declarations)
-    {
-        const uint32_t *i = more->words + at;
+    SPIRV_EACH(more, i, more->annotations, more->declarations) {
         bool size = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
                     i[3] == SpvBuiltInWorkgroupSize; /* a constant; the shader has its own */
         if (!size && map(j, i[1]) >= own->words[3])
@@ -225,11 +216,11 @@ static void join_code(struct joining *j)
 {
     const struct spirv *own = j->own, *more = j->more;
     spirv_append(&j->edit, &j->edit.code, own->words + own->code, own->count - own->code);
-    SPIRV_EACH(more, at, more->code, more->count)
-    if (spirv_is(more->words + at, SpvOpLoad))
-        join_load(j, more->words + at);
-    else
-        copy_mapped(j, &j->edit.code, more->words + at);
+    SPIRV_EACH(more, i, more->code, more->count)
+        if (spirv_is(i, SpvOpLoad))
+            join_load(j, i);
+        else
+            copy_mapped(j, &j->edit.code, i);
     spirv_put_name(&j->edit, map(j, spirv_entry(more)), "diptych_globals(");
 }
 
@@ -240,8 +231,8 @@ bool spirv_join(struct spirv *module, const struct spirv *more)
     j.edit.failed |= !j.ids;
     if (!j.edit.failed) {
         share_built_ins(&j);
-        SPIRV_EACH(more, at, more->declarations, more->code)
-        add_declaration(&j, more->words + at);
+        SPIRV_EACH(more, i, more->declarations, more->code)
+            add_declaration(&j, i);
         join_annotations(&j);
         join_front(&j);
         join_code(&j);

@@ -127,9 +127,7 @@ static void copy_function(struct spirv_link *link, const struct spirv_function *
     struct spirv_edit *edit = link->edit;
     const char *name = spirv_name(&library.module, function->id);
     spirv_put_name(edit, link->ids[function->id], name ? name : "exact");
-    SPIRV_EACH(&library.module, at, function->begin, function->end)
-    {
-        const uint32_t *instruction = library.module.words + at;
+    SPIRV_EACH(&library.module, instruction, function->begin, function->end) {
         size_t start = edit->code.count;
         if (spirv_is(instruction, SpvOpLine) || spirv_is(instruction, SpvOpNoLine))
             continue;

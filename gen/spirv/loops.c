@@ -175,9 +175,7 @@ static bool wrap_them(struct wrap *chosen, struct spirv *module)
     struct wrap wrap = *chosen;
     spirv_edit_begin(&wrap.edit, module);
     spirv_edit_annotations(&wrap.edit);
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *instruction = module->words + at;
+    SPIRV_EACH(module, instruction, module->code, module->count) {
         if (wrap.outer && spirv_is(instruction, SpvOpLabel) && instruction[1] == wrap.merge)
             end_loop(&wrap);
         if (is_wrapped(&wrap, instruction))
@@ -199,9 +197,7 @@ static bool wrap_loops(struct spirv *module)
 /* How the module gets at an integer in a uniform block or a buffer; NULL: nowhere. */
 static const uint32_t *find_unknown(const struct spirv *m)
 {
-    SPIRV_EACH(m, at, m->code, m->count)
-    {
-        const uint32_t *chain = m->words + at;
+    SPIRV_EACH(m, chain, m->code, m->count) {
         if (!spirv_is(chain, SpvOpAccessChain))
             continue;
         const uint32_t *pointer = spirv_definition(m, chain[1]);
@@ -225,8 +221,7 @@ bool spirv_keep_loops(struct spirv *module)
 {
     uint32_t *words = module->words;
     size_t behind = 0; /* the last outermost loop */
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
+    SPIRV_EACH_AT(module, at, module->code, module->count) {
         if (!spirv_is(words + at, SpvOpLoopMerge) || at < behind)
             continue;
         behind = module->definitions[words[at + 1]];

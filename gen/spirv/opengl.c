@@ -10,12 +10,9 @@
 /* The variable with a built-in; 0: there is none. */
 static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
 {
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->annotations, module->declarations)
         if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn && i[3] == builtin)
             return i[1];
-    }
     return 0;
 }
 
@@ -23,9 +20,7 @@ static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
 static bool is_block_of_array(const struct spirv *module, uint32_t type)
 {
     bool found = false;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->declarations, module->code) {
         bool between = spirv_is(i, SpvOpVariable) &&
                        (i[3] == SpvStorageClassInput || i[3] == SpvStorageClassOutput) &&
                        spirv_decoration(module, i[2], SpvDecorationLocation) != UINT32_MAX;
@@ -38,9 +33,7 @@ static bool is_block_of_array(const struct spirv *module, uint32_t type)
 static void copy_decorations(struct spirv_edit *edit)
 {
     const struct spirv *from = edit->from;
-    SPIRV_EACH(from, at, from->annotations, from->declarations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->annotations, from->declarations) {
         bool decorates = spirv_is(i, SpvOpDecorate);
         if (decorates && (i[2] == SpvDecorationDescriptorSet ||
                           (i[2] == SpvDecorationBlock && is_block_of_array(from, i[1]))))
@@ -63,9 +56,7 @@ static void copy_front(struct spirv_edit *edit, uint32_t base)
     edit->front.count = SPIRV_HEADER;
     if (base)
         SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityDrawParameters);
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations) {
         if (base && spirv_is(i, SpvOpExtInstImport)) {
             uint32_t name[sizeof extension / 4 + 1] = {0};
             memcpy(name, extension, sizeof extension);
@@ -110,12 +101,10 @@ static void copy_function(struct functions *functions, uint32_t id)
     if (*copied)
         return;
     *copied = true;
-    SPIRV_EACH(from, at, function->begin, function->end)
-    if (spirv_is(from->words + at, SpvOpFunctionCall))
-        copy_function(functions, from->words[at + 3]);
-    SPIRV_EACH(from, at, function->begin, function->end)
-    {
-        const uint32_t *instruction = from->words + at;
+    SPIRV_EACH(from, i, function->begin, function->end)
+        if (spirv_is(i, SpvOpFunctionCall))
+            copy_function(functions, i[3]);
+    SPIRV_EACH(from, instruction, function->begin, function->end) {
         if (functions->base && spirv_is(instruction, SpvOpLoad) &&
             instruction[3] == functions->instance)
             put_instance(edit, instruction, functions->base);

@@ -25,9 +25,7 @@ uint32_t memory_base(const struct spirv *from, uint32_t id)
 static uint32_t argument_of(const struct spirv *from, uint32_t parameter)
 {
     uint32_t argument = 0, function, index = spirv_parameter_index(from, parameter, &function);
-    SPIRV_EACH(from, at, from->code, from->count)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->code, from->count) {
         if (!spirv_is(i, SpvOpFunctionCall) || i[3] != function)
             continue;
         uint32_t own = memory_base(from, i[4 + index]);
@@ -82,9 +80,7 @@ static bool is_shared(const uint32_t *variable)
 static uint32_t shared_before(const struct spirv *from, uint32_t variable)
 {
     uint32_t count = 0;
-    SPIRV_EACH(from, at, from->declarations, from->code)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->declarations, from->code) {
         if (is_shared(i) && i[2] == variable)
             break;
         count += is_shared(i) ? spirv_scalars(from, spirv_definition(from, i[1])[3]) : 0;

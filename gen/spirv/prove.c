@@ -539,8 +539,7 @@ bool prove_module(const struct spirv *module,
                           .glsl = spirv_glsl(module),
                           .found = found,
                           .user = user};
-    SPIRV_EACH(module, at, SPIRV_HEADER, proof.ids ? module->count : SPIRV_HEADER)
-    {
+    SPIRV_EACH_AT(module, at, SPIRV_HEADER, proof.ids ? module->count : SPIRV_HEADER) {
         const uint32_t *instruction = module->words + at;
         uint32_t opcode = spirv_opcode(instruction);
         if (opcode == SpvOpDecorate)

@@ -57,11 +57,8 @@ static bool find_in(const struct sanitizer *s, const struct spirv_function *func
     bool *own = &s->quads->meets[function->id], before = *own;
     if (sanitizer_is_check(s->from, function))
         return false;
-    SPIRV_EACH(s->from, at, function->begin, function->end)
-    {
-        const uint32_t *i = s->from->words + at;
+    SPIRV_EACH(s->from, i, function->begin, function->end)
         *own |= is_meeting(s, i) || (spirv_is(i, SpvOpFunctionCall) && s->quads->meets[i[3]]);
-    }
     return *own != before;
 }
 
@@ -80,9 +77,9 @@ bool quads_begin(struct sanitizer *s)
         for (uint32_t f = 0; f < from->function_count; f++)
             changed |= find_in(s, &from->functions[f]);
     }
-    SPIRV_EACH(from, at, from->code, from->count)
-    if (is_kill(from->words + at) && meets[spirv_entry(from)] && !s->quads->discard)
-        s->quads->discard = sanitizer_variable(s);
+    SPIRV_EACH(from, i, from->code, from->count)
+        if (is_kill(i) && meets[spirv_entry(from)] && !s->quads->discard)
+            s->quads->discard = sanitizer_variable(s);
     return true;
 }
 
@@ -118,9 +115,7 @@ uint32_t quads_path(struct sanitizer *s, size_t place)
     if (!s->quads->path)
         s->quads->path = sanitizer_variable(s);
     path = sanitizer_load(s, s->quads->path);
-    SPIRV_EACH(from, at, begin, place)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, begin, place) {
         label = spirv_is(i, SpvOpLabel) ? i[1] : label;
         if (spirv_is(i, SpvOpLoopMerge) && from->definitions[i[1]] > place && s->counters[label])
             path = put_joined(s, path, sanitizer_load(s, s->counters[label]));

@@ -49,11 +49,9 @@ bool ranges_begin(struct ranges *ranges, const struct spirv *from)
                               .first = calloc(bound, sizeof *ranges->first),
                               .uses = calloc(from->count - from->code + 1, sizeof *ranges->uses)};
     bool good = ranges->known && ranges->state && ranges->first && ranges->uses;
-    SPIRV_EACH(from, at, from->code, good ? from->count : from->code)
-    {
+    SPIRV_EACH_AT(from, at, from->code, good ? from->count : from->code)
         if (!spirv_is(from->words + at, SpvOpLoad))
             add_uses(ranges, at);
-    }
     return good;
 }
 
@@ -284,11 +282,9 @@ static struct bounds returned(struct ranges *ranges, uint32_t function)
     const struct spirv *from = ranges->from;
     const struct spirv_function *own = spirv_function_of(from, function);
     struct bounds all = nothing;
-    SPIRV_EACH(from, at, own->begin, own->end)
-    {
-        if (spirv_is(from->words + at, SpvOpReturnValue))
-            all = either(all, range_of(ranges, from->words[at + 1]));
-    }
+    SPIRV_EACH(from, i, own->begin, own->end)
+        if (spirv_is(i, SpvOpReturnValue))
+            all = either(all, range_of(ranges, i[1]));
     return all;
 }
 

@@ -52,19 +52,15 @@ static void mark_function(struct reach *reach, size_t at)
 static void mark_all(struct reach *reach)
 {
     const struct spirv *module = reach->module;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    {
-        const uint32_t *instruction = module->words + at;
+    SPIRV_EACH(module, instruction, SPIRV_HEADER, module->annotations)
         if (spirv_is(instruction, SpvOpEntryPoint))
             mark_entry(reach, instruction);
         else if (spirv_is(instruction, SpvOpExtInstImport) || spirv_is(instruction, SpvOpString))
             mark(reach, instruction[1]);
-    }
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    if (spirv_is(module->words + at, SpvOpDecorate) &&
-        module->words[at + 2] == SpvDecorationBuiltIn &&
-        module->words[at + 3] == SpvBuiltInWorkgroupSize)
-        mark(reach, module->words[at + 1]);
+    SPIRV_EACH(module, i, module->annotations, module->declarations)
+        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
+            i[3] == SpvBuiltInWorkgroupSize)
+            mark(reach, i[1]);
     while (reach->count) {
         size_t at = module->definitions[reach->queue[--reach->count]];
         if (at >= module->code && spirv_is(module->words + at, SpvOpFunction))
@@ -92,21 +88,20 @@ static void copy_live(const struct reach *reach, struct spirv_edit *edit)
     const struct spirv *module = reach->module;
     edit->front.count = SPIRV_HEADER;
     edit->declarations.count = 0;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->declarations)
-    if (is_target_live(reach, module->words + at))
-        spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
-                   module->words + at);
+    SPIRV_EACH_AT(module, at, SPIRV_HEADER, module->declarations)
+        if (is_target_live(reach, module->words + at))
+            spirv_copy(edit, at < module->annotations ? &edit->front : &edit->annotations,
+                       module->words + at);
     spirv_edit_interface(edit, keep_live, reach);
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        uint32_t result = spirv_result(module->words + at);
+    SPIRV_EACH(module, i, module->declarations, module->code) {
+        uint32_t result = spirv_result(i);
         if (!result || reach->live[result])
-            spirv_copy(edit, &edit->declarations, module->words + at);
+            spirv_copy(edit, &edit->declarations, i);
     }
     for (uint32_t i = 0; i < module->function_count; i++)
         if (reach->live[module->functions[i].id])
-            SPIRV_EACH(module, at, module->functions[i].begin, module->functions[i].end)
-    spirv_copy(edit, &edit->code, module->words + at);
+            SPIRV_EACH(module, own, module->functions[i].begin, module->functions[i].end)
+                spirv_copy(edit, &edit->code, own);
 }
 
 bool spirv_reach(struct spirv *module)

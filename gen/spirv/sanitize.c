@@ -97,11 +97,10 @@ uint32_t sanitizer_load(struct sanitizer *s, uint32_t variable)
 
 static uint32_t find_variable(const struct spirv *from, const char *name)
 {
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
-    if (spirv_is(from->words + at, SpvOpName) &&
-        !strcmp((const char *)(from->words + at + 2), name) &&
-        spirv_is(spirv_definition(from, from->words[at + 1]), SpvOpVariable))
-        return from->words[at + 1];
+    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations)
+        if (spirv_is(i, SpvOpName) && !strcmp((const char *)(i + 2), name) &&
+            spirv_is(spirv_definition(from, i[1]), SpvOpVariable))
+            return i[1];
     return 0;
 }
 
@@ -743,9 +742,7 @@ static void put_pointer(struct sanitizer *s, const uint32_t *instruction)
 static void put_counters(struct sanitizer *s, const struct spirv_function *function)
 {
     uint32_t label = 0;
-    SPIRV_EACH(s->from, at, function->begin, function->end)
-    {
-        const uint32_t *i = s->from->words + at;
+    SPIRV_EACH(s->from, i, function->begin, function->end) {
         label = spirv_is(i, SpvOpLabel) ? i[1] : label;
         if (!spirv_is(i, SpvOpLoopMerge))
             continue;
@@ -929,8 +926,7 @@ static void put_function(struct sanitizer *s, const struct spirv_function *funct
         return; /* content.c and quads.c write these */
     if (!check && s->request->kinds & SANITIZE_VARIABLE)
         assigned_find(s, function);
-    SPIRV_EACH(s->from, at, function->begin, function->end)
-    {
+    SPIRV_EACH_AT(s->from, at, function->begin, function->end) {
         const uint32_t *i = s->from->words + at;
         if (spirv_is(i, SpvOpLine)) {
             s->file = (uint32_t)atoi((const char *)(spirv_definition(s->from, i[1]) + 2));
@@ -950,9 +946,7 @@ static void copy_front(struct sanitizer *s)
     struct spirv_edit *edit = &s->edit;
     edit->front.count = SPIRV_HEADER;
     SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityImageQuery);
-    SPIRV_EACH(from, at, SPIRV_HEADER, from->annotations)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations) {
         bool twice = spirv_is(i, SpvOpCapability) && i[1] == SpvCapabilityImageQuery;
         if (!twice && !spirv_is(i, SpvOpString) && !spirv_is(i, SpvOpSource) &&
             !spirv_is(i, SpvOpSourceContinued) && !spirv_is(i, SpvOpModuleProcessed))

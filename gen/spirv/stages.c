@@ -60,10 +60,10 @@ static bool is_built_in(const struct spirv *module, uint32_t id, uint32_t block)
 
 static bool code_mentions(const struct spirv *module, uint32_t id)
 {
-    SPIRV_EACH(module, at, module->code, module->count)
-    for (uint32_t word = 1; word < spirv_length(module->words + at); word++)
-        if (module->words[at + word] == id && !spirv_is_literal(module->words + at, word))
-            return true;
+    SPIRV_EACH(module, i, module->code, module->count)
+        for (uint32_t word = 1; word < spirv_length(i); word++)
+            if (i[word] == id && !spirv_is_literal(i, word))
+                return true;
     return false;
 }
 
@@ -111,9 +111,9 @@ static void locate(struct side *side)
 static bool read_side(struct side *side, const struct spirv *module, uint32_t class)
 {
     *side = (struct side){.module = module, .list = calloc(module->words[3], sizeof *side->list)};
-    SPIRV_EACH(module, at, module->declarations, side->list ? module->code : module->declarations)
-    if (spirv_is(module->words + at, SpvOpVariable) && module->words[at + 3] == class)
-        add_between(side, module->words + at);
+    SPIRV_EACH(module, i, module->declarations, side->list ? module->code : module->declarations)
+        if (spirv_is(i, SpvOpVariable) && i[3] == class)
+            add_between(side, i);
     return side->list;
 }
 

@@ -31,9 +31,7 @@ static uint32_t find_texel_buffer(const struct spirv *module, const char *name)
 {
     char block[96];
     snprintf(block, sizeof block, "%s_block", name);
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        const uint32_t *variable = module->words + at;
+    SPIRV_EACH(module, variable, module->declarations, module->code) {
         if (!spirv_is(variable, SpvOpVariable))
             continue;
         const uint32_t *pointer = spirv_definition(module, variable[1]);
@@ -128,7 +126,7 @@ bool spirv_texels(struct spirv *module, const char *name)
         return true;
     spirv_edit_begin(&texels.edit, module);
     spirv_edit_annotations(&texels.edit);
-    SPIRV_EACH(module, at, module->code, module->count)
-    put_instruction(&texels, module->words + at);
+    SPIRV_EACH(module, i, module->code, module->count)
+        put_instruction(&texels, i);
     return spirv_edit_end(&texels.edit, module);
 }

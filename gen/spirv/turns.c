@@ -120,8 +120,7 @@ static bool find_stores(const struct spirv *m, size_t merge, uint32_t variable, 
 {
     size_t next = m->definitions[m->words[merge + 2]], behind = m->definitions[m->words[merge + 1]];
     *before = *again = 0;
-    SPIRV_EACH(m, at, m->code, m->count)
-    {
+    SPIRV_EACH_AT(m, at, m->code, m->count) {
         const uint32_t *i = m->words + at;
         bool uses = false;
         for (uint32_t word = 1; word < spirv_length(i); word++)
@@ -167,8 +166,7 @@ uint32_t spirv_find_loops(const struct spirv *m, const struct spirv_block *block
                           struct spirv_loop *list, uint32_t most)
 {
     uint32_t count = 0;
-    SPIRV_EACH(m, at, m->code, m->count)
-    {
+    SPIRV_EACH_AT(m, at, m->code, m->count) {
         if (!spirv_is(m->words + at, SpvOpLoopMerge) || count == most)
             continue;
         list[count] = (struct spirv_loop){.merge = at, .turns = turns_of(m, block, at)};

@@ -94,9 +94,7 @@ static int format_of_parameter(const struct values *values, uint32_t parameter)
     const struct spirv *from = values->from;
     uint32_t function, index = spirv_parameter_index(from, parameter, &function);
     int format = NO_FORMAT;
-    SPIRV_EACH(from, p, from->code, from->count)
-    {
-        const uint32_t *i = from->words + p;
+    SPIRV_EACH(from, i, from->code, from->count) {
         if (!spirv_is(i, SpvOpFunctionCall) || i[3] != function)
             continue;
         int given = format_of_image(values, i[4 + index]);
@@ -158,9 +156,7 @@ static uint32_t component_of(const struct values *values, uint32_t type)
 bool spirv_samples_codes(const struct spirv *module, const struct pass *pass)
 {
     const struct values values = {.from = module, .pass = pass};
-    SPIRV_EACH(module, at, module->code, module->count)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->code, module->count) {
         uint32_t operation = spirv_opcode(i);
         if (operation >= SpvOpImageSampleImplicitLod && operation <= SpvOpImageDrefGather &&
             operation != SpvOpImageFetch && format_of_image(&values, i[3]) == CODES)
@@ -254,13 +250,10 @@ static void put_target(struct values *values, const uint32_t *variable)
 static void put_targets(struct values *values)
 {
     const struct spirv *from = values->from;
-    SPIRV_EACH(from, at, from->declarations, from->code)
-    {
-        const uint32_t *i = from->words + at;
+    SPIRV_EACH(from, i, from->declarations, from->code)
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput &&
             spirv_decoration(from, i[2], SpvDecorationLocation) != UINT32_MAX)
             put_target(values, i);
-    }
 }
 
 bool spirv_values(struct spirv *module, const struct pass *pass, char **why)
@@ -273,9 +266,7 @@ bool spirv_values(struct spirv *module, const struct pass *pass, char **why)
     spirv_edit_begin(edit, module);
     edit->failed |= !spirv_link_begin(&values.link, edit);
     spirv_edit_annotations(edit);
-    SPIRV_EACH(module, at, module->code, edit->failed ? module->code : module->count)
-    {
-        const uint32_t *instruction = module->words + at;
+    SPIRV_EACH(module, instruction, module->code, edit->failed ? module->code : module->count) {
         if (spirv_is(instruction, SpvOpFunction))
             function = instruction[2];
         if (spirv_is(instruction, SpvOpReturn) && function == entry)

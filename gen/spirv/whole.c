@@ -37,9 +37,8 @@ static const struct param *find_special(const struct pipeline *pipeline, const s
     char number[32];
     uint32_t special = spirv_decoration(module, id, SpvDecorationSpecId);
     const struct param *param = find_baked(pipeline, spirv_own_name(spirv_name(module, id)));
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        uint32_t other = spirv_result(module->words + at);
+    SPIRV_EACH(module, i, module->declarations, module->code) {
+        uint32_t other = spirv_result(i);
         if (!param && special != UINT32_MAX && other &&
             spirv_decoration(module, other, SpvDecorationSpecId) == special)
             param = find_baked(pipeline, spirv_own_name(spirv_name(module, other)));
@@ -74,18 +73,13 @@ static uint32_t constant_number(const struct spirv *module, uint32_t id)
 static void set_local(struct spirv *module)
 {
     const uint32_t *size = NULL;
-    SPIRV_EACH(module, at, module->annotations, module->declarations)
-    {
-        const uint32_t *i = module->words + at;
+    SPIRV_EACH(module, i, module->annotations, module->declarations)
         if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
             i[3] == SpvBuiltInWorkgroupSize)
             size = spirv_definition(module, i[1]) + 3;
-    }
     if (size && (!spirv_is(size - 3, SpvOpConstantComposite) || spirv_length(size - 3) != 6))
         size = NULL;
-    SPIRV_EACH(module, at, SPIRV_HEADER, module->annotations)
-    {
-        uint32_t *i = module->words + at;
+    SPIRV_CHANGE(module, i, SPIRV_HEADER, module->annotations) {
         bool ids = spirv_is(i, SpvOpExecutionModeId) && i[2] == SpvExecutionModeLocalSizeId;
         if (!ids && !(spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize))
             continue;
@@ -99,9 +93,8 @@ static void set_local(struct spirv *module)
 bool whole_specialize(const struct pipeline *pipeline, struct spirv *module)
 {
     bool any = false, good = true;
-    SPIRV_EACH(module, at, module->declarations, module->code)
-    {
-        uint32_t *i = module->words + at, opcode = spirv_opcode(i);
+    SPIRV_CHANGE(module, i, module->declarations, module->code) {
+        uint32_t opcode = spirv_opcode(i);
         any |= opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstantOp;
         if (opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstant)
             set_constant(pipeline, module, i);
