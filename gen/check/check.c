@@ -17,8 +17,7 @@ void report_missing(const struct checker *c, struct loc loc, const char *what, c
 /* Removes a pass's name from every `after`. */
 static void forget_pass(struct pipeline *pipeline, const char *name)
 {
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        struct pass *pass = &pipeline->passes[i];
+    CHANGE_EACH(pass, pipeline->passes, pipeline->pass_count) {
         uint32_t kept = 0;
         for (uint32_t k = 0; k < pass->after_count; k++)
             if (strcmp(pass->after[k], name)) {
@@ -42,8 +41,8 @@ static void drop_pass(struct checker *c, const struct pass *pass)
 
 bool pass_writes(const struct pass *pass, const struct resource *resource)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource == resource && pass->accesses[i].mode != MODE_READ)
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->resource == resource && access->mode != MODE_READ)
             return true;
     return false;
 }
@@ -67,10 +66,10 @@ static bool is_needed(const struct pipeline *pipeline, const bool *kept,
             continue;
         read |= other->indirect_resource == writer->resource ||
                 other->index_resource == writer->resource;
-        for (uint32_t i = 0; i < other->access_count; i++) {
-            bool anew = other->accesses[i].mode == MODE_WRITE;
-            written |= anew && sees(&other->accesses[i], writer);
-            read |= !anew && sees(&other->accesses[i], writer);
+        EACH(access, other->accesses, other->access_count) {
+            bool anew = access->mode == MODE_WRITE;
+            written |= anew && sees(access, writer);
+            read |= !anew && sees(access, writer);
         }
     }
     return read && !written;
@@ -78,9 +77,8 @@ static bool is_needed(const struct pipeline *pipeline, const bool *kept,
 
 static bool is_missed(const struct pipeline *pipeline, const bool *kept, const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource && pass->accesses[i].mode == MODE_WRITE &&
-            is_needed(pipeline, kept, &pass->accesses[i]))
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->resource && access->mode == MODE_WRITE && is_needed(pipeline, kept, access))
             return true;
     return false;
 }

@@ -137,8 +137,7 @@ static bool minds_group(const struct body_files *files)
 
 static bool reads_image(const struct pass *pass, const struct token *token)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         const char *word = access_word(access);
         size_t length = strlen(word);
         if (access->resource && access->resource->kind == DT_IMAGE && token->before != '.' &&
@@ -172,10 +171,10 @@ static void note_loops(struct checker *c, struct pass *pass, struct body *body)
 {
     for (uint32_t i = 0; pass->range_count && i < pass->files->count; i++)
         scan_file(c, body, pass->files->list[i].code);
-    for (uint32_t i = 0; i < pass->range_count; i++)
+    CHANGE_EACH(range, pass->ranges, pass->range_count)
         for (size_t k = 0; k < body->count; k++)
-            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], pass->ranges[i].name))
-                note_block(pass, body, &body->tokens[k], 0, &pass->ranges[i]);
+            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], range->name))
+                note_block(pass, body, &body->tokens[k], 0, range);
 }
 
 /* Whether the body asks for the length of an array: of a buffer whose count is not fixed by the
@@ -245,11 +244,10 @@ static bool in_bodies(const struct checker *c, const char *name)
 {
     const char *dot = strrchr(name, '.'); /* bodies of an instance use the last part */
     name = dot ? dot + 1 : name;
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        const struct pass *pass = &c->pipeline->passes[i];
-        for (uint32_t k = 0; k < pass->define_count; k++)
-            if (pass->defines[k].param && !strcmp(pass->defines[k].param, name) &&
-                body_mentions(pass->files, pass->defines[k].name))
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count) {
+        EACH(define, pass->defines, pass->define_count)
+            if (define->param && !strcmp(define->param, name) &&
+                body_mentions(pass->files, define->name))
                 return true;
         if (body_mentions_value(pass->files, name))
             return true;
@@ -264,8 +262,8 @@ static bool is_named(const struct weight *weight, const char *name)
 
 static bool in_values(const struct value *values, uint32_t count, const char *name)
 {
-    for (uint32_t i = 0; i < count; i++)
-        if (text_mentions(values[i].text, name))
+    EACH(value, values, count)
+        if (text_mentions(value->text, name))
             return true;
     return false;
 }
@@ -277,19 +275,16 @@ static bool in_expressions(const struct checker *c, const char *name)
     for (size_t i = 0; i < c->expr_count; i++)
         if (expr_mentions(c->exprs[i], name))
             return true;
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        const struct pass *pass = &c->pipeline->passes[i];
-        for (uint32_t k = 0; k < pass->range_count; k++)
-            if (text_mentions(pass->ranges[k].first, name))
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count) {
+        EACH(range, pass->ranges, pass->range_count)
+            if (text_mentions(range->first, name))
                 return true;
         if (in_values(pass->values, pass->value_count, name))
             return true;
     }
-    for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
-        const struct metric *metric = &c->pipeline->metrics[i];
+    EACH(metric, c->pipeline->metrics, c->pipeline->metric_count)
         if (is_named(&metric->position, name) || is_named(&metric->normal, name))
             return true;
-    }
     for (const struct replaced *at = c->model->replaced; at; at = at->next)
         if (text_mentions(at->text, name))
             return true;
@@ -298,32 +293,29 @@ static bool in_expressions(const struct checker *c, const char *name)
 
 static bool lists(const struct pass *pass, const char *resource)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (!strcmp(pass->accesses[i].name, resource))
+    EACH(access, pass->accesses, pass->access_count)
+        if (!strcmp(access->name, resource))
             return true;
     return false;
 }
 
 static bool accessed(const struct checker *c, const struct resource *resource)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        const struct pass *pass = &c->pipeline->passes[i];
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
         if (lists(pass, resource->name) || pass->indirect_resource == resource ||
             pass->index_resource == resource)
             return true;
-    }
     return false;
 }
 
 static bool used_in_passes(const struct checker *c, const char *name)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        const struct pass *pass = &c->pipeline->passes[i];
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count) {
         for (uint32_t k = 0; k < pass->use_count; k++)
             if (!strcmp(pass->uses[k], name))
                 return true;
-        for (uint32_t k = 0; k < pass->access_count; k++)
-            if (pass->accesses[k].sampler && !strcmp(pass->accesses[k].sampler, name))
+        EACH(access, pass->accesses, pass->access_count)
+            if (access->sampler && !strcmp(access->sampler, name))
                 return true;
     }
     return false;
@@ -331,8 +323,8 @@ static bool used_in_passes(const struct checker *c, const char *name)
 
 static bool struct_used(const struct checker *c, const struct structure *structure)
 {
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
-        if (c->pipeline->resources[i].structure == structure)
+    EACH(resource, c->pipeline->resources, c->pipeline->resource_count)
+        if (resource->structure == structure)
             return true;
     return in_bodies(c, structure->name);
 }
@@ -342,9 +334,9 @@ static void check_metric_fields(struct checker *c, const struct metric *metric)
     const char *const names[] = {metric->position_field, metric->normal_field};
     for (int i = 0; i < 2; i++) {
         bool found = !strcmp(names[i], i ? "normal" : "position");
-        for (uint32_t s = 0; s < c->pipeline->struct_count; s++)
-            for (uint32_t f = 0; f < c->pipeline->structs[s].field_count; f++)
-                found |= !strcmp(c->pipeline->structs[s].fields[f].name, names[i]);
+        EACH(structure, c->pipeline->structs, c->pipeline->struct_count)
+            EACH(field, structure->fields, structure->field_count)
+                found |= !strcmp(field->name, names[i]);
         if (!found)
             diag_warning(c->diag, metric->loc,
                          "no struct has the field `%s` that the metric `%s` looks for", names[i],

@@ -53,8 +53,7 @@ static void check_file(const struct checker *c, const struct resource *resource)
 
 static void check_writers(const struct checker *c, const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         if (access->mode == MODE_READ || !access->resource || !access->resource->input)
             continue;
         diag_error(c->diag, access->loc,
@@ -66,10 +65,10 @@ static void check_writers(const struct checker *c, const struct pass *pass)
 
 void check_content(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        check_encoding(c, &c->pipeline->resources[i]);
-        check_file(c, &c->pipeline->resources[i]);
+    EACH(resource, c->pipeline->resources, c->pipeline->resource_count) {
+        check_encoding(c, resource);
+        check_file(c, resource);
     }
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        check_writers(c, &c->pipeline->passes[i]);
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
+        check_writers(c, pass);
 }

@@ -126,8 +126,7 @@ static void check_margin_count(struct checker *c, const struct resource *resourc
 static void check_margin_writer(struct checker *c, const struct resource *resource,
                                 const struct resource *margin)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++) {
-        const struct pass *pass = &c->pipeline->passes[i];
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count) {
         if (pass_writes(pass, resource) && !pass_writes(pass, margin))
             diag_error(c->diag, resource->contract.margin_loc,
                        "the pass `%s` writes `%s`, but not its margin `%s`; list `%s` in `writes`",
@@ -156,9 +155,8 @@ static void resolve_margin(struct checker *c, struct resource *resource)
 /* Whether a scene draw writes the image. */
 static bool is_drawn(const struct checker *c, const struct resource *resource)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        if (c->pipeline->passes[i].kind == DT_PASS_DRAW_SCENE &&
-            pass_writes(&c->pipeline->passes[i], resource))
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
+        if (pass->kind == DT_PASS_DRAW_SCENE && pass_writes(pass, resource))
             return true;
     return false;
 }
@@ -166,8 +164,8 @@ static bool is_drawn(const struct checker *c, const struct resource *resource)
 /* Whether a pass writes the resource that its `exactness` leaves free. */
 static bool is_bounded(const struct checker *c, const struct resource *resource)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        if (c->pipeline->passes[i].bounded && pass_writes(&c->pipeline->passes[i], resource))
+    EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
+        if (pass->bounded && pass_writes(pass, resource))
             return true;
     return false;
 }
@@ -186,8 +184,7 @@ static void resolve_of_exact(struct checker *c, const struct resource *resource,
 
 void check_contracts(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++) {
-        struct resource *resource = &c->pipeline->resources[i];
+    CHANGE_EACH(resource, c->pipeline->resources, c->pipeline->resource_count) {
         resolve_of_exact(c, resource, &resource->contract.allowed);
         if (resource->contract.allowed.kind == DT_CONTRACT_IMAGE && resource->kind == DT_BUFFER)
             diag_error(c->diag, resource->contract.loc,

@@ -322,9 +322,9 @@ static void check_structure(struct checker *c, const struct structure *structure
     if (!strcmp(structure->name, "live"))
         diag_error(c->diag, structure->loc,
                    "`%s` is taken: the generated C has a struct of that name", structure->name);
-    for (uint32_t i = 0; i < structure->field_count; i++) {
-        check_word(c, structure->fields[i].name, structure->fields[i].loc, SCOPED);
-        check_member(c, structure->fields[i].name, structure->fields[i].loc);
+    EACH(field, structure->fields, structure->field_count) {
+        check_word(c, field->name, field->loc, SCOPED);
+        check_member(c, field->name, field->loc);
     }
 }
 
@@ -374,14 +374,14 @@ static void refuse_taken(struct checker *c, const struct pass *pass, const char 
 static void check_defines(struct checker *c, const struct pass *pass, struct declaration *list,
                           size_t count)
 {
-    for (uint32_t i = 0; i < pass->define_count; i++) {
-        const char *name = pass->defines[i].name;
-        const struct declaration macro = {name, name, 0, pass->defines[i].loc};
+    EACH(define, pass->defines, pass->define_count) {
+        const char *name = define->name;
+        const struct declaration macro = {name, name, 0, define->loc};
         check_word(c, name, macro.loc, EVERYWHERE);
         for (size_t k = 0; k < count; k++)
             check_derived(c, &macro, 1, &list[k]);
         refuse_taken(c, pass, name, macro.loc, list, count, "");
-        for (uint32_t s = 0; !pass->defines[i].word && s < c->pipeline->struct_count; s++)
+        for (uint32_t s = 0; !define->word && s < c->pipeline->struct_count; s++)
             for (uint32_t k = 0; k < c->pipeline->structs[s].field_count; k++)
                 if (!strcmp(c->pipeline->structs[s].fields[k].name, name))
                     diag_error(c->diag, macro.loc,
@@ -428,8 +428,8 @@ void check_names(struct checker *c)
     size_t all = 0, words = 0; /* most accesses of one pass */
     while (declared_at(p, all, &kind))
         all++;
-    for (uint32_t i = 0; i < p->pass_count; i++)
-        words = p->passes[i].access_count > words ? p->passes[i].access_count : words;
+    EACH(pass, p->passes, p->pass_count)
+        words = pass->access_count > words ? pass->access_count : words;
     struct declaration *list = arena_alloc(c->model->arena, (all + words + 1) * sizeof *list);
     if (!list)
         return;
@@ -446,12 +446,12 @@ void check_names(struct checker *c)
                 break;
             }
     }
-    for (uint32_t i = 0; i < p->param_count; i++)
-        check_member(c, p->params[i].name, p->params[i].loc);
-    for (uint32_t i = 0; i < p->struct_count; i++)
-        check_structure(c, &p->structs[i]);
-    for (uint32_t i = 0; i < p->pass_count; i++)
-        check_words(c, &p->passes[i], list, count);
+    EACH(param, p->params, p->param_count)
+        check_member(c, param->name, param->loc);
+    EACH(structure, p->structs, p->struct_count)
+        check_structure(c, structure);
+    EACH(pass, p->passes, p->pass_count)
+        check_words(c, pass, list, count);
     check_capitals(c, all);
 }
 
@@ -603,8 +603,7 @@ static struct resource *resolve_buffer(struct checker *c, const char *name, stru
 
 static void resolve_ranges(struct checker *c, struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->range_count; i++) {
-        struct range *range = &pass->ranges[i];
+    CHANGE_EACH(range, pass->ranges, pass->range_count) {
         check_word(c, range->name, range->loc, EVERYWHERE);
         if (!range->of || !resolve_buffer(c, range->of, range->of_loc))
             continue;
@@ -620,8 +619,8 @@ static void resolve_ranges(struct checker *c, struct pass *pass)
 
 static void resolve_pass(struct checker *c, struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        resolve_access(c, &pass->accesses[i]);
+    CHANGE_EACH(access, pass->accesses, pass->access_count)
+        resolve_access(c, access);
     for (uint32_t i = 0; i < pass->use_count; i++)
         resolve_use(c, pass->uses[i], pass->use_locs[i]);
     for (uint32_t i = 0; i < pass->after_count; i++)
@@ -658,15 +657,15 @@ static void resolve_weight(struct checker *c, const struct weight *weight)
 
 void check_references(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->metric_count; i++) {
-        resolve_weight(c, &c->pipeline->metrics[i].position);
-        resolve_weight(c, &c->pipeline->metrics[i].normal);
+    EACH(metric, c->pipeline->metrics, c->pipeline->metric_count) {
+        resolve_weight(c, &metric->position);
+        resolve_weight(c, &metric->normal);
     }
-    for (uint32_t i = 0; i < c->pipeline->resource_count; i++)
-        if (c->pipeline->resources[i].kind == DT_BUFFER)
-            resolve_element(c, &c->pipeline->resources[i]);
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        resolve_pass(c, &c->pipeline->passes[i]);
+    CHANGE_EACH(resource, c->pipeline->resources, c->pipeline->resource_count)
+        if (resource->kind == DT_BUFFER)
+            resolve_element(c, resource);
+    CHANGE_EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
+        resolve_pass(c, pass);
     resolve_output(c, c->pipeline->linear_output, c->pipeline->linear_loc);
     resolve_output(c, c->pipeline->display_output, c->pipeline->display_loc);
 }

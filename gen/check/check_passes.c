@@ -299,8 +299,7 @@ static void check_targets(struct checker *c, const struct pass *pass)
 {
     const struct access *first = NULL, *depth = NULL;
     uint32_t colors = 0;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *target = &pass->accesses[i];
+    EACH(target, pass->accesses, pass->access_count) {
         if (!is_target(pass, target))
             continue;
         if (is_depth(target->resource) && depth)
@@ -319,8 +318,8 @@ static void check_targets(struct checker *c, const struct pass *pass)
             first = target;
     }
     bool unresolved = false;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        unresolved |= pass->accesses[i].mode != MODE_READ && !pass->accesses[i].resource;
+    EACH(access, pass->accesses, pass->access_count)
+        unresolved |= access->mode != MODE_READ && !access->resource;
     if (!first && !unresolved)
         diag_error(c->diag, pass->loc,
                    "the pass `%s` is a draw without a target; list an image in `writes`",
@@ -414,8 +413,8 @@ static void check_pass(struct checker *c, struct pass *pass)
         check_filter(c, &pass->accesses[i]);
         check_storage(c, pass, &pass->accesses[i]);
         check_blend(c, pass, &pass->accesses[i]);
-        for (uint32_t k = 0; k < i; k++)
-            check_pair(c, pass, &pass->accesses[k], &pass->accesses[i]);
+        EACH(access, pass->accesses, i)
+            check_pair(c, pass, access, &pass->accesses[i]);
     }
     struct limits when = {"the condition", pass->name, EXPR_FRAME | EXPR_LIVE, INT64_MIN,
                           INT64_MAX};
@@ -429,17 +428,17 @@ static void check_pass(struct checker *c, struct pass *pass)
         check_dispatch(c, pass);
     else
         check_draw(c, pass);
-    for (uint32_t i = 0; i < pass->range_count; i++)
-        check_range(c, pass, &pass->ranges[i]);
-    for (uint32_t i = 0; i < pass->define_count; i++) {
-        unsigned reach = pass->defines[i].word ? EXPR_FRAME | EXPR_LIVE : EXPR_BAKED;
-        struct limits macro = {"the value", pass->defines[i].name, reach, INT32_MIN, INT32_MAX};
-        check_expr(c, pass->defines[i].value, &macro);
+    CHANGE_EACH(range, pass->ranges, pass->range_count)
+        check_range(c, pass, range);
+    EACH(define, pass->defines, pass->define_count) {
+        unsigned reach = define->word ? EXPR_FRAME | EXPR_LIVE : EXPR_BAKED;
+        struct limits macro = {"the value", define->name, reach, INT32_MIN, INT32_MAX};
+        check_expr(c, define->value, &macro);
     }
 }
 
 void check_passes(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        check_pass(c, &c->pipeline->passes[i]);
+    CHANGE_EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
+        check_pass(c, pass);
 }

@@ -154,14 +154,12 @@ const char *check_part(struct checker *c, const char *part, const char *whole)
 /* The reader checked the values. */
 void check_params(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
-        const struct param *param = &c->pipeline->params[i];
+    EACH(param, c->pipeline->params, c->pipeline->param_count)
         if (param->min > param->max)
             diag_error(c->diag, param->loc, "`%s` has min %.9g above max %.9g", param->name,
                        param->min, param->max);
         else if (param->step < 0)
             diag_error(c->diag, param->loc, "the step of `%s` is negative", param->name);
-    }
 }
 
 static void settle(struct checker *c, struct constant *constant)
@@ -317,22 +315,20 @@ static void check_interleave(struct checker *c, struct interleave *interleave)
 void check_sizes(struct checker *c)
 {
     struct pipeline *pipeline = c->pipeline;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        struct resource *resource = &pipeline->resources[i];
+    CHANGE_EACH(resource, pipeline->resources, pipeline->resource_count) {
         struct limits count = {"the count", resource->name, EXPR_FRAME, 1, MOST_ELEMENTS};
         if (resource->kind == DT_IMAGE)
             check_image(c, resource);
         else if (!check_expr(c, resource->count, &count))
             resource->count = NULL;
     }
-    for (uint32_t i = 0; i < pipeline->sampler_count; i++) {
-        struct sampler *sampler = &pipeline->samplers[i];
+    CHANGE_EACH(sampler, pipeline->samplers, pipeline->sampler_count) {
         struct limits count = {"the count", sampler->name, EXPR_BAKED, 1, 1 << 24};
         if (sampler->kind == SAMPLER_HAMMERSLEY && !check_expr(c, sampler->count, &count))
             sampler->count = NULL;
     }
-    for (uint32_t i = 0; i < pipeline->interleave_count; i++)
-        check_interleave(c, &pipeline->interleaves[i]);
+    CHANGE_EACH(tile, pipeline->interleaves, pipeline->interleave_count)
+        check_interleave(c, tile);
 }
 
 /* ---- Assertions ------------------------------------------------------------------------------ */

@@ -77,8 +77,7 @@ static void add_block(const struct glsl *glsl, struct text *out)
     glsl_binding(glsl->pass->live_binding, out);
     text_add(out, ") uniform Live {\n");
     for (int uniform = 0; uniform < 2; uniform++)
-        for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
-            const struct param *param = &glsl->pipeline->params[i];
+        EACH(param, glsl->pipeline->params, glsl->pipeline->param_count) {
             if (uniform ? !param->uniform : !param->live)
                 continue;
             text_add(out, "    ");
@@ -92,8 +91,7 @@ static void add_block(const struct glsl *glsl, struct text *out)
 static void add_params(struct glsl *glsl, struct text *out)
 {
     bool block = false;
-    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
-        const struct param *param = &glsl->pipeline->params[i];
+    EACH(param, glsl->pipeline->params, glsl->pipeline->param_count) {
         bool live = param->live || param->uniform;
         const char *word = !glsl->whole ? "%s" : live ? GLSL_LIVE : GLSL_BAKED "%s";
         if (!glsl_uses(glsl, word, param->name))
@@ -154,13 +152,11 @@ static void add_constants(struct glsl *glsl, struct text *out)
 
 static void add_structs(struct glsl *glsl, struct text *out)
 {
-    for (uint32_t i = 0; i < glsl->pipeline->struct_count; i++) {
-        const struct structure *structure = &glsl->pipeline->structs[i];
+    EACH(structure, glsl->pipeline->structs, glsl->pipeline->struct_count) {
         if (!glsl_uses(glsl, "%s", structure->name))
             continue;
         text_add(out, "struct %s {\n", structure->name);
-        for (uint32_t k = 0; k < structure->field_count; k++) {
-            const struct field *field = &structure->fields[k];
+        EACH(field, structure->fields, structure->field_count) {
             text_add(out, "    %s %s", glsl_type(field->type), field->name);
             if (field->array_count)
                 text_add(out, "[%u]", field->array_count);
@@ -190,8 +186,7 @@ static void add_samplers(struct glsl *glsl)
 {
     static const char *const maps[] = {"", "polar_disk", "concentric_disk"};
     struct text *constants = &glsl->parts[PART_RESOURCES];
-    for (uint32_t i = 0; i < glsl->pipeline->sampler_count; i++) {
-        const struct sampler *sampler = &glsl->pipeline->samplers[i];
+    EACH(sampler, glsl->pipeline->samplers, glsl->pipeline->sampler_count) {
         if (sampler->kind != SAMPLER_HAMMERSLEY || !pass_uses(glsl->pass, sampler->name))
             continue;
         struct text function = {0};
@@ -217,8 +212,8 @@ static void add_samplers(struct glsl *glsl)
 
 static bool has_field(const struct structure *structure, const char *name)
 {
-    for (uint32_t i = 0; i < structure->field_count; i++)
-        if (!strcmp(structure->fields[i].name, name) && structure->fields[i].type == DT_TYPE_VEC3)
+    EACH(field, structure->fields, structure->field_count)
+        if (!strcmp(field->name, name) && field->type == DT_TYPE_VEC3)
             return true;
     return false;
 }
@@ -230,8 +225,8 @@ static bool metric_takes(const struct pass *pass, const struct metric *metric,
     if (!has_field(structure, metric->position_field) ||
         !has_field(structure, metric->normal_field))
         return false;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].resource && pass->accesses[i].resource->structure == structure)
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->resource && access->resource->structure == structure)
             return true;
     return false;
 }
@@ -450,16 +445,13 @@ static void add_functions(struct glsl *glsl)
     const struct pipeline *pipeline = glsl->pipeline;
     add_place(glsl);
     add_frame_names(glsl);
-    for (uint32_t i = 0; i < pipeline->metric_count; i++)
-        if (pass_uses(glsl->pass, pipeline->metrics[i].name) &&
-            glsl_uses(glsl, "%s", pipeline->metrics[i].name))
-            add_metric(glsl, &pipeline->metrics[i]);
+    EACH(metric, pipeline->metrics, pipeline->metric_count)
+        if (pass_uses(glsl->pass, metric->name) && glsl_uses(glsl, "%s", metric->name))
+            add_metric(glsl, metric);
     add_samplers(glsl);
-    for (uint32_t i = 0; i < pipeline->interleave_count; i++) {
-        const struct interleave *tile = &pipeline->interleaves[i];
+    EACH(tile, pipeline->interleaves, pipeline->interleave_count)
         if (tile == glsl->pass->interleave || pass_uses(glsl->pass, tile->name))
             add_interleave(glsl, tile);
-    }
     glsl_accessors(glsl);
 }
 
@@ -550,8 +542,7 @@ static void add_fullscreen_vertex(struct glsl *glsl)
  * are variables: a body may have one of that name itself. */
 void glsl_defines(const struct glsl *glsl, struct text *out)
 {
-    for (uint32_t i = 0; i < glsl->pass->define_count; i++) {
-        const struct define *define = &glsl->pass->defines[i];
+    EACH(define, glsl->pass->defines, glsl->pass->define_count) {
         int64_t value = 0;
         if (define->word && !glsl_uses(glsl, "%s", define->name))
             continue;

@@ -294,8 +294,7 @@ static const char index_reader[] =
 
 void glsl_texels(struct glsl *glsl)
 {
-    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
-        const struct access *access = &glsl->pass->accesses[i];
+    EACH(access, glsl->pass->accesses, glsl->pass->access_count) {
         if (access_is_texels(access) && glsl_uses(glsl, "%s", access->name))
             text_add(&glsl->parts[PART_FUNCTIONS], "%s",
                      access->builtin == DT_SCENE_VERTICES ? vertex_reader : index_reader);
@@ -315,8 +314,7 @@ static bool names_target(const struct glsl *glsl, const struct access *access)
 void glsl_accessors(struct glsl *glsl)
 {
     struct text *out = &glsl->parts[PART_FUNCTIONS];
-    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
-        const struct access *access = &glsl->pass->accesses[i];
+    EACH(access, glsl->pass->accesses, glsl->pass->access_count) {
         if (!access_is_image(access) || access->binding < 0)
             continue;
         if (glsl_uses(glsl, "%s_size", access_word(access)) && !earlier(glsl, access))
@@ -436,8 +434,7 @@ static void add_builtin(struct glsl *glsl, enum dt_builtin builtin, unsigned kin
 
 static void add_targets(struct glsl *glsl, struct text *out)
 {
-    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
-        const struct access *access = &glsl->pass->accesses[i];
+    EACH(access, glsl->pass->accesses, glsl->pass->access_count) {
         if (access_is_image(access) && access->kind & DT_WRITE_COLOR && access->attachment >= 0)
             text_add(out, "layout(location = %d) out %svec4 %s;\n", access->attachment,
                      format_names(access->resource->format).prefix, access_word(access));
@@ -449,8 +446,7 @@ void glsl_resources(struct glsl *glsl)
     struct text *out = &glsl->parts[PART_RESOURCES];
     const struct pass *pass = glsl->pass;
     bool materials = false, textures = false; /* listed */
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         if (access->resource && access->resource->internal)
             continue;
         if (access->resource && access->binding >= 0 && access_is_image(access))
@@ -476,8 +472,7 @@ void glsl_resources(struct glsl *glsl)
 bool glsl_check_accesses(struct glsl *glsl)
 {
     bool ok = true;
-    for (uint32_t i = 0; i < glsl->pass->access_count; i++) {
-        const struct access *access = &glsl->pass->accesses[i];
+    EACH(access, glsl->pass->accesses, glsl->pass->access_count) {
         const struct resource *resource = access->resource;
         if (!resource)
             continue;

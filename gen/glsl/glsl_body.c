@@ -56,8 +56,7 @@ static void hash_input(const struct glsl *glsl, const struct text *text, uint64_
         XXH3_128bits_update(state, &file->number, sizeof file->number);
         XXH3_128bits_update(state, file->text, body_text_length(file));
     }
-    for (uint32_t i = 0; i < glsl->files->include_count; i++) {
-        const struct body_include *include = &glsl->files->includes[i];
+    EACH(include, glsl->files->includes, glsl->files->include_count) {
         const uint32_t places[] = {include->from, include->file->number};
         XXH3_128bits_update(state, places, sizeof places);
         XXH3_128bits_update(state, include->name, strlen(include->name) + 1);

@@ -174,8 +174,7 @@ static bool find_use(const struct pipeline *pipeline, const struct pass *pass, c
                      struct name_use *use)
 {
     *use = (struct name_use){0};
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         const char *ending =
             access->resource
                 ? ending_of(word, access_word(access),
@@ -251,16 +250,15 @@ static bool report_use(const struct pipeline *pipeline, const struct pass *pass,
 static const char *tool_of(const struct pipeline *pipeline, const char *word)
 {
     static const char *const metric_words[] = {"", NULL};
-    for (uint32_t i = 0; i < pipeline->sampler_count; i++)
-        if (pipeline->samplers[i].kind == SAMPLER_HAMMERSLEY &&
-            ending_of(word, pipeline->samplers[i].name, buffer_words))
-            return pipeline->samplers[i].name;
-    for (uint32_t i = 0; i < pipeline->metric_count; i++)
-        if (ending_of(word, pipeline->metrics[i].name, metric_words))
-            return pipeline->metrics[i].name;
-    for (uint32_t i = 0; i < pipeline->interleave_count; i++)
-        if (ending_of(word, pipeline->interleaves[i].name, interleave_words))
-            return pipeline->interleaves[i].name;
+    EACH(sampler, pipeline->samplers, pipeline->sampler_count)
+        if (sampler->kind == SAMPLER_HAMMERSLEY && ending_of(word, sampler->name, buffer_words))
+            return sampler->name;
+    EACH(metric, pipeline->metrics, pipeline->metric_count)
+        if (ending_of(word, metric->name, metric_words))
+            return metric->name;
+    EACH(tile, pipeline->interleaves, pipeline->interleave_count)
+        if (ending_of(word, tile->name, interleave_words))
+            return tile->name;
     return NULL;
 }
 
@@ -274,20 +272,20 @@ static struct loc declared_at(const struct pipeline *pipeline, const struct pass
         *what = use.resource->kind == DT_IMAGE ? "image" : "buffer";
         return use.access->loc;
     }
-    for (uint32_t i = 0; i < pipeline->param_count; i++)
-        if (!strcmp(pipeline->params[i].name, word)) {
+    EACH(param, pipeline->params, pipeline->param_count)
+        if (!strcmp(param->name, word)) {
             *what = "parameter";
-            return pipeline->params[i].loc;
+            return param->loc;
         }
     for (uint32_t i = 0; i < pipeline->constant_count; i++)
         if (!strcmp(pipeline->constants[i].name, word)) {
             *what = "constant";
             return pipeline->constants[i].loc;
         }
-    for (uint32_t i = 0; i < pipeline->struct_count; i++)
-        if (!strcmp(pipeline->structs[i].name, word)) {
+    EACH(structure, pipeline->structs, pipeline->struct_count)
+        if (!strcmp(structure->name, word)) {
             *what = "struct";
-            return pipeline->structs[i].loc;
+            return structure->loc;
         }
     for (uint32_t i = 0; i < pass->use_count; i++) {
         const char *tool = tool_of(pipeline, word);
@@ -417,8 +415,7 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
 static const struct constant *redeclared_constant(const struct pipeline *pipeline,
                                                   const struct compiler_message *message)
 {
-    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
-        const struct constant *constant = &pipeline->constants[i];
+    EACH(constant, pipeline->constants, pipeline->constant_count) {
         struct loc loc = message->loc;
         size_t width;
         const char *line = line_of(&loc, &width);
@@ -492,12 +489,12 @@ static void note_uniform(const struct loc *error, const char *name, struct loc d
 static void note_uniforms(const struct pipeline *pipeline, const struct loc *error,
                           struct diag *diag)
 {
-    for (uint32_t i = 0; i < pipeline->param_count; i++)
-        if (pipeline->params[i].uniform)
-            note_uniform(error, pipeline->params[i].name, pipeline->params[i].loc, diag);
-    for (uint32_t i = 0; i < pipeline->constant_count; i++)
-        if (pipeline->constants[i].folds && !constant_is_literal(&pipeline->constants[i]))
-            note_uniform(error, pipeline->constants[i].name, pipeline->constants[i].loc, diag);
+    EACH(param, pipeline->params, pipeline->param_count)
+        if (param->uniform)
+            note_uniform(error, param->name, param->loc, diag);
+    EACH(constant, pipeline->constants, pipeline->constant_count)
+        if (constant->folds && !constant_is_literal(constant))
+            note_uniform(error, constant->name, constant->loc, diag);
 }
 
 /* An error about a subgroup operation where a pass cannot have one. */

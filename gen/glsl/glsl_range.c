@@ -83,11 +83,11 @@ static const struct range *find_range(const struct glsl *glsl, struct token name
 {
     const char *names[64];
     size_t count = 0;
-    for (uint32_t i = 0; i < glsl->pass->range_count; i++) {
-        if (token_is(name, glsl->pass->ranges[i].name))
-            return &glsl->pass->ranges[i];
+    EACH(range, glsl->pass->ranges, glsl->pass->range_count) {
+        if (token_is(name, range->name))
+            return range;
         if (count < 64)
-            names[count++] = glsl->pass->ranges[i].name;
+            names[count++] = range->name;
     }
     const char *body = glsl->parts[PART_BODY].data;
     struct loc loc = glsl_body_loc(glsl, body, (size_t)(name.text - body), name.length);

@@ -24,9 +24,9 @@ static bool has_inputs(const struct glsl *glsl, const char *text)
 
 static const struct value *find_value(const struct value *values, uint32_t count, const char *name)
 {
-    for (uint32_t i = 0; i < count; i++)
-        if (!strcmp(values[i].name, name))
-            return &values[i];
+    EACH(value, values, count)
+        if (!strcmp(value->name, name))
+            return value;
     return NULL;
 }
 
@@ -34,8 +34,7 @@ static const struct value *find_value(const struct value *values, uint32_t count
 static void add_values(struct glsl *glsl, const struct value *values, uint32_t count)
 {
     struct text *out = &glsl->parts[PART_VALUES];
-    for (uint32_t i = 0; i < count; i++) {
-        const struct value *value = &values[i];
+    EACH(value, values, count) {
         const struct pass *pass = glsl->pass;
         uint32_t number = 0;
         if (values != pass->values && find_value(pass->values, pass->value_count, value->name))
@@ -58,8 +57,8 @@ static bool has_value(const struct glsl *glsl, const char *name)
 static void add_initial(void *user, const char *name, const char *value)
 {
     struct glsl *glsl = user;
-    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++)
-        if (!strcmp(glsl->pipeline->params[i].name, name))
+    EACH(param, glsl->pipeline->params, glsl->pipeline->param_count)
+        if (!strcmp(param->name, name))
             return;
     if (!has_value(glsl, name))
         text_add(&glsl->parts[PART_VALUES], "%.*s diptych_value_%s() { return %s; }\n",
@@ -97,8 +96,7 @@ static void put_before(struct text *text, const char *name, const char *before)
 static void add_names(struct glsl *glsl, struct text *functions)
 {
     struct text given = {0};
-    for (uint32_t i = 0; i < glsl->pipeline->param_count; i++) {
-        const struct param *param = &glsl->pipeline->params[i];
+    EACH(param, glsl->pipeline->params, glsl->pipeline->param_count) {
         const char *before = param->live || param->uniform ? GLSL_LIVE "." : GLSL_BAKED;
         put_before(functions, param->name, before);
         if (!has_value(glsl, param->name) && body_mentions_value(glsl->files, param->name))

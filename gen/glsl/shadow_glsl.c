@@ -58,8 +58,7 @@ static bool add_whole(const struct pass *pass, const struct access *reader, bool
                       struct text *out)
 {
     bool always = false;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         bool target = access->kind & (DT_WRITE_COLOR | DT_WRITE_DEPTH);
         bool skipped = pass->conditional && access->mode == MODE_WRITE;
         bool other = access_sees_one_mip(reader) && access->mip_value != reader->mip_value;

@@ -79,10 +79,9 @@ static void lower_steps(struct lowering *l, struct lowered *out)
 
 static bool bound_by_layer(const struct pipeline *pipeline, const struct resource *image)
 {
-    for (uint32_t p = 0; p < pipeline->pass_count; p++)
-        for (uint32_t i = 0; i < pipeline->passes[p].access_count; i++)
-            if (pipeline->passes[p].accesses[i].resource == image &&
-                pipeline->passes[p].accesses[i].layer)
+    EACH(pass, pipeline->passes, pipeline->pass_count)
+        EACH(access, pass->accesses, pass->access_count)
+            if (access->resource == image && access->layer)
                 return true;
     return false;
 }
@@ -346,16 +345,16 @@ static bool has_capability(const struct pass_shaders *shaders, SpvCapability cap
 
 static bool filters_anisotropic(const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].filter && pass->accesses[i].filter->anisotropy > 1)
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->filter && access->filter->anisotropy > 1)
             return true;
     return false;
 }
 
 static bool stores(const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].kind & DT_WRITE_STORAGE)
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->kind & DT_WRITE_STORAGE)
             return true;
     return false;
 }
@@ -365,8 +364,7 @@ static bool blends_apart(const struct pass *pass)
 {
     const struct access *first = NULL;
     bool apart = false;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         if (!(access->kind & DT_WRITE_COLOR))
             continue;
         if (!first)
@@ -576,8 +574,8 @@ static void lower_uses(struct lowering *l, const struct pass *from, struct dt_pa
 static bool uses_scene(const struct pass *pass)
 {
     bool uses = pass->kind == DT_PASS_DRAW_SCENE;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        uses |= pass->accesses[i].builtin;
+    EACH(access, pass->accesses, pass->access_count)
+        uses |= access->builtin;
     return uses;
 }
 

@@ -176,13 +176,12 @@ static void add_clears(struct steps *steps, const struct pass *pass)
 {
     const unsigned target = DT_WRITE_COLOR | DT_WRITE_DEPTH;
     bool targets = false;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        targets |= pass->accesses[i].kind & target && pass->accesses[i].mode == MODE_WRITE;
+    EACH(access, pass->accesses, pass->access_count)
+        targets |= access->kind & target && access->mode == MODE_WRITE;
     if (targets)
         steps->list[steps->count++] = (struct step){
             DT_VERB_CLEAR_TARGETS, STEP_SKIPPED, {value(pass->layers, USE_ITSELF, 1)}};
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         if (!access->resource || access->mode != MODE_WRITE || access->kind & target ||
             access->clears)
             continue;
@@ -208,10 +207,10 @@ struct steps pass_steps(const struct pass *pass, struct arena *arena)
     if (pass->barrier_count)
         steps.list[steps.count++] =
             (struct step){DT_VERB_BARRIERS, STEP_ALWAYS, {number(pass->barrier_count)}};
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].clears)
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->clears)
             steps.list[steps.count++] = (struct step){
-                DT_VERB_CLEAR_BUFFER, STEP_ALWAYS, {resource(pass->accesses[i].resource->index)}};
+                DT_VERB_CLEAR_BUFFER, STEP_ALWAYS, {resource(access->resource->index)}};
     steps.list[steps.count++] = (struct step){DT_VERB_BIND, when, {{0}}};
     add_rect(&steps, when, DT_VERB_VIEWPORT, pass->viewport);
     add_rect(&steps, when, DT_VERB_SCISSOR, pass->scissor);

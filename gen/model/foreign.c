@@ -629,8 +629,8 @@ bool spirv_lower_phis(struct spirv *module)
     edit.failed |= !variables;
     if (!edit.failed) {
         spirv_edit_annotations(&edit);
-        for (uint32_t f = 0; f < module->function_count; f++)
-            lower_function(&edit, &module->functions[f], variables);
+        EACH(function, module->functions, module->function_count)
+            lower_function(&edit, function, variables);
     }
     free(variables);
     return spirv_edit_end(&edit, module);

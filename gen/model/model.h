@@ -9,6 +9,7 @@
 #include <stdint.h>
 
 #include "base/diag.h"
+#include "base/each.h"
 /* enums and structs of generated code, which the model has, too */
 #include "panel.h"
 

@@ -255,10 +255,10 @@ const struct spirv_function *spirv_function_of(const struct spirv *module, uint3
 
 const struct spirv_function *spirv_find_function(const struct spirv *module, const char *name)
 {
-    for (uint32_t i = 0; i < module->function_count; i++) {
-        const char *own = spirv_name(module, module->functions[i].id);
+    EACH(function, module->functions, module->function_count) {
+        const char *own = spirv_name(module, function->id);
         if (own && !strcmp(own, name))
-            return &module->functions[i];
+            return function;
     }
     return NULL;
 }

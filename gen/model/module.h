@@ -10,6 +10,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
+#include "base/each.h"
+
 enum { SPIRV_HEADER = 5 }; /* words before the first instruction; [3] is the bound of the ids */
 
 struct spirv_function {

@@ -52,9 +52,7 @@ void plan_lifetimes(struct model *model)
 {
     struct pipeline *pipeline = &model->pipeline;
 
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        struct resource *resource = &pipeline->resources[i];
-
+    CHANGE_EACH(resource, pipeline->resources, pipeline->resource_count) {
         resource->usage = 0;
         resource->first_pass = resource->last_pass = -1;
         resource->bytes = resource_bytes(resource, REFERENCE_WIDTH, REFERENCE_HEIGHT);
@@ -73,8 +71,7 @@ void plan_lifetimes(struct model *model)
             resource->last_pass = (int)p;
         }
     }
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        struct resource *resource = &pipeline->resources[i];
+    CHANGE_EACH(resource, pipeline->resources, pipeline->resource_count) {
         const char *linear = pipeline->linear_output, *display = pipeline->display_output;
 
         if (resource->history) {
@@ -205,13 +202,10 @@ static bool can_borrow(const struct pipeline *pipeline, const struct resource *o
 {
     if (owner == borrower || owner->share >= 0 || !same_texture(owner, borrower))
         return false;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        const struct resource *other = &pipeline->resources[i];
-
+    EACH(other, pipeline->resources, pipeline->resource_count)
         if ((other == owner || other->share == (int)owner->index) && other != borrower &&
             overlap(other, borrower))
             return false;
-    }
     return true;
 }
 
@@ -219,8 +213,8 @@ static bool can_borrow(const struct pipeline *pipeline, const struct resource *o
  * and owners come first. */
 static void plan_opengl_shares(struct pipeline *pipeline)
 {
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        pipeline->resources[i].share = -1;
+    CHANGE_EACH(resource, pipeline->resources, pipeline->resource_count)
+        resource->share = -1;
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         struct resource *borrower = &pipeline->resources[i];
 

@@ -118,12 +118,9 @@ static const struct resource *alias_before(const struct pipeline *pipeline,
 {
     const struct resource *before = NULL;
 
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        const struct resource *other = &pipeline->resources[i];
-
+    EACH(other, pipeline->resources, pipeline->resource_count)
         if (used_before(other, resource) && (!before || other->last_pass > before->last_pass))
             before = other;
-    }
     return before;
 }
 
@@ -135,14 +132,11 @@ static bool order_is_seen(const struct pipeline *pipeline, const struct resource
 {
     if (other->kind != resource->kind)
         return true;
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        const struct resource *between = &pipeline->resources[i];
-
+    EACH(between, pipeline->resources, pipeline->resource_count)
         if (between->kind == other->kind && used_before(other, between) &&
             used_before(between, resource) &&
             (resource_covers(between, other) || resource_covers(between, resource)))
             return true;
-    }
     return false;
 }
 
@@ -243,8 +237,7 @@ static bool later_visit(const struct history *past, const struct visit *visit,
  * more accesses, than the visit needs. */
 static void remember_barrier(struct history *past, const struct barrier *barrier)
 {
-    for (uint32_t mip = 0; mip < past->mip_count; mip++) {
-        struct mip_history *own = &past->mips[mip];
+    CHANGE_EACH(own, past->mips, past->mip_count) {
         bool waits = own->write_stages && !own->changed_layout &&
                      !(own->write_kind & write_kinds & ~barrier->from) &&
                      !(own->write_stages & ~barrier->from_stages);

@@ -14,8 +14,7 @@ static void layout_struct(struct structure *structure)
 {
     uint32_t offset = 0, align = 4;
 
-    for (uint32_t i = 0; i < structure->field_count; i++) {
-        struct field *field = &structure->fields[i];
+    CHANGE_EACH(field, structure->fields, structure->field_count) {
         const struct type_info *info = type_info(field->type);
 
         field->array_stride = field->array_count ? align_up(info->size, info->align) : 0;
@@ -42,8 +41,7 @@ bool std140_equals_std430(const struct resource *buffer)
 /* Places live or uniform parameters from `offset` on; returns the offset after them. */
 static uint32_t layout_params(struct pipeline *pipeline, bool live, uint32_t offset)
 {
-    for (uint32_t i = 0; i < pipeline->param_count; i++) {
-        struct param *param = &pipeline->params[i];
+    CHANGE_EACH(param, pipeline->params, pipeline->param_count) {
         const struct type_info *info = type_info(param->type);
 
         if (live ? param->live : param->uniform) {
@@ -68,8 +66,8 @@ void layout_model(struct model *model)
 {
     struct pipeline *pipeline = &model->pipeline;
 
-    for (uint32_t i = 0; i < pipeline->struct_count; i++)
-        layout_struct(&pipeline->structs[i]);
+    CHANGE_EACH(structure, pipeline->structs, pipeline->struct_count)
+        layout_struct(structure);
     for (uint32_t i = 0; i < pipeline->resource_count; i++) {
         struct resource *resource = &pipeline->resources[i];
 

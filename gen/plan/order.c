@@ -32,9 +32,7 @@ struct pass_use pass_use_of(const struct pass *pass, const struct resource *reso
         use.reads = true;
         use.read_loc = pass->indices_loc;
     }
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
-
+    EACH(access, pass->accesses, pass->access_count) {
         if (access->resource != resource)
             continue;
         use.kinds |= access->kind;
@@ -299,8 +297,8 @@ bool plan_order(struct model *model, struct diag *diag)
     if (!graph.edges || !graph.after || !graph.modifiers)
         return false;
     add_after_edges(&graph);
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        order_resource(&graph, &pipeline->resources[i], diag);
+    EACH(resource, pipeline->resources, pipeline->resource_count)
+        order_resource(&graph, resource, diag);
     check_output(pipeline, pipeline->linear_output, pipeline->linear_loc, diag);
     check_output(pipeline, pipeline->display_output, pipeline->display_loc, diag);
     return sort_passes(model, &graph, diag) && diag_error_count(diag) == errors;

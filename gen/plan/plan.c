@@ -74,12 +74,9 @@ static bool reads_uniform(const struct pipeline *pipeline, const struct pass *pa
 {
     bool suits = suits_uniform(pipeline, pass, access->resource);
 
-    for (uint32_t i = 0; i < pass->range_count; i++) {
-        if (pass->ranges[i].access == access) {
-            return pass->ranges[i].storage == STORAGE_UNIFORM ||
-                   (pass->ranges[i].storage != STORAGE_BUFFER && suits);
-        }
-    }
+    EACH(range, pass->ranges, pass->range_count)
+        if (range->access == access)
+            return range->storage == STORAGE_UNIFORM || (range->storage != STORAGE_BUFFER && suits);
     return suits;
 }
 
@@ -99,9 +96,7 @@ static void limit_storage_images(struct pass *pass, struct diag *diag)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
-
+    EACH(access, pass->accesses, pass->access_count) {
         count += access->resource && access->resource->kind == DT_IMAGE &&
                  access->kind & (DT_READ_STORAGE | DT_WRITE_STORAGE);
     }
@@ -126,8 +121,7 @@ static void limit_uniforms(struct pass *pass)
 {
     uint32_t count = 0;
 
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        struct access *access = &pass->accesses[i];
+    CHANGE_EACH(access, pass->accesses, pass->access_count) {
         bool wanted = !access->resource || !(access->kind & DT_READ_UNIFORM);
 
         for (uint32_t k = 0; k < pass->range_count && !wanted; k++)
@@ -143,9 +137,7 @@ static void plan_kinds(const struct pipeline *pipeline, struct pass *pass, struc
 
     pass->uniform_materials = pass->kind == DT_PASS_DRAW_SCENE && !pipeline->gpu;
 
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        struct access *access = &pass->accesses[i];
-
+    CHANGE_EACH(access, pass->accesses, pass->access_count) {
         access->binding = access->attachment = -1;
         if (!access->resource) {
             bool mesh = access->builtin == DT_SCENE_VERTICES || access->builtin == DT_SCENE_INDICES;
@@ -195,9 +187,7 @@ static enum binding_class binding_class(const struct access *access)
 
 static int bind_class(struct pass *pass, enum binding_class class, int next)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        struct access *access = &pass->accesses[i];
-
+    CHANGE_EACH(access, pass->accesses, pass->access_count) {
         if (binding_class(access) != class)
             continue;
         if (pass->kind == DT_PASS_DRAW_SCENE && access->builtin == DT_SCENE_MATERIALS &&
@@ -243,8 +233,7 @@ static void plan_codes(const struct model *model, struct pass *pass)
 {
     bool draws = pass->kind != DT_PASS_DISPATCH;
     pass->codes = model->codes && !pass->fast && pass->files && !pass->files->whole;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        struct access *access = &pass->accesses[i];
+    CHANGE_EACH(access, pass->accesses, pass->access_count) {
         const struct resource *image = access->resource;
         bool ours =
             image && image->format == DT_FORMAT_RGBA8_SRGB && !image->shape && !access->layer &&
@@ -347,9 +336,9 @@ static uint64_t shared_bytes(const struct pass *pass)
 {
     uint64_t bytes = 0;
 
-    for (uint32_t i = 0; i < pass->range_count; i++)
-        if (pass->ranges[i].storage == STORAGE_SHARED)
-            bytes += (uint64_t)pass->ranges[i].chunk * stride_of(&pass->ranges[i]);
+    EACH(range, pass->ranges, pass->range_count)
+        if (range->storage == STORAGE_SHARED)
+            bytes += (uint64_t)range->chunk * stride_of(range);
     return bytes;
 }
 
@@ -382,12 +371,9 @@ static struct range *next_range(struct pass *pass)
 {
     struct range *next = NULL;
 
-    for (uint32_t i = 0; i < pass->range_count; i++) {
-        struct range *range = &pass->ranges[i];
-
+    CHANGE_EACH(range, pass->ranges, pass->range_count)
         if (!range->chunk && (!next || count_of(range) < count_of(next)))
             next = range;
-    }
     return next;
 }
 
@@ -427,8 +413,8 @@ static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, bool
     struct range *range;
 
     plan_local(pass, pipeline);
-    for (uint32_t i = 0; i < pass->range_count; i++)
-        pass->ranges[i].chunk = 0;
+    CHANGE_EACH(range, pass->ranges, pass->range_count)
+        range->chunk = 0;
     while ((range = next_range(pass))) {
         bool open = range->storage == STORAGE_AUTO;
         if (sanitize) {
@@ -449,15 +435,10 @@ static void plan_ranges(struct pass *pass, const struct pipeline *pipeline, bool
 
 static void check_uniforms(const struct pipeline *pipeline, struct diag *diag)
 {
-    for (uint32_t p = 0; p < pipeline->pass_count; p++) {
-        const struct pass *pass = &pipeline->passes[p];
-
-        for (uint32_t i = 0; i < pass->range_count; i++) {
-            const struct range *range = &pass->ranges[i];
-
+    CHANGE_EACH(pass, pipeline->passes, pipeline->pass_count) {
+        CHANGE_EACH(range, pass->ranges, pass->range_count)
             if (range->storage == STORAGE_UNIFORM && range->access && range->access->resource)
                 check_uniform(range, range->access->resource, diag);
-        }
     }
 }
 
@@ -536,8 +517,7 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
             touches, count,
             (struct touch){pass->index_resource, DT_READ_INDEX, DT_STAGE_INDEX, true, false, 1});
     }
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    CHANGE_EACH(access, pass->accesses, pass->access_count) {
         struct touch touch = {access->resource,          access->kind,
                               stages_of(pass, access),   access->mode != MODE_WRITE,
                               access->mode != MODE_READ, 1};
@@ -561,8 +541,7 @@ uint32_t pass_touches(const struct pass *pass, struct touch *touches)
  * is the limit, so that every count has the same shader. */
 static void plan_blocks(struct pipeline *pipeline)
 {
-    for (uint32_t i = 0; i < pipeline->resource_count; i++) {
-        struct resource *buffer = &pipeline->resources[i];
+    CHANGE_EACH(buffer, pipeline->resources, pipeline->resource_count) {
         uint64_t bytes;
 
         if (!(buffer->usage & DT_READ_UNIFORM) || !buffer->count || expr_is_literal(buffer->count))
@@ -582,11 +561,11 @@ bool plan_model(struct model *model, struct diag *diag)
 
     if (ordered && !sanitize_plan(model))
         return false;
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) {
-        plan_ranges(&pipeline->passes[i], pipeline, model->sanitize, diag);
-        plan_kinds(pipeline, &pipeline->passes[i], diag);
-        plan_bindings(&pipeline->passes[i], diag);
-        plan_codes(model, &pipeline->passes[i]);
+    CHANGE_EACH(pass, pipeline->passes, pipeline->pass_count) {
+        plan_ranges(pass, pipeline, model->sanitize, diag);
+        plan_kinds(pipeline, pass, diag);
+        plan_bindings(pass, diag);
+        plan_codes(model, pass);
     }
     if (!ordered)
         return false;

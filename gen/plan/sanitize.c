@@ -116,8 +116,8 @@ bool sanitize_plan(struct model *model)
         return true;
     struct resource *reports = sanitize_resource(pipeline, sanitize_buffer);
     shadow_plan(model);
-    for (uint32_t i = 0; i < pipeline->pass_count; i++) /* the last access: see sanitize_count */
-        sanitize_access(&pipeline->passes[i], reports);
+    CHANGE_EACH(pass, pipeline->passes, pipeline->pass_count) /* the last: see sanitize_count */
+        sanitize_access(pass, reports);
     return true;
 }
 

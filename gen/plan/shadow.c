@@ -121,9 +121,9 @@ bool shadow_is_foreign(const struct resource *resource)
 bool shadow_stores_to(const struct pass *pass, const struct resource *resource)
 {
     bool stores = false;
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        stores |= pass->accesses[i].resource == resource && !resource->internal &&
-                  pass->accesses[i].kind & DT_WRITE_STORAGE;
+    EACH(access, pass->accesses, pass->access_count)
+        stores |=
+            access->resource == resource && !resource->internal && access->kind & DT_WRITE_STORAGE;
     return stores && pass->kind == DT_PASS_DISPATCH;
 }
 
@@ -131,11 +131,11 @@ bool shadow_stores_to(const struct pass *pass, const struct resource *resource)
 void shadow_add_cells(struct shadow_sum *sum, const struct pipeline *pipeline,
                       const struct pass *pass, const struct resource *until)
 {
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        if (&pipeline->resources[i] == until)
+    EACH(resource, pipeline->resources, pipeline->resource_count)
+        if (resource == until)
             return;
-        else if (shadow_stores_to(pass, &pipeline->resources[i]))
-            shadow_add_words(sum, &pipeline->resources[i]);
+        else if (shadow_stores_to(pass, resource))
+            shadow_add_words(sum, resource);
 }
 
 void shadow_add_all(struct shadow_sum *sum, const struct pipeline *pipeline,
@@ -158,9 +158,9 @@ uint64_t shadow_words(const struct model *model, const struct resource *resource
         shadow_add_all(&sum, pipeline, NULL);
         most = sum.value;
     } else {
-        for (uint32_t i = 0; i < pipeline->pass_count; i++) {
+        EACH(pass, pipeline->passes, pipeline->pass_count) {
             sum.value = 0;
-            shadow_add_cells(&sum, pipeline, &pipeline->passes[i], NULL);
+            shadow_add_cells(&sum, pipeline, pass, NULL);
             most = sum.value > most ? sum.value : most;
         }
         most = BARRIER_WORDS + CELL_WORDS * (SHADOW_SHARED_CELLS + most);

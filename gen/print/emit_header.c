@@ -98,8 +98,7 @@ static void emit_struct(const struct c_output *c, const char *tag, const char *r
 
 static void emit_structs(const struct c_output *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->struct_count; i++) {
-        const struct structure *structure = &c->pipeline->structs[i];
+    EACH(structure, c->pipeline->structs, c->pipeline->struct_count) {
         struct member *members =
             arena_alloc(c->model->arena, (structure->field_count + 1) * sizeof *members);
 
@@ -190,9 +189,7 @@ static void emit_params(const struct c_output *c)
     const struct pipeline *pipeline = c->pipeline;
     bool any = false;
 
-    for (uint32_t i = 0; i < pipeline->param_count; i++) {
-        const struct param *param = &pipeline->params[i];
-
+    EACH(param, pipeline->params, pipeline->param_count) {
         if (param->live)
             continue;
         text_add(c->out, any ? "" : "/* ---- Baked parameters ---- */\n\n");
@@ -203,9 +200,7 @@ static void emit_params(const struct c_output *c)
     }
     text_add(c->out, any ? "\n" : "");
     any = false;
-    for (uint32_t i = 0; i < pipeline->constant_count; i++) {
-        const struct constant *constant = &pipeline->constants[i];
-
+    EACH(constant, pipeline->constants, pipeline->constant_count) {
         if (!constant->folds)
             continue;
         text_add(c->out, any ? "" : "/* ---- Constants ---- */\n\n");
@@ -295,8 +290,8 @@ static void emit_indices(const struct c_output *c)
     const struct pipeline *pipeline = c->pipeline;
 
     c_add(c, "/* Indices into @n_pipeline.resources. */\nenum {\n");
-    for (uint32_t i = 0; i < pipeline->resource_count; i++)
-        emit_resource(c, &pipeline->resources[i]);
+    EACH(resource, pipeline->resources, pipeline->resource_count)
+        emit_resource(c, resource);
     c_add(c,
           "    @N_RESOURCES /* how many */\n};\n\n/* Passes in order of execution. */\nenum {\n");
     for (uint32_t i = 0; i < pipeline->pass_count; i++) {

@@ -137,8 +137,7 @@ static void emit_block_value(struct text *out, const char *indent, const struct 
 static void emit_values(const struct c_output *c, bool live, const char *indent)
 {
     bool any = false;
-    for (uint32_t i = 0; i < c->pipeline->param_count; i++) {
-        const struct param *param = &c->pipeline->params[i];
+    EACH(param, c->pipeline->params, c->pipeline->param_count) {
         if (!(live ? param->live : param->uniform))
             continue;
         text_add(c->out, any ? "" : "{\n");

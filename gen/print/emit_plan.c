@@ -125,9 +125,9 @@ static void add_planned_pass(struct text *out, const struct model *model, const 
     text_add(out, "\"line\": %d, \"runs\": %s, \"scene\": [", pass->loc.line,
              truth(expr_at_reference(pass->when, 1)));
     const char *before = "";
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (!pass->accesses[i].resource) {
-            text_add(out, "%s\"%s\"", before, pass->accesses[i].name);
+    EACH(access, pass->accesses, pass->access_count)
+        if (!access->resource) {
+            text_add(out, "%s\"%s\"", before, access->name);
             before = ", ";
         }
     text_add(out, "], \"barriers\": [");

@@ -91,13 +91,13 @@ static void count_limits(const struct lowered *tables, uint32_t index, uint64_t 
     const struct pass *pass = tables->model->pipeline.order[index];
     for (int i = 0; i < DT_LIMITS; i++)
         needs[i] = dt_demand_of(&tables->panel, index, (enum dt_device_limit)i);
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        if (!pass->accesses[i].resource)
+    EACH(access, pass->accesses, pass->access_count) {
+        if (!access->resource)
             continue;
-        if (pass->accesses[i].resource->kind == DT_IMAGE)
-            add_image_needs(&pass->accesses[i], needs);
+        if (access->resource->kind == DT_IMAGE)
+            add_image_needs(access, needs);
         else
-            add_buffer(&pass->accesses[i], needs);
+            add_buffer(access, needs);
     }
     if (pass->layers)
         needs[DT_LIMIT_TARGET_LAYERS] = expr_at_reference(pass->layers, 1);

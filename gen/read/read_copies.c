@@ -59,9 +59,8 @@ static struct pass *insert_pass(struct reader *reader, uint32_t place)
 
 static bool writes(const struct pass *pass, const char *image)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].mode != MODE_READ && !pass->accesses[i].mip &&
-            !strcmp(pass->accesses[i].name, image))
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->mode != MODE_READ && !access->mip && !strcmp(access->name, image))
             return true;
     return false;
 }
@@ -145,12 +144,10 @@ static void keep_frames(struct reader *reader, const char *name, uint32_t frames
 static uint32_t most_previous(const struct pipeline *pipeline, const char *name)
 {
     uint32_t most = 0;
-    for (uint32_t i = 0; i < pipeline->pass_count; i++)
-        for (uint32_t k = 0; k < pipeline->passes[i].access_count; k++) {
-            const struct access *access = &pipeline->passes[i].accesses[k];
+    EACH(pass, pipeline->passes, pipeline->pass_count)
+        EACH(access, pass->accesses, pass->access_count)
             if (access->previous > most && !strcmp(access->name, name))
                 most = access->previous;
-        }
     return most;
 }
 
@@ -185,9 +182,9 @@ void read_copies(struct reader *reader)
         if (pipeline->resources[i].filter_mips)
             fill_mips(reader, &pipeline->resources[i]);
     }
-    for (uint32_t i = 0; i < pipeline->pass_count; i++)
-        for (uint32_t k = 0; k < pipeline->passes[i].access_count; k++)
-            redirect(reader, &pipeline->passes[i].accesses[k]);
+    EACH(pass, pipeline->passes, pipeline->pass_count)
+        CHANGE_EACH(access, pass->accesses, pass->access_count)
+            redirect(reader, access);
     for (uint32_t i = 0; frames && i < count; i++)
         if (frames[i] && frames[i] <= MOST_PREVIOUS && !pipeline->resources[i].layers &&
             pipeline->resources[i].kind == DT_IMAGE)

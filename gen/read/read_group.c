@@ -179,8 +179,7 @@ static void fold_constants(struct pipeline *values, const struct pipeline *all, 
     bool more = true;
     for (int round = 0; more && round < MOST_CONSTANT_CHAIN; round++) {
         more = false;
-        for (uint32_t i = 0; i < all->constant_count; i++) {
-            struct constant *from = &all->constants[i];
+        CHANGE_EACH(from, all->constants, all->constant_count) {
             if (from->folds || !from->value || !expr_resolve(from->value, values, diag) ||
                 expr_reach(from->value) != EXPR_BAKED ||
                 expr_eval(from->value, 0, 0, &from->folded) != EXPR_OK)

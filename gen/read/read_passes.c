@@ -140,8 +140,8 @@ static void add_word(void *user, const char *word, struct fy_node *at)
 {
     struct word_visit *words = user;
     struct reader *reader = words->reader;
-    for (uint32_t i = 0; i < words->pass->define_count; i++)
-        if (!strcmp(words->pass->defines[i].name, word)) /* an inner scope's, or a macro */
+    EACH(define, words->pass->defines, words->pass->define_count)
+        if (!strcmp(define->name, word)) /* an inner scope's, or a macro */
             return;
     struct expr_names names = node_names(reader, words->node);
     struct diag *silent = diag_create();
@@ -314,10 +314,9 @@ static void read_kind(struct reader *reader, const struct fields *fields, struct
 
 static bool has_depth_target(const struct pipeline *pipeline, const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct resource *image =
-            declared_find(pipeline, DECLARED_IMAGE, pass->accesses[i].name);
-        if (pass->accesses[i].mode != MODE_READ && image && image->format == DT_FORMAT_D32F)
+    EACH(access, pass->accesses, pass->access_count) {
+        const struct resource *image = declared_find(pipeline, DECLARED_IMAGE, access->name);
+        if (access->mode != MODE_READ && image && image->format == DT_FORMAT_D32F)
             return true;
     }
     return false;
@@ -347,9 +346,9 @@ static void read_draw_state(struct reader *reader, const struct fields *fields, 
     pass->depth_compare = pass->depth_test ? (enum dt_compare)(compare - 1) : DT_COMPARE_LESS;
     read_depth_bias(reader, fields, pass);
     const struct dt_blend *blend = read_blend(reader, fields);
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (!pass->accesses[i].own_blend)
-            pass->accesses[i].blend = blend;
+    CHANGE_EACH(access, pass->accesses, pass->access_count)
+        if (!access->own_blend)
+            access->blend = blend;
     if (pass->clip_distances > 8)
         diag_error(reader->diag, pass->clip_loc, "at most 8 clip distances");
     if (pass->depth_test && !depth)

@@ -319,8 +319,8 @@ void read_contracts(struct reader *reader, const struct fields *top)
                                                                     : "raster");
             continue;
         }
-        for (uint32_t k = 0; k < pipeline->resource_count; k++)
-            pipeline->resources[k].contract = contract;
+        CHANGE_EACH(resource, pipeline->resources, pipeline->resource_count)
+            resource->contract = contract;
     }
     for (uint32_t i = 0; i < list.count; i++) {
         struct resource *resource = declared_find(pipeline, DECLARED_RESOURCE, list.items[i].name);

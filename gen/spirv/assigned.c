@@ -80,8 +80,7 @@ static uint32_t final_bits(const struct sanitizer *s, const uint32_t *variable)
         return 0;
     if (spirv_decoration(from, variable[2], SpvDecorationBuiltIn) == SpvBuiltInFragDepth)
         return 1;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         if (access->kind & DT_WRITE_COLOR && access->attachment == (int)location &&
             access->resource && !spirv_is(type, SpvOpTypeArray))
             return ((1u << format_info(access->resource->format)->channels) - 1) & ~access->keep &

@@ -237,9 +237,9 @@ bool spirv_make_opengl(const struct pass *pass, struct shader *shader)
 
 static bool draws_numbers(const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct resource *resource = pass->accesses[i].resource;
-        if (pass->accesses[i].mode != MODE_READ &&
+    EACH(access, pass->accesses, pass->access_count) {
+        const struct resource *resource = access->resource;
+        if (access->mode != MODE_READ &&
             !(resource->kind == DT_IMAGE &&
               (format_is_integer(resource->format) || resource->format == DT_FORMAT_D32F)))
             return false;

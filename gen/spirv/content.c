@@ -225,11 +225,11 @@ static void propagate_all(struct sanitizer *s)
     const struct spirv *from = s->from;
     for (bool changed = true; changed;) {
         changed = false;
-        for (uint32_t f = 0; f < from->function_count; f++) {
-            if (sanitizer_is_check(from, &from->functions[f]))
+        EACH(function, from->functions, from->function_count) {
+            if (sanitizer_is_check(from, function))
                 continue;
-            SPIRV_EACH(from, i, from->functions[f].begin, from->functions[f].end)
-                changed |= propagate_one(s, from->functions[f].id, i);
+            SPIRV_EACH(from, i, function->begin, function->end)
+                changed |= propagate_one(s, function->id, i);
         }
     }
 }
@@ -501,8 +501,7 @@ static const struct access *find_access(const struct sanitizer *s, const char *f
     const struct pass *pass = s->request->pass;
     const struct access *found = NULL;
     size_t longest = 0;
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count) {
         size_t length = strlen(access_word(access));
         if (access->resource && access->binding >= 0 && length > longest &&
             !strncmp(function, access_word(access), length) &&

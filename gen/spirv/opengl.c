@@ -135,8 +135,8 @@ bool spirv_for_opengl(struct spirv *module, bool indirect)
                   SpvBuiltInBaseInstance);
     }
     copy_front(&edit, functions.base);
-    for (uint32_t i = 0; i < module->function_count; i++)
-        copy_function(&functions, module->functions[i].id);
+    EACH(function, module->functions, module->function_count)
+        copy_function(&functions, function->id);
     free(functions.copied);
     return spirv_edit_end(&edit, module);
 }

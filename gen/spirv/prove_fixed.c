@@ -92,10 +92,10 @@ static bool replaces_depth(const struct shader *fragment)
 void prove_fixed(const struct pass *pass, const struct shader *fragment, struct diag *diag)
 {
     bool exact = false, own_depth = replaces_depth(fragment);
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        exact |= is_exact(&pass->accesses[i]);
-        if (is_exact(&pass->accesses[i]))
-            prove_target(pass, &pass->accesses[i], own_depth, diag);
+    EACH(access, pass->accesses, pass->access_count) {
+        exact |= is_exact(access);
+        if (is_exact(access))
+            prove_target(pass, access, own_depth, diag);
     }
     if (exact && pass->topology != DT_TRIANGLES)
         diag_error(diag, pass->topology_loc,

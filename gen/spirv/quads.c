@@ -74,8 +74,8 @@ bool quads_begin(struct sanitizer *s)
     bool changed = s->request->kinds & SANITIZE_FLOW;
     while (changed) {
         changed = false;
-        for (uint32_t f = 0; f < from->function_count; f++)
-            changed |= find_in(s, &from->functions[f]);
+        EACH(function, from->functions, from->function_count)
+            changed |= find_in(s, function);
     }
     SPIRV_EACH(from, i, from->code, from->count)
         if (is_kill(i) && meets[spirv_entry(from)] && !s->quads->discard)

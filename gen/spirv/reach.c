@@ -98,9 +98,9 @@ static void copy_live(const struct reach *reach, struct spirv_edit *edit)
         if (!result || reach->live[result])
             spirv_copy(edit, &edit->declarations, i);
     }
-    for (uint32_t i = 0; i < module->function_count; i++)
-        if (reach->live[module->functions[i].id])
-            SPIRV_EACH(module, own, module->functions[i].begin, module->functions[i].end)
+    EACH(function, module->functions, module->function_count)
+        if (reach->live[function->id])
+            SPIRV_EACH(module, own, function->begin, function->end)
                 spirv_copy(edit, &edit->code, own);
 }
 

@@ -989,8 +989,8 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
         !s.counters || !s.ends || !assigned_begin(&s) || !content_begin(&s) || !quads_begin(&s);
     if (!s.edit.failed) {
         spirv_edit_annotations(&s.edit);
-        for (uint32_t i = 0; i < module->function_count; i++)
-            put_function(&s, &module->functions[i]);
+        EACH(function, module->functions, module->function_count)
+            put_function(&s, function);
         content_end(&s);
         quads_end(&s);
         drop_lines(&s.edit.declarations);

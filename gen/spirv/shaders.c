@@ -202,8 +202,7 @@ static bool compile(struct jobs *jobs, struct cache *cache)
 {
     bool good = true;
     compile_rest(jobs);
-    for (uint32_t i = 0; i < jobs->count; i++) {
-        struct job *job = &jobs->list[i];
+    CHANGE_EACH(job, jobs->list, jobs->count) {
         if (!good && job->plan != jobs->list[0].plan)
             break; /* it would fail alike */
         bool done =
@@ -238,8 +237,8 @@ static bool settle_codes(const struct shader_plan *plan, struct cache *cache)
         if (!pass->codes || !samples_codes(plan, index))
             continue;
         pass->codes = false;
-        for (uint32_t i = 0; i < pass->access_count; i++)
-            pass->accesses[i].codes = false;
+        CHANGE_EACH(access, pass->accesses, pass->access_count)
+            access->codes = false;
         for (int i = 0; i < 6; i++) {
             struct job job = {.plan = plan, .pass = pass, .backend = (enum backend)(i / 3)};
             job.shader = &plan->shaders[i / 3][index].stage[i % 3];
@@ -305,8 +304,7 @@ static bool write_glsl(const struct shader_plan *plans, uint32_t count, struct j
                 good &= !job.shader->word_count || add_job(jobs, job);
             }
     compile_rest(jobs);
-    for (uint32_t i = 0; i < jobs->count; i++) {
-        struct job *job = &jobs->list[i];
+    CHANGE_EACH(job, jobs->list, jobs->count) {
         if (job->twin)
             text_add_bytes(&job->shader->glsl, job->twin->glsl.data, job->twin->glsl.length);
         else if (!job->done)
@@ -322,9 +320,9 @@ static bool write_glsl(const struct shader_plan *plans, uint32_t count, struct j
 /* Whether a resource that the pass writes has the contract `exact`. */
 static bool writes_exact(const struct pass *pass)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++)
-        if (pass->accesses[i].mode != MODE_READ &&
-            pass->accesses[i].resource->contract.allowed.kind == DT_CONTRACT_EXACT)
+    EACH(access, pass->accesses, pass->access_count)
+        if (access->mode != MODE_READ &&
+            access->resource->contract.allowed.kind == DT_CONTRACT_EXACT)
             return true;
     return false;
 }

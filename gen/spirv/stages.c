@@ -92,8 +92,7 @@ static void add_between(struct side *side, const uint32_t *variable)
 /* Gives locations to those that have none: the first free ones, in order. */
 static void locate(struct side *side)
 {
-    for (uint32_t i = 0; i < side->count; i++) {
-        struct between *own = &side->list[i];
+    CHANGE_EACH(own, side->list, side->count) {
         int location = own->location == NOWHERE ? 0 : own->location;
         for (uint32_t k = 0; k < side->count && own->location == NOWHERE; k++) {
             const struct between *other = &side->list[k];
@@ -191,8 +190,7 @@ static bool check_interpolation(const struct side *reader, const struct between 
 static const struct between *find_writer(const struct side *writer, const struct between *input)
 {
     const struct between *found = NULL;
-    for (uint32_t i = 0; i < writer->count; i++) {
-        const struct between *output = &writer->list[i];
+    EACH(output, writer->list, writer->count) {
         bool at = input->location >= output->location &&
                   input->location < output->location + output->count;
         bool named = input->name && output->name && !strcmp(input->name, output->name);
@@ -205,8 +203,7 @@ static const struct between *find_writer(const struct side *writer, const struct
 static bool match(struct side *reader, const struct side *writer, unsigned version,
                   struct stage_fault *fault)
 {
-    for (uint32_t i = 0; i < reader->count; i++) {
-        struct between *input = &reader->list[i];
+    CHANGE_EACH(input, reader->list, reader->count) {
         const struct between *output = find_writer(writer, input);
         const char *name = input->name ? input->name : "";
         if (!output && !input->used)

@@ -52,10 +52,10 @@ static bool mentions(const struct pass *pass, const char *name, const char *cons
 
 static bool reads_by_range(const struct pass *pass, const struct access *access)
 {
-    for (uint32_t i = 0; i < pass->range_count; i++)
-        if ((pass->ranges[i].of && !strcmp(pass->ranges[i].of, access->name) &&
-             body_mentions(pass->files, pass->ranges[i].name)) ||
-            find_word(pass->ranges[i].first, access_word(access)))
+    EACH(range, pass->ranges, pass->range_count)
+        if ((range->of && !strcmp(range->of, access->name) &&
+             body_mentions(pass->files, range->name)) ||
+            find_word(range->first, access_word(access)))
             return true;
     return false;
 }
@@ -94,13 +94,12 @@ static void check_tools(const struct pipeline *pipeline, const struct pass *pass
     for (uint32_t i = 0; i < pass->use_count; i++) {
         const char *name = pass->uses[i];
         bool known = false;
-        for (uint32_t k = 0; k < pipeline->sampler_count; k++)
-            known |= pipeline->samplers[k].kind == SAMPLER_HAMMERSLEY &&
-                     !strcmp(pipeline->samplers[k].name, name);
-        for (uint32_t k = 0; k < pipeline->metric_count; k++)
-            known |= !strcmp(pipeline->metrics[k].name, name);
-        for (uint32_t k = 0; k < pipeline->interleave_count; k++)
-            known |= !strcmp(pipeline->interleaves[k].name, name);
+        EACH(sampler, pipeline->samplers, pipeline->sampler_count)
+            known |= sampler->kind == SAMPLER_HAMMERSLEY && !strcmp(sampler->name, name);
+        EACH(metric, pipeline->metrics, pipeline->metric_count)
+            known |= !strcmp(metric->name, name);
+        EACH(tile, pipeline->interleaves, pipeline->interleave_count)
+            known |= !strcmp(tile->name, name);
         if (known && !has_function(shaders, name) && !mentions(pass, name, endings) &&
             (!pass->interleave_name || strcmp(pass->interleave_name, name) != 0))
             diag_warning(diag, pass->use_locs[i],
@@ -120,11 +119,10 @@ void check_listed(const struct model *model, const struct pass_shaders *shaders,
                 diag_warning(diag, pass->ranges[i].loc,
                              "the pass `%s` does not iterate over its range `%s`", pass->name,
                              pass->ranges[i].name);
-        for (uint32_t i = 0; i < pass->define_count; i++)
-            if (!pass->defines[i].word && !body_mentions(pass->files, pass->defines[i].name))
-                diag_warning(diag, pass->defines[i].loc,
-                             "the pass `%s` defines `%s` but does not use it", pass->name,
-                             pass->defines[i].name);
+        EACH(define, pass->defines, pass->define_count)
+            if (!define->word && !body_mentions(pass->files, define->name))
+                diag_warning(diag, define->loc, "the pass `%s` defines `%s` but does not use it",
+                             pass->name, define->name);
         check_tools(pipeline, pass, &shaders[p], diag);
     }
 }

@@ -61,11 +61,9 @@ static int format_at(const struct pass *pass, int binding)
 
 static int format_of_target(const struct pass *pass, int attachment)
 {
-    for (uint32_t i = 0; i < pass->access_count; i++) {
-        const struct access *access = &pass->accesses[i];
+    EACH(access, pass->accesses, pass->access_count)
         if (access->kind & DT_WRITE_COLOR && access->attachment == attachment)
             return access->resource->format;
-    }
     return NO_FORMAT;
 }
 
