@@ -224,29 +224,14 @@ static void report_twice(struct checker *c, const struct declaration *a,
 static void check_derived(struct checker *c, const struct declaration *list, size_t count,
                           const struct declaration *of)
 {
-    static const struct {
-        unsigned kinds;
-        const char *suffix;
-    } derived[] = {{DECLARED_BUFFER | DECLARED_SAMPLER, "_count"},
-                   {DECLARED_IMAGE, "_size"},
-                   {DECLARED_IMAGE, "_store"},
-                   {DECLARED_IMAGE, "_sample"},
-                   {DECLARED_IMAGE, "_sample_lod"},
-                   {DECLARED_IMAGE, "_compare"},
-                   {DECLARED_IMAGE, "_texture"},
-                   {DECLARED_INTERLEAVE, "_tile"},
-                   {DECLARED_INTERLEAVE, "_classes"},
-                   {DECLARED_INTERLEAVE, "_class"},
-                   {DECLARED_INTERLEAVE, "_split"},
-                   {DECLARED_INTERLEAVE, "_gather"},
-                   {DECLARED_INTERLEAVE, "_class_size"}};
     size_t length = strlen(of->word);
     for (size_t i = 0; i < count; i++) {
         const char *name = list[i].word;
         if (strncmp(name, of->name, length))
             continue;
-        for (size_t k = 0; k < DT_ARRAY_COUNT(derived); k++)
-            if ((of->kind & derived[k].kinds) && !strcmp(name + length, derived[k].suffix))
+        EACH(derived, derived_words, DERIVED_WORDS)
+            if (derived->reserved && of->kind & derived->kinds &&
+                !strcmp(name + length, derived->ending))
                 diag_error(
                     c->diag, list[i].loc,
                     "`%s` is already a name in pass bodies, made from the %s `%s`; rename one",

@@ -3,6 +3,7 @@
  * parts. */
 #include "glsl.h"
 #include "formats.h"
+#include "model/names.h"
 #include "plan/sanitize.h"
 
 #include <stdarg.h>
@@ -546,12 +547,10 @@ void glsl_defines(const struct glsl *glsl, struct text *out)
         int64_t value = 0;
         if (define->word && !glsl_uses(glsl, "%s", define->name))
             continue;
-        for (uint32_t k = 0; define->param && k < glsl->pipeline->param_count; k++)
-            if (!strcmp(glsl->pipeline->params[k].name, define->param))
-                text_add(out, "%s %s = %s;\n", glsl_type(glsl->pipeline->params[k].type),
-                         define->name, define->param);
-        if (define->param) {
-            continue;
+        const struct param *param =
+            define->param ? declared_find(glsl->pipeline, DECLARED_PARAM, define->param) : NULL;
+        if (param) {
+            text_add(out, "%s %s = %s;\n", glsl_type(param->type), define->name, define->param);
         } else if (define->word && !expr_is_literal(define->value)) {
             text_add(out, "int %s = ", define->name);
             expr_emit_glsl(define->value, out);

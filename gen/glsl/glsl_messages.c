@@ -2,8 +2,8 @@
  * the list that lacks a name. Also what can be done about it: a name that the body declares
  * itself, and that the generator or GLSL has too, gets another one by a macro in front of the
  * body. */
-#include "base/nearest.h"
 #include "glsl.h"
+#include "model/names.h"
 #include "plan/plan.h"
 
 #include <ctype.h>
@@ -129,32 +129,9 @@ static const char *message_name(struct model *model, const struct compiler_messa
 
 /* ---- Names of the spec ----------------------------------------------------------------------- */
 
-static const char *const buffer_words[] = {"", "_count", NULL};
-static const char *const image_words[] = {
-    "", "_size", "_store", "_sample", "_sample_lod", "_compare", "_texture", "_image",
-    /* of atomic_words */
-    "_atomicAdd", "_atomicMin", "_atomicMax", "_atomicAnd", "_atomicOr", "_atomicXor",
-    "_atomicExchange", "_atomicCompSwap", NULL};
-static const char *const *const atomic_words = image_words + 8;
-static const char *const interleave_words[] = {"",       "_tile",   "_classes",    "_class",
-                                               "_split", "_gather", "_class_size", NULL};
-
-/* The ending with which `word` is `name`; NULL: it is another word. */
-static const char *ending_of(const char *word, const char *name, const char *const *endings)
-{
-    size_t length = strlen(name);
-    for (; !strncmp(word, name, length) && *endings; endings++)
-        if (!strcmp(word + length, *endings))
-            return *endings;
-    return NULL;
-}
-
 static bool is_atomic(const char *ending)
 {
-    for (const char *const *word = atomic_words; *word; word++)
-        if (!strcmp(ending, *word))
-            return true;
-    return false;
+    return !strncmp(ending, "_atomic", 7);
 }
 
 static bool is_sampled(const char *ending)
@@ -170,23 +147,25 @@ struct name_use {
     const char *ending;
 };
 
+static const char *ending_of(const struct resource *resource, const char *name, const char *word)
+{
+    enum declared_kind kind = resource->kind == DT_IMAGE ? DECLARED_IMAGE : DECLARED_BUFFER;
+    return declared_ending(kind, name, word);
+}
+
 static bool find_use(const struct pipeline *pipeline, const struct pass *pass, const char *word,
                      struct name_use *use)
 {
     *use = (struct name_use){0};
     EACH(access, pass->accesses, pass->access_count) {
         const char *ending =
-            access->resource
-                ? ending_of(word, access_word(access),
-                            access->resource->kind == DT_IMAGE ? image_words : buffer_words)
-                : NULL;
+            access->resource ? ending_of(access->resource, access_word(access), word) : NULL;
         if (ending && (!use->access || access->mode != MODE_READ))
             *use = (struct name_use){access->resource, access, NULL, ending};
     }
     for (uint32_t i = 0; !use->access && i < pipeline->resource_count; i++) {
         const struct resource *resource = &pipeline->resources[i];
-        const char *ending = ending_of(word, resource->name,
-                                       resource->kind == DT_IMAGE ? image_words : buffer_words);
+        const char *ending = ending_of(resource, resource->name, word);
         if (ending)
             *use = (struct name_use){.resource = resource, .ending = ending};
     }
@@ -249,44 +228,32 @@ static bool report_use(const struct pipeline *pipeline, const struct pass *pass,
 /* The sampler, metric or interleave that the word belongs to; NULL: none. */
 static const char *tool_of(const struct pipeline *pipeline, const char *word)
 {
-    static const char *const metric_words[] = {"", NULL};
-    EACH(sampler, pipeline->samplers, pipeline->sampler_count)
-        if (sampler->kind == SAMPLER_HAMMERSLEY && ending_of(word, sampler->name, buffer_words))
-            return sampler->name;
-    EACH(metric, pipeline->metrics, pipeline->metric_count)
-        if (ending_of(word, metric->name, metric_words))
-            return metric->name;
-    EACH(tile, pipeline->interleaves, pipeline->interleave_count)
-        if (ending_of(word, tile->name, interleave_words))
-            return tile->name;
+    enum declared_kind kind;
+    const struct declared *of;
+    for (size_t i = 0; (of = declared_at(pipeline, i, &kind)); i++)
+        if (kind & DECLARED_FUNCTION && kind != DECLARED_FILTER &&
+            declared_ending(kind, of->name, word))
+            return of->name;
     return NULL;
 }
 
 /* Where the spec declares what the pass's body knows by this word. *what: its kind, or NULL. */
-static struct loc declared_at(const struct pipeline *pipeline, const struct pass *pass,
-                              const char *word, const char **what)
+static struct loc declaration_of(const struct pipeline *pipeline, const struct pass *pass,
+                                 const char *word, const char **what)
 {
+    static const enum declared_kind kinds[] = {DECLARED_PARAM, DECLARED_CONSTANT, DECLARED_STRUCT};
     struct name_use use;
     *what = NULL;
     if (find_use(pipeline, pass, word, &use) && use.access) {
         *what = use.resource->kind == DT_IMAGE ? "image" : "buffer";
         return use.access->loc;
     }
-    EACH(param, pipeline->params, pipeline->param_count)
-        if (!strcmp(param->name, word)) {
-            *what = "parameter";
-            return param->loc;
-        }
-    for (uint32_t i = 0; i < pipeline->constant_count; i++)
-        if (!strcmp(pipeline->constants[i].name, word)) {
-            *what = "constant";
-            return pipeline->constants[i].loc;
-        }
-    EACH(structure, pipeline->structs, pipeline->struct_count)
-        if (!strcmp(structure->name, word)) {
-            *what = "struct";
-            return structure->loc;
-        }
+    for (size_t i = 0; i < DT_ARRAY_COUNT(kinds); i++) {
+        const struct declared *of = declared_find(pipeline, kinds[i], word);
+        *what = of ? declared_word(kinds[i]) : NULL;
+        if (of)
+            return of->loc;
+    }
     for (uint32_t i = 0; i < pass->use_count; i++) {
         const char *tool = tool_of(pipeline, word);
         if (tool && !strcmp(pass->uses[i], tool)) {
@@ -396,7 +363,7 @@ bool glsl_adapt(struct model *model, const struct pass *pass, struct shader *sha
         if (!read_message(model, &at, &message) || !message.loc.source)
             continue;
         if (is_redefinition(model, &message, &name)) {
-            declared_at(&model->pipeline, pass, name, &what);
+            declaration_of(&model->pipeline, pass, name, &what);
             changed |= !what && *name && !own_word(shader, name) &&
                        add_word(model, &shader->own_names, &shader->own_count, name);
         } else if (says(&message, "overloaded functions must have the same")) {
@@ -458,7 +425,7 @@ static bool report_redefinition(struct model *model, const struct pass *pass,
     const char *name, *what;
     if (!is_redefinition(model, message, &name))
         return false;
-    struct loc declared = declared_at(&model->pipeline, pass, name, &what);
+    struct loc declared = declaration_of(&model->pipeline, pass, name, &what);
     if (!what)
         return false;
     struct loc loc = message->loc;
@@ -625,9 +592,12 @@ static void add_near(struct text *out, struct model *model, const struct pass *p
     uint32_t count = 0,
              most = pass->access_count + pipeline->param_count + pipeline->constant_count;
     const char **names = arena_alloc(model->arena, (most + 1) * sizeof *names), *ending = "";
-    for (const char *const *word = image_words + 1; *word; word++)
-        if (strlen(name) > strlen(*word) && !strcmp(name + strlen(name) - strlen(*word), *word))
-            ending = *word;
+    EACH(derived, derived_words, DERIVED_WORDS) {
+        size_t own = strlen(derived->ending), length = strlen(name);
+        if (derived->kinds & DECLARED_IMAGE && length > own &&
+            !strcmp(name + length - own, derived->ending))
+            ending = derived->ending;
+    }
     for (uint32_t i = 0; names && i < pass->access_count; i++)
         names[count++] = access_word(&pass->accesses[i]);
     for (uint32_t i = 0; names && !*ending && i < pipeline->param_count; i++)

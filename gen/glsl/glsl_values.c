@@ -2,6 +2,7 @@
  * and attributes are its own; spirv/bind.c fills them from these functions. */
 #include "glsl.h"
 #include "initials.h"
+#include "model/names.h"
 
 #include <string.h>
 
@@ -57,10 +58,7 @@ static bool has_value(const struct glsl *glsl, const char *name)
 static void add_initial(void *user, const char *name, const char *value)
 {
     struct glsl *glsl = user;
-    EACH(param, glsl->pipeline->params, glsl->pipeline->param_count)
-        if (!strcmp(param->name, name))
-            return;
-    if (!has_value(glsl, name))
+    if (!declared_find(glsl->pipeline, DECLARED_PARAM, name) && !has_value(glsl, name))
         text_add(&glsl->parts[PART_VALUES], "%.*s diptych_value_%s() { return %s; }\n",
                  (int)strcspn(value, "("), value, name, value);
 }

@@ -18,6 +18,7 @@
 #include <spirv/unified1/spirv.h>
 #include <string.h>
 
+#include "model/names.h"
 #include "plan/plan.h"
 #include "spirv/passes.h"
 
@@ -597,10 +598,8 @@ static void lower_passes(struct lowering *l, struct dt_pipeline *pipeline)
 
 static int output_index(const struct pipeline *pipeline, const char *name)
 {
-    for (uint32_t i = 0; name && i < pipeline->resource_count; i++)
-        if (strcmp(pipeline->resources[i].name, name) == 0)
-            return (int)i;
-    return -1;
+    const struct resource *image = name ? declared_find(pipeline, DECLARED_RESOURCE, name) : NULL;
+    return image ? (int)image->index : -1;
 }
 
 struct lowered *lower(const struct model *model, struct pass_shaders *const shaders[2])

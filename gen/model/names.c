@@ -9,6 +9,30 @@
 const char *const scene_resources[SCENE_RESOURCES] = {
     "scene_vertices", "scene_indices", "scene_materials", "scene_objects", "scene_textures"};
 
+const struct derived_word derived_words[DERIVED_WORDS] = {
+    {DECLARED_BUFFER | DECLARED_SAMPLER, "_count", true},
+    {DECLARED_IMAGE, "_size", true},
+    {DECLARED_IMAGE, "_store", true},
+    {DECLARED_IMAGE, "_sample", true},
+    {DECLARED_IMAGE, "_sample_lod", true},
+    {DECLARED_IMAGE, "_compare", true},
+    {DECLARED_IMAGE, "_texture", true},
+    {DECLARED_IMAGE, "_image", false},
+    {DECLARED_IMAGE, "_atomicAdd", false},
+    {DECLARED_IMAGE, "_atomicMin", false},
+    {DECLARED_IMAGE, "_atomicMax", false},
+    {DECLARED_IMAGE, "_atomicAnd", false},
+    {DECLARED_IMAGE, "_atomicOr", false},
+    {DECLARED_IMAGE, "_atomicXor", false},
+    {DECLARED_IMAGE, "_atomicExchange", false},
+    {DECLARED_IMAGE, "_atomicCompSwap", false},
+    {DECLARED_INTERLEAVE, "_tile", true},
+    {DECLARED_INTERLEAVE, "_classes", true},
+    {DECLARED_INTERLEAVE, "_class", true},
+    {DECLARED_INTERLEAVE, "_split", true},
+    {DECLARED_INTERLEAVE, "_gather", true},
+    {DECLARED_INTERLEAVE, "_class_size", true}};
+
 /* An array of the pipeline. */
 static const struct declared_list {
     enum declared_kind kind; /* of its first kind */
@@ -97,4 +121,16 @@ const char *declared_word(enum declared_kind kind)
            : (kind & DECLARED_SAMPLER) ? "sampler"
            : kind == DECLARED_METRIC   ? "metric"
                                        : "interleave";
+}
+
+const char *declared_ending(enum declared_kind kind, const char *name, const char *word)
+{
+    size_t length = strlen(name);
+    if (strncmp(word, name, length) != 0)
+        return NULL;
+    word += length;
+    EACH(derived, derived_words, DERIVED_WORDS)
+        if (derived->kinds & kind && !strcmp(derived->ending, word))
+            return derived->ending;
+    return *word ? NULL : "";
 }

@@ -42,3 +42,14 @@ void *declared_find(const struct pipeline *pipeline, unsigned kinds, const char 
 struct name_hint declared_hint(const struct pipeline *pipeline, unsigned kinds, const char *name,
                                const char *otherwise);
 const char *declared_word(enum declared_kind kind); /* of one kind: "parameter" */
+
+/* What bodies have beside a name: NAME_size and the like. */
+struct derived_word {
+    unsigned kinds;
+    const char *ending;
+    bool reserved; /* nothing else may be declared with it */
+};
+enum { DERIVED_WORDS = 22 };
+extern const struct derived_word derived_words[DERIVED_WORDS];
+/* The ending with which a word is made of a name of the kind, "" for the name itself; NULL: it is another word. */
+const char *declared_ending(enum declared_kind kind, const char *name, const char *word);

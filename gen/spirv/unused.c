@@ -7,6 +7,7 @@
 #include "read/body_files.h"
 #include "plan/plan.h"
 #include "model/module.h"
+#include "model/names.h"
 #include "shaders.h"
 
 /* Whether a stage has a resource at the binding. */
@@ -39,15 +40,11 @@ static bool has_function(const struct pass_shaders *shaders, const char *name)
     return false;
 }
 
-static bool mentions(const struct pass *pass, const char *name, const char *const *endings)
+static bool mentions(const struct pass *pass, const char *name, const char *ending)
 {
     char word[256];
-    for (; *endings; endings++) {
-        snprintf(word, sizeof word, "%s%s", name, *endings);
-        if (body_mentions(pass->files, word))
-            return true;
-    }
-    return false;
+    snprintf(word, sizeof word, "%s%s", name, ending);
+    return body_mentions(pass->files, word);
 }
 
 static bool reads_by_range(const struct pass *pass, const struct access *access)
@@ -74,12 +71,11 @@ static void check_access(const struct pass *pass, const struct pass_shaders *sha
                          const struct access *access, struct diag *diag)
 {
     static const char *const lists[] = {"reads", "writes", "updates"};
-    static const char *const constants[] = {"_count", "_size", NULL}, *const alone[] = {"", NULL};
     const char *word = access_word(access);
     bool target = access->kind & DT_WRITE_COLOR;
     if (is_silent(pass, access) || (target && files_are_whole(pass->files)) ||
-        reads_by_range(pass, access) || mentions(pass, word, constants) ||
-        (target && mentions(pass, word, alone)) ||
+        reads_by_range(pass, access) || mentions(pass, word, "_count") ||
+        mentions(pass, word, "_size") || (target && body_mentions(pass->files, word)) ||
         (!target && access->binding >= 0 && has_binding(shaders, access->binding)))
         return;
     diag_warning(diag, access->loc, "the pass `%s` lists `%s` in %s but does not use it",
@@ -89,19 +85,14 @@ static void check_access(const struct pass *pass, const struct pass_shaders *sha
 static void check_tools(const struct pipeline *pipeline, const struct pass *pass,
                         const struct pass_shaders *shaders, struct diag *diag)
 {
-    static const char *const endings[] = {"_count", "_tile",   "_classes",    "_class",
-                                          "_split", "_gather", "_class_size", NULL};
+    const unsigned kinds = DECLARED_FUNCTION & ~(unsigned)DECLARED_FILTER;
     for (uint32_t i = 0; i < pass->use_count; i++) {
         const char *name = pass->uses[i];
-        bool known = false;
-        EACH(sampler, pipeline->samplers, pipeline->sampler_count)
-            known |= sampler->kind == SAMPLER_HAMMERSLEY && !strcmp(sampler->name, name);
-        EACH(metric, pipeline->metrics, pipeline->metric_count)
-            known |= !strcmp(metric->name, name);
-        EACH(tile, pipeline->interleaves, pipeline->interleave_count)
-            known |= !strcmp(tile->name, name);
-        if (known && !has_function(shaders, name) && !mentions(pass, name, endings) &&
-            (!pass->interleave_name || strcmp(pass->interleave_name, name) != 0))
+        bool used = has_function(shaders, name) || !declared_find(pipeline, kinds, name) ||
+                    (pass->interleave_name && !strcmp(pass->interleave_name, name));
+        EACH(derived, derived_words, DERIVED_WORDS)
+            used = used || (derived->kinds & kinds && mentions(pass, name, derived->ending));
+        if (!used)
             diag_warning(diag, pass->use_locs[i],
                          "the pass `%s` lists `%s` in uses but does not use it", pass->name, name);
     }

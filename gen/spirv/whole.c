@@ -12,6 +12,7 @@
 #include "glsl/glsl.h"
 #include "model/foreign.h"
 #include "model/leaves.h"
+#include "model/names.h"
 #include "model/spirv_check.h"
 #include "passes.h"
 #include "plan/plan.h"
@@ -22,12 +23,8 @@
 
 static const struct param *find_baked(const struct pipeline *pipeline, const char *name)
 {
-    for (uint32_t i = 0; name && i < pipeline->param_count; i++) {
-        const struct param *param = &pipeline->params[i];
-        if (!param->live && !param->uniform && param->components == 1 && !strcmp(param->name, name))
-            return param;
-    }
-    return NULL;
+    const struct param *param = name ? declared_find(pipeline, DECLARED_PARAM, name) : NULL;
+    return param && !param->live && !param->uniform && param->components == 1 ? param : NULL;
 }
 
 /* The parameter of a specialization constant: by its name, by that of another with its number, or by constant_NUMBER. */
