@@ -14,36 +14,18 @@ static const uint64_t promised[DT_LIMITS] = {
 #undef LEAST
 };
 
-/* Of a type's parts together. */
-static uint64_t sum_of(const struct spirv *module, const uint32_t *type,
-                       uint64_t (*of)(const struct spirv *module, uint32_t id))
-{
-    uint32_t parts = spirv_parts(module, type);
-    uint64_t sum = 0;
-    if (!spirv_is(type, SpvOpTypeStruct))
-        return parts * of(module, type[2]);
-    for (uint32_t i = 0; i < parts; i++)
-        sum += of(module, spirv_part(type, i));
-    return sum;
-}
-
 /* Bytes of a type without padding: drivers may add some, none needs less. */
 static uint64_t type_bytes(const struct spirv *module, uint32_t id)
 {
     const uint32_t *type = spirv_definition(module, id);
     bool number = spirv_is(type, SpvOpTypeInt) || spirv_is(type, SpvOpTypeFloat);
-    if (spirv_parts(module, type))
-        return sum_of(module, type, type_bytes);
-    return spirv_is(type, SpvOpTypeBool) ? 4 : number ? type[2] / 8 : 0;
-}
-
-/* Locations that a type takes: one for up to four components. */
-static uint64_t locations_of(const struct spirv *module, uint32_t id)
-{
-    const uint32_t *type = spirv_definition(module, id);
-    if (spirv_is(type, SpvOpTypeVector))
-        return type_bytes(module, id) > 16 ? 2 : 1;
-    return spirv_parts(module, type) ? sum_of(module, type, locations_of) : 1;
+    uint32_t parts = spirv_parts(module, type);
+    uint64_t sum = 0;
+    if (parts && !spirv_is(type, SpvOpTypeStruct))
+        return parts * type_bytes(module, type[2]);
+    for (uint32_t i = 0; i < parts; i++)
+        sum += type_bytes(module, spirv_part(type, i));
+    return parts ? sum : spirv_is(type, SpvOpTypeBool) ? 4 : number ? type[2] / 8 : 0;
 }
 
 /* Whether a variable is a storage buffer or a storage image. */
@@ -62,7 +44,7 @@ static void add_variable(const struct spirv *module, enum stage stage, const uin
 {
     uint32_t pointee = spirv_definition(module, variable[1])[3];
     uint32_t location = spirv_decoration(module, variable[2], SpvDecorationLocation);
-    uint64_t end = location == UINT32_MAX ? 0 : 4 * (location + locations_of(module, pointee));
+    uint64_t end = location == UINT32_MAX ? 0 : 4 * (location + spirv_locations(module, pointee));
     if (variable[3] == SpvStorageClassWorkgroup)
         demands[DT_LIMIT_SHARED_BYTES] += type_bytes(module, pointee);
     if (stage == STAGE_IS_VERTEX && variable[3] == SpvStorageClassOutput &&

@@ -67,15 +67,6 @@ static uint32_t plain_type(struct combining *c, uint32_t id)
                          7);
 }
 
-static uint32_t find_place(const struct spirv *from)
-{
-    SPIRV_EACH(from, i, from->annotations, from->declarations)
-        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
-            i[3] == SpvBuiltInFragCoord)
-            return i[1];
-    return 0;
-}
-
 /* Of numbers of this type, as many. */
 static uint32_t vector_of(struct combining *c, uint32_t opcode, uint32_t sign, uint32_t count)
 {
@@ -90,7 +81,7 @@ static void add_frag_coord(struct combining *c)
 {
     struct spirv_edit *edit = &c->edit;
     const struct spirv *from = c->from;
-    if (c->place || (c->place = find_place(from)))
+    if (c->place || (c->place = spirv_builtin(from, SpvBuiltInFragCoord)))
         return;
     uint32_t type = vector_of(c, SpvOpTypeFloat, 0, 4);
     uint32_t pointer =

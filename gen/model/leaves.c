@@ -163,7 +163,7 @@ static bool each_use(const struct spirv *module, const bool *live, uint32_t id,
 {
     bool used = false;
     for (uint32_t f = 0; f < module->function_count; f++) {
-        if (!live[f])
+        if (live && !live[f])
             continue;
         SPIRV_EACH(module, i, module->functions[f].begin, module->functions[f].end) {
             if (!mentions(i, id))

@@ -22,7 +22,7 @@ bool spirv_each_leaf(const struct spirv *module, const uint32_t *variable, const
                      spirv_leaf_taker *take, void *user);
 /* By function, which the entry point reaches: free(). NULL: out of memory. */
 bool *spirv_live_functions(const struct spirv *module);
-/* Whether a live function has the id as an operand. */
+/* Whether a live function has the id as an operand; live NULL: any function. */
 bool spirv_mentions(const struct spirv *module, const bool *live, uint32_t id);
 
 /* GLSL's name of a type, as "vec4[2]"; of a leaf, with the arrays around it. False: a value has no such type. */

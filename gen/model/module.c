@@ -3,6 +3,7 @@
 
 #define SPV_ENABLE_UTILITY_CODE /* SpvHasResultAndType */
 #include <spirv/unified1/spirv.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -308,6 +309,14 @@ const char *spirv_member_name(const struct spirv *module, uint32_t type, uint32_
     return NULL;
 }
 
+uint32_t spirv_builtin(const struct spirv *module, uint32_t builtin)
+{
+    SPIRV_EACH(module, i, module->annotations, module->declarations)
+        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn && i[3] == builtin)
+            return i[1];
+    return 0;
+}
+
 const uint32_t *spirv_entry_point(const struct spirv *module)
 {
     SPIRV_EACH(module, i, SPIRV_HEADER, module->annotations)
@@ -387,6 +396,36 @@ uint32_t spirv_scalars(const struct spirv *module, uint32_t id)
     for (uint32_t k = 0; k < parts; k++)
         count += spirv_scalars(module, spirv_part(type, k));
     return count;
+}
+
+uint64_t spirv_locations(const struct spirv *module, uint32_t id)
+{
+    const uint32_t *type = spirv_definition(module, id);
+    uint32_t parts = spirv_parts(module, type);
+    uint64_t count = 0;
+    if (spirv_is(type, SpvOpTypeVector))
+        return parts > 2 && spirv_definition(module, type[2])[2] == 64 ? 2 : 1;
+    if (!spirv_is(type, SpvOpTypeStruct))
+        return parts ? parts * spirv_locations(module, type[2]) : 1;
+    for (uint32_t part = 0; part < parts; part++)
+        count += spirv_locations(module, type[2 + part]);
+    return count;
+}
+
+bool spirv_mangle(const struct spirv *module, const uint32_t *type, bool scalar, char *name,
+                  size_t room)
+{
+    bool matrix = spirv_is(type, SpvOpTypeMatrix), vector = spirv_is(type, SpvOpTypeVector);
+    const uint32_t *column = matrix ? spirv_definition(module, type[2]) : type;
+    char letter = spirv_letter(matrix || vector ? spirv_definition(module, column[2]) : type);
+    size_t length = strlen(name);
+    if (matrix)
+        snprintf(name + length, room - length, "m%c%u%u;", letter, type[3], column[3]);
+    else if (vector && !scalar)
+        snprintf(name + length, room - length, "v%c%u;", letter, type[3]);
+    else
+        snprintf(name + length, room - length, "%c1;", letter);
+    return letter && !(matrix && scalar);
 }
 
 /* ---- Edits ----------------------------------------------------------------------------------- */

@@ -107,6 +107,13 @@ uint32_t spirv_decoration(const struct spirv *module, uint32_t id, uint32_t what
 uint32_t spirv_member_decoration(const struct spirv *module, uint32_t id, uint32_t member,
                                  uint32_t what);
 const char *spirv_member_name(const struct spirv *module, uint32_t type, uint32_t member);
+/* What a built-in is: a variable, or the constant of the size of workgroups; 0: there is none. */
+uint32_t spirv_builtin(const struct spirv *module, uint32_t builtin);
+/* Locations between stages that a value of the type takes. */
+uint64_t spirv_locations(const struct spirv *module, uint32_t id);
+/* Appends a type as glslang mangles it: f1, vf3, mf34; scalar: that of its components. False: there is no such one. */
+bool spirv_mangle(const struct spirv *module, const uint32_t *type, bool scalar, char *name,
+                  size_t room);
 /* The instruction of the entry point, NULL: there is none; the word of its first input or output; its
  * function. */
 const uint32_t *spirv_entry_point(const struct spirv *module);

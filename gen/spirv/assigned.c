@@ -143,7 +143,7 @@ void assigned_find(struct sanitizer *s, const struct spirv_function *function)
         const uint32_t *i = s->from->words + at;
         uint32_t result = spirv_result_word(i);
         if (spirv_is(i, SpvOpLine)) {
-            file = (uint32_t)atoi((const char *)(spirv_definition(s->from, i[1]) + 2));
+            file = spirv_line_file(s->from, i);
             line = i[2];
         }
         if (spirv_is(i, SpvOpStore) && file) {
@@ -315,6 +315,13 @@ static bool is_temporary(const struct sanitizer *s, uint32_t variable)
     return s->ids[variable].name || (name && !strncmp(name, "param", 5));
 }
 
+static void put_assigned(struct sanitizer *s, uint32_t bits, uint32_t wanted, uint32_t site)
+{
+    struct values values = {{bits, wanted}, 2};
+    sanitizer_place(s, &values, site);
+    sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
+}
+
 static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
 {
     const char *name =
@@ -322,9 +329,8 @@ static void put_check(struct sanitizer *s, uint32_t variable, uint32_t wanted)
     char text[160];
     name = name && *name ? name : "a variable";
     snprintf(text, sizeof text, "`%.60s` is read before it has a value", name);
-    struct values values = {{sanitizer_load(s, bits_of(s, variable)), wanted}, 2};
-    sanitizer_place(s, &values, sanitizer_site(s, NULL, name, text));
-    sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
+    put_assigned(s, sanitizer_load(s, bits_of(s, variable)), wanted,
+                 sanitizer_site(s, NULL, name, text));
 }
 
 /* The bits that must be set for a load. `any`: one of them is enough, as for a whole struct or array. */
@@ -483,10 +489,8 @@ static void put_outputs(struct sanitizer *s)
         s->file = of->file ? of->file : file;
         s->line = of->file ? of->line : line;
         snprintf(text, sizeof text, "`%.60s` is not written", name ? name : "an output");
-        struct values values = {{sanitizer_load(s, bits_of(s, i[2])), sanitizer_number(s, wanted)},
-                                2};
-        sanitizer_place(s, &values, sanitizer_site(s, NULL, name ? name : "", text));
-        sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
+        uint32_t bits = sanitizer_load(s, bits_of(s, i[2])), all = sanitizer_number(s, wanted);
+        put_assigned(s, bits, all, sanitizer_site(s, NULL, name ? name : "", text));
     }
     s->file = file;
     s->line = line;
@@ -494,11 +498,10 @@ static void put_outputs(struct sanitizer *s)
 
 static void put_result(struct sanitizer *s, const uint32_t *instruction)
 {
-    struct values values = {{sanitizer_number(s, 0), sanitizer_number(s, 1)}, 2};
-    if (!spirv_is(spirv_definition(s->from, instruction[1]), SpvOpUndef))
-        return;
-    sanitizer_place(s, &values, sanitizer_site(s, "}", "", "the function ends without a `return`"));
-    sanitizer_call(s, "diptych_assigned(u1;u1;u1;u1;", &values);
+    uint32_t none = sanitizer_number(s, 0), one = sanitizer_number(s, 1);
+    if (spirv_is(spirv_definition(s->from, instruction[1]), SpvOpUndef))
+        put_assigned(s, none, one,
+                     sanitizer_site(s, "}", "", "the function ends without a `return`"));
 }
 
 void assigned_before(struct sanitizer *s, const uint32_t *instruction)

@@ -25,6 +25,8 @@ struct binder {
     char **why;
 };
 enum { LOOSE = 1, KEPT = 2 }; /* reached by variables that move, by others */
+/* Appends an instruction with a new result, which is returned, to diptych_begin(). */
+#define VALUE(binder, ...) SPIRV_VALUE(&(binder)->edit, &(binder)->begin, __VA_ARGS__)
 
 __attribute__((format(printf, 2, 3))) static bool refuse(struct binder *binder, const char *format,
                                                          ...)
@@ -92,15 +94,6 @@ static void mark_type(struct binder *binder, uint32_t type, unsigned char mark)
         mark_type(binder, declared[i], mark);
 }
 
-static uint32_t put_typed(struct binder *binder, uint32_t opcode, uint32_t type,
-                          const uint32_t *operands, uint32_t count)
-{
-    uint32_t all[8] = {type, binder->edit.bound++};
-    memcpy(all + 2, operands, count * sizeof *operands);
-    spirv_put(&binder->edit, &binder->begin, opcode, all, count + 2);
-    return all[1];
-}
-
 static uint32_t pointer_to(struct binder *binder, uint32_t type)
 {
     return spirv_declare(&binder->edit, SpvOpTypePointer, 0,
@@ -111,8 +104,7 @@ static uint32_t put_place(struct binder *binder, uint32_t pointer, uint32_t inde
 {
     uint32_t int_type = spirv_declare(&binder->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
     uint32_t constant = spirv_declare(&binder->edit, SpvOpConstant, int_type, &index, 1);
-    return put_typed(binder, SpvOpAccessChain, pointer_to(binder, type),
-                     (uint32_t[]){pointer, constant}, 2);
+    return VALUE(binder, SpvOpAccessChain, pointer_to(binder, type), pointer, constant);
 }
 
 /* In front of all others. */
@@ -152,10 +144,8 @@ static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint3
         uint32_t length = spirv_array_length(module, to);
         good = length && length == spirv_array_length(module, from);
         for (uint32_t i = 0; good && i < length; i++)
-            good = put_leaf(
-                binder, leaf, depth + 1, put_place(binder, pointer, i, next),
-                put_typed(binder, SpvOpCompositeExtract, from[2], (uint32_t[]){value, i}, 2),
-                from[2]);
+            good = put_leaf(binder, leaf, depth + 1, put_place(binder, pointer, i, next),
+                            VALUE(binder, SpvOpCompositeExtract, from[2], value, i), from[2]);
         return good;
     }
     uint32_t parts = spirv_is(to, SpvOpTypeVector) ? to[3] : 0;
@@ -164,17 +154,17 @@ static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint3
     if (spirv_is(from, SpvOpTypeBool) && spirv_is(to, SpvOpTypeInt)) {
         uint32_t one = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
         uint32_t zero = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
-        value = put_typed(binder, SpvOpSelect, type, (uint32_t[]){value, one, zero}, 3);
+        value = VALUE(binder, SpvOpSelect, type, value, one, zero);
     } else if ((vectors || !parts) && spirv_is(spirv_scalar(module, to), SpvOpTypeBool) &&
                spirv_is(spirv_scalar(module, from), SpvOpTypeInt)) {
         uint32_t zero = spirv_declare(&binder->edit, SpvOpConstantNull, value_type, NULL, 0);
-        value = put_typed(binder, SpvOpINotEqual, type, (uint32_t[]){value, zero}, 2);
+        value = VALUE(binder, SpvOpINotEqual, type, value, zero);
     } else if (type != value_type) { /* numbers of 8 and 16 bits */
         const uint32_t *number = spirv_definition(module, scalar);
         uint32_t whole = spirv_is(number, SpvOpTypeInt) ? SpvOpUConvert + number[3] : 0;
         if (!can_convert(module, scalar, vectors ? from[2] : value_type))
             return false;
-        value = put_typed(binder, whole ? whole : SpvOpFConvert, type, &value, 1);
+        value = VALUE(binder, whole ? whole : SpvOpFConvert, type, value);
         put_capability(binder, number[2] == 8 ? SpvCapabilityInt8
                                : whole        ? SpvCapabilityInt16
                                               : SpvCapabilityFloat16);
@@ -198,8 +188,7 @@ static bool put_value(void *user, const struct spirv_leaf *leaf)
     if (found) {
         binder->given[found->id] = binder->now;
         const uint32_t *function = spirv_definition(module, found->id);
-        uint32_t value =
-            put_typed(binder, SpvOpFunctionCall, function[1], (uint32_t[]){function[2]}, 1);
+        uint32_t value = VALUE(binder, SpvOpFunctionCall, function[1], function[2]);
         return put_leaf(binder, leaf, 0, binder->now, value, function[1]) ||
                refuse(binder, "the shader declares `%s` with another type than its value has",
                       leaf->name);
@@ -471,23 +460,6 @@ static bool each_variable(struct binder *binder,
     return good;
 }
 
-static bool mark_loose(struct binder *binder, const uint32_t *variable)
-{
-    mark_type(binder, spirv_pointee(binder->module, variable), LOOSE);
-    return true;
-}
-
-static bool stays(const struct binder *binder, const uint32_t *variable)
-{
-    return !has_values(binder, variable);
-}
-
-static bool mark_kept(struct binder *binder, const uint32_t *variable)
-{
-    mark_type(binder, spirv_pointee(binder->module, variable), KEPT);
-    return true;
-}
-
 bool spirv_bind(struct spirv *module, const struct bind_request *request, char **why)
 {
     uint32_t bound = module->words[3];
@@ -505,8 +477,9 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
         !binder.live || !binder.moved || !binder.given || !binder.bindings || !binder.types;
     bool good = !binder.edit.failed;
     if (good) {
-        each_variable(&binder, has_values, mark_loose);
-        each_variable(&binder, stays, mark_kept);
+        SPIRV_EACH(module, i, module->declarations, module->code)
+            if (spirv_is(i, SpvOpVariable))
+                mark_type(&binder, spirv_pointee(module, i), has_values(&binder, i) ? LOOSE : KEPT);
         good = check_capabilities(&binder) && check_local(&binder) &&
                each_variable(&binder, is_resource, bind_variable) &&
                each_variable(&binder, is_output, check_target_number) &&

@@ -284,14 +284,12 @@ static uint32_t put_reduced(struct sanitizer *s, uint32_t type, uint32_t mark)
 static uint32_t put_splat(struct sanitizer *s, uint32_t type, uint32_t mark)
 {
     const uint32_t *i = spirv_definition(s->from, type);
-    uint32_t count = spirv_parts(s->from, i), parts[66] = {content_shape(s, type)};
-    if (!count || !mark || !parts[0] || count > 64)
-        return count || !parts[0] ? 0 : mark;
+    uint32_t count = spirv_parts(s->from, i), parts[64], shape = content_shape(s, type);
+    if (!count || !mark || !shape || count > 64)
+        return count || !shape ? 0 : mark;
     for (uint32_t k = 0; k < count; k++)
-        parts[2 + k] = put_splat(s, spirv_part(i, k), mark);
-    parts[1] = s->edit.bound++;
-    spirv_put(&s->edit, &s->edit.code, SpvOpCompositeConstruct, parts, count + 2);
-    return parts[1];
+        parts[k] = put_splat(s, spirv_part(i, k), mark);
+    return spirv_put_value(&s->edit, &s->edit.code, SpvOpCompositeConstruct, shape, parts, count);
 }
 
 /* A value reaches a store, a condition or an index. */
@@ -356,19 +354,16 @@ static uint32_t visit_store(struct words *words, uint32_t word, uint32_t mark)
 static uint32_t put_pointer(struct sanitizer *s, uint32_t pointer)
 {
     const struct spirv *from = s->from;
-    uint32_t holder = holder_of(s, memory_base(from, pointer)), words[32] = {0}, count = 3;
+    uint32_t holder = holder_of(s, memory_base(from, pointer)), words[32] = {0}, count = 1;
     const uint32_t *i = spirv_definition(from, pointer);
     if (!holder || !spirv_is(i, SpvOpAccessChain))
         return holder;
-    uint32_t base =
+    words[0] =
         spirv_is(spirv_definition(from, i[3]), SpvOpAccessChain) ? put_pointer(s, i[3]) : holder;
     for (uint32_t word = 4; word < spirv_length(i) && count < 32; word++)
         words[count++] = i[word];
-    words[0] = pointer_type(s, content_shape(s, pointed_type(from, i[1])));
-    words[1] = s->edit.bound++;
-    words[2] = base;
-    spirv_put(&s->edit, &s->edit.code, SpvOpAccessChain, words, count);
-    return words[1];
+    uint32_t type = pointer_type(s, content_shape(s, pointed_type(from, i[1])));
+    return spirv_put_value(&s->edit, &s->edit.code, SpvOpAccessChain, type, words, count);
 }
 
 static uint32_t put_load(struct sanitizer *s, uint32_t holder, uint32_t type)
@@ -488,7 +483,7 @@ static bool is_generated(const struct spirv *from, uint32_t function)
 {
     SPIRV_EACH(from, i, from->definitions[function], from->count) {
         if (spirv_is(i, SpvOpLine))
-            return atoi((const char *)(spirv_definition(from, i[1]) + 2)) == 0;
+            return spirv_line_file(from, i) == 0;
         if (spirv_is(i, SpvOpFunctionEnd))
             break;
     }
@@ -519,7 +514,7 @@ static uint32_t put_renumbered(struct sanitizer *s, const uint32_t *call, uint32
     const char *name = spirv_name(s->from, call[3]);
     const uint32_t *type = spirv_definition(s->from, call[1]);
     const struct access *access = name ? find_access(s, name) : NULL;
-    uint32_t parts[6] = {content_shape(s, call[1])}, count = spirv_parts(s->from, type);
+    uint32_t parts[4], count = spirv_parts(s->from, type);
     if (!s->file || !access || !is_generated(s->from, call[3]) || count > 4)
         return mark;
     char word[64];
@@ -527,17 +522,14 @@ static uint32_t put_renumbered(struct sanitizer *s, const uint32_t *call, uint32
     struct memory memory = {0, access};
     uint32_t number = sanitizer_number(s, add_number(s, &memory, word));
     for (uint32_t k = 0; k < (count ? count : 1); k++) {
-        uint32_t part = count ? s->edit.bound++ : mark;
-        if (count)
-            PUT(s, SpvOpCompositeExtract, sanitizer_uint(s), part, mark, k);
-        parts[2 + k] =
+        uint32_t part =
+            count ? PUT_VALUE(s, SpvOpCompositeExtract, sanitizer_uint(s), mark, k) : mark;
+        parts[k] =
             sanitizer_call(s, "diptych_renumber(u1;u1;", &(struct values){{part, number}, 2});
     }
-    if (!count)
-        return parts[2];
-    parts[1] = s->edit.bound++;
-    spirv_put(&s->edit, &s->edit.code, SpvOpCompositeConstruct, parts, count + 2);
-    return parts[1];
+    return count ? spirv_put_value(&s->edit, &s->edit.code, SpvOpCompositeConstruct,
+                                   content_shape(s, call[1]), parts, count)
+                 : parts[0];
 }
 
 static uint32_t call_mark(struct sanitizer *s, const uint32_t *call)
@@ -552,22 +544,21 @@ static uint32_t call_mark(struct sanitizer *s, const uint32_t *call)
 /* The same instruction on marks: what moves values, and computes nothing. */
 static uint32_t put_moved(struct sanitizer *s, const uint32_t *i)
 {
-    uint32_t words[80], length = spirv_length(i);
-    if (length > 80 || !content_shape(s, i[1]) || !any_operand(s, i))
+    uint32_t words[80], length = spirv_length(i), shape = content_shape(s, i[1]);
+    if (length > 80 || !shape || !any_operand(s, i))
         return 0;
-    for (uint32_t word = 1; word < length; word++)
-        words[word - 1] = i[word];
-    words[0] = content_shape(s, i[1]);
-    words[1] = s->edit.bound++;
+    memcpy(words, i, length * sizeof *words);
+    words[2] = s->edit.bound++;
     bool pairs = spirv_is(i, SpvOpPhi), chooses = spirv_is(i, SpvOpSelect);
     uint32_t last = spirv_is(i, SpvOpVectorExtractDynamic)  ? 4
                     : spirv_is(i, SpvOpVectorInsertDynamic) ? 5
                                                             : length;
     for (uint32_t word = chooses ? 4 : 3; word < last; word += pairs ? 2 : 1)
         if (!spirv_is_literal(i, word))
-            words[word - 1] = sure_mark(s, i[word]);
-    spirv_put(&s->edit, &s->edit.code, spirv_opcode(i), words, length - 1);
-    return words[1];
+            words[word] = sure_mark(s, i[word]);
+    words[1] = shape;
+    spirv_copy(&s->edit, &s->edit.code, words);
+    return words[2];
 }
 
 static bool is_mixing(const struct sanitizer *s, const uint32_t *i)

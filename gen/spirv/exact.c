@@ -70,24 +70,6 @@ static const char *replacement_of(const struct exact *exact, const uint32_t *ins
     return NULL;
 }
 
-/* Appends a type as glslang mangles it: f1, vf3, mf34. False: no type of the library. */
-static bool mangle(const struct exact *exact, const uint32_t *type, bool scalar, char *name,
-                   size_t room)
-{
-    const struct spirv *from = exact->from;
-    bool matrix = spirv_is(type, SpvOpTypeMatrix), vector = spirv_is(type, SpvOpTypeVector);
-    const uint32_t *column = matrix ? spirv_definition(from, type[2]) : type;
-    char letter = spirv_letter(matrix || vector ? spirv_definition(from, column[2]) : type);
-    size_t length = strlen(name);
-    if (matrix)
-        snprintf(name + length, room - length, "m%c%u%u;", letter, type[3], column[3]);
-    else if (vector && !scalar)
-        snprintf(name + length, room - length, "v%c%u;", letter, type[3]);
-    else
-        snprintf(name + length, room - length, "%c1;", letter);
-    return letter && !(matrix && scalar);
-}
-
 /* The library's function for an instruction with operands from the word `first`; scalar: that for
  * their components. 0: none. */
 static uint32_t find_replacement(struct exact *exact, const uint32_t *instruction, const char *name,
@@ -96,8 +78,8 @@ static uint32_t find_replacement(struct exact *exact, const uint32_t *instructio
     char mangled[96];
     snprintf(mangled, sizeof mangled, "exact_%s(", name);
     for (uint32_t word = first; word < spirv_length(instruction); word++)
-        if (!mangle(exact, spirv_type(exact->from, instruction[word]), scalar, mangled,
-                    sizeof mangled))
+        if (!spirv_mangle(exact->from, spirv_type(exact->from, instruction[word]), scalar, mangled,
+                          sizeof mangled))
             return 0;
     return spirv_link_function(&exact->link, mangled);
 }

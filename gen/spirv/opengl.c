@@ -7,15 +7,6 @@
 #include "model/leaves.h"
 #include "passes.h"
 
-/* The variable with a built-in; 0: there is none. */
-static uint32_t find_builtin(const struct spirv *module, uint32_t builtin)
-{
-    SPIRV_EACH(module, i, module->annotations, module->declarations)
-        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn && i[3] == builtin)
-            return i[1];
-    return 0;
-}
-
 /* Whether it is the block of an array that stages hand on: Mesa's GLSL knows no locations of these, but those of arrays of structs. */
 static bool is_block_of_array(const struct spirv *module, uint32_t type)
 {
@@ -121,7 +112,7 @@ bool spirv_for_opengl(struct spirv *module, bool indirect)
     struct functions functions = {
         .edit = &edit,
         .copied = calloc(module->function_count + 1, sizeof *functions.copied),
-        .instance = indirect ? find_builtin(module, SpvBuiltInInstanceIndex) : 0};
+        .instance = indirect ? spirv_builtin(module, SpvBuiltInInstanceIndex) : 0};
     if (!functions.copied)
         return false;
     spirv_edit_begin(&edit, module);

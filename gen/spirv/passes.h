@@ -6,6 +6,8 @@
 /* strip.c: removes names, sources and lines in place, which no result depends on. Returns the new
  * count. */
 size_t spirv_strip(uint32_t *words, size_t count);
+/* The same of lines alone, from an offset on. */
+size_t spirv_strip_lines(uint32_t *words, size_t from, size_t count);
 
 /* opengl.c: makes a module for Vulkan one for OpenGL. indirect: for draws with a base instance.
  * False when out of memory, as for all that follow. */

@@ -65,12 +65,6 @@ struct memory memory_of(const struct sanitizer *s, uint32_t id)
 
 /* ---- Words ----------------------------------------------------------------------------------- */
 
-static uint32_t constant(const struct spirv *from, uint32_t id)
-{
-    const uint32_t *i = spirv_definition(from, id);
-    return spirv_is(i, SpvOpConstant) ? i[3] : 1;
-}
-
 static bool is_shared(const uint32_t *variable)
 {
     return spirv_is(variable, SpvOpVariable) && variable[3] == SpvStorageClassWorkgroup;
@@ -124,23 +118,27 @@ struct step_place {
     uint32_t type, matrix;
 };
 
+static void step_into(const struct spirv *from, struct step_place *at, uint32_t part, bool shared)
+{
+    const uint32_t *type = spirv_definition(from, at->type);
+    bool member = spirv_is(type, SpvOpTypeStruct);
+    at->offset += member ? member_offset(from, type, part, shared)
+                         : part * stride_of(from, type, shared, at->matrix);
+    if (member)
+        at->matrix = spirv_member_decoration(from, type[1], part, SpvDecorationMatrixStride);
+    at->type = spirv_part(type, part);
+}
+
 static void follow(struct sanitizer *s, struct step_place *at, uint32_t index, bool shared)
 {
     const struct spirv *from = s->from;
     const uint32_t *type = spirv_definition(from, at->type), *i = spirv_definition(from, index);
-    bool fixed = spirv_is(i, SpvOpConstant);
-    if (spirv_is(type, SpvOpTypeStruct)) {
-        at->offset += member_offset(from, type, i[3], shared);
-        at->matrix = spirv_member_decoration(from, type[1], i[3], SpvDecorationMatrixStride);
-        at->type = type[2 + i[3]];
+    if (spirv_is(i, SpvOpConstant)) {
+        step_into(from, at, i[3], shared);
         return;
     }
     uint32_t stride = stride_of(from, type, shared, at->matrix);
     at->type = type[2];
-    if (fixed) {
-        at->offset += i[3] * stride;
-        return;
-    }
     uint32_t product = sanitizer_two(s, SpvOpIMul, index, sanitizer_number(s, stride));
     at->word = at->word ? sanitizer_two(s, SpvOpIAdd, at->word, product) : product;
 }
@@ -174,18 +172,8 @@ static uint32_t visit(struct words *words, const struct step_place *at, uint32_t
 static uint32_t visit_part(struct words *words, const struct step_place *at, uint32_t k,
                            uint32_t mark)
 {
-    const struct spirv *from = words->s->from;
-    const uint32_t *type = spirv_definition(from, at->type);
-    bool shared = !words->memory->access;
     struct step_place part = *at;
-    if (spirv_is(type, SpvOpTypeStruct)) {
-        part.type = type[2 + k];
-        part.offset += member_offset(from, type, k, shared);
-        part.matrix = spirv_member_decoration(from, type[1], k, SpvDecorationMatrixStride);
-    } else {
-        part.type = type[2];
-        part.offset += k * stride_of(from, type, shared, at->matrix);
-    }
+    step_into(words->s->from, &part, k, !words->memory->access);
     return visit(words, &part, put_part(words->s, part.type, mark, k));
 }
 
@@ -193,54 +181,37 @@ static uint32_t visit_parts(struct words *words, const struct step_place *at, ui
                             uint32_t mark)
 {
     struct sanitizer *s = words->s;
-    uint32_t parts[MOST_PARTS + 2] = {content_shape(s, at->type)}, any = 0;
+    uint32_t parts[MOST_PARTS], shape = content_shape(s, at->type), any = 0;
     for (uint32_t k = 0; k < count; k++) {
         uint32_t own = visit_part(words, at, k, mark);
         if (k < MOST_PARTS)
-            parts[2 + k] = own;
+            parts[k] = own;
         any |= own;
     }
-    if (!any || !parts[0] || count > MOST_PARTS)
+    if (!any || !shape || count > MOST_PARTS)
         return 0;
     const uint32_t *type = spirv_definition(s->from, at->type);
     for (uint32_t k = 0; k < count; k++) {
-        uint32_t own = spirv_is(type, SpvOpTypeStruct) ? type[2 + k] : type[2];
-        if (!parts[2 + k])
-            parts[2 + k] =
-                spirv_declare(&s->edit, SpvOpConstantNull, content_shape(s, own), NULL, 0);
+        uint32_t own = content_shape(s, spirv_part(type, k));
+        if (!parts[k])
+            parts[k] = spirv_declare(&s->edit, SpvOpConstantNull, own, NULL, 0);
     }
-    parts[1] = s->edit.bound++;
-    spirv_put(&s->edit, &s->edit.code, SpvOpCompositeConstruct, parts, count + 2);
-    return parts[1];
+    return spirv_put_value(&s->edit, &s->edit.code, SpvOpCompositeConstruct, shape, parts, count);
 }
 
 static uint32_t visit(struct words *words, const struct step_place *at, uint32_t mark)
 {
     struct sanitizer *s = words->s;
     const uint32_t *type = spirv_definition(s->from, at->type);
-    uint32_t count = 0;
-    switch (spirv_opcode(type)) {
-    case SpvOpTypeVector:
-    case SpvOpTypeMatrix:
-        count = type[3];
-        break;
-    case SpvOpTypeArray:
-        count = constant(s->from, type[3]);
-        break;
-    case SpvOpTypeStruct:
-        count = spirv_length(type) - 2;
-        break;
-    case SpvOpTypeInt:
-    case SpvOpTypeFloat:
-    case SpvOpTypeBool: {
-        uint32_t word =
-            at->word ? put_offset(s, at->word, at->offset) : sanitizer_number(s, at->offset);
-        return words->visit(words, word, mark);
-    }
-    default:
+    uint32_t count = spirv_parts(s->from, type);
+    if (count)
+        return visit_parts(words, at, count, mark);
+    if (!spirv_is(type, SpvOpTypeInt) && !spirv_is(type, SpvOpTypeFloat) &&
+        !spirv_is(type, SpvOpTypeBool))
         return 0;
-    }
-    return visit_parts(words, at, count, mark);
+    uint32_t word =
+        at->word ? put_offset(s, at->word, at->offset) : sanitizer_number(s, at->offset);
+    return words->visit(words, word, mark);
 }
 
 uint32_t memory_visit(struct words *words, uint32_t pointer, uint32_t mark)
@@ -260,25 +231,17 @@ static uint32_t extent_of(const struct spirv *from, uint32_t id, bool shared, ui
     uint32_t most = 0;
     if (shared)
         return spirv_scalars(from, id);
-    switch (spirv_opcode(type)) {
-    case SpvOpTypeVector:
-    case SpvOpTypeMatrix:
-        return (type[3] - 1) * stride_of(from, type, false, matrix) +
-               extent_of(from, type[2], false, 0);
-    case SpvOpTypeArray:
-        return (constant(from, type[3]) - 1) * stride_of(from, type, false, 0) +
+    uint32_t parts = spirv_parts(from, type);
+    if (parts && !spirv_is(type, SpvOpTypeStruct))
+        return (parts - 1) * stride_of(from, type, false, matrix) +
                extent_of(from, type[2], false, matrix);
-    case SpvOpTypeStruct:
-        for (uint32_t k = 2; k < spirv_length(type); k++) {
-            uint32_t stride = spirv_member_decoration(from, id, k - 2, SpvDecorationMatrixStride);
-            uint32_t end =
-                member_offset(from, type, k - 2, false) + extent_of(from, type[k], false, stride);
-            most = end > most ? end : most;
-        }
-        return most;
-    default:
-        return spirv_length(type) > 2 && type[2] == 64 ? 2 : 1;
+    for (uint32_t k = 0; k < parts; k++) {
+        uint32_t stride = spirv_member_decoration(from, id, k, SpvDecorationMatrixStride);
+        uint32_t end = member_offset(from, type, k, false) +
+                       extent_of(from, spirv_part(type, k), false, stride);
+        most = end > most ? end : most;
     }
+    return parts ? most : spirv_length(type) > 2 && type[2] == 64 ? 2 : 1;
 }
 
 uint32_t memory_range(struct sanitizer *s, const struct memory *memory, uint32_t pointer,

@@ -339,8 +339,7 @@ static bool drops_reads(const struct proof *proof, const struct value_use *use)
 /* A value goes nowhere but through variables and out of functions whose results are dropped. */
 static bool drops(const struct proof *proof, const struct value_use *use)
 {
-    const uint32_t *variable =
-        proof->module->words + proof->module->definitions[use->instruction[1]];
+    const uint32_t *variable = spirv_definition(proof->module, use->instruction[1]);
     if (spirv_is(use->instruction, SpvOpReturnValue))
         return all_uses(proof, use->function, use->depth + 1, drops_reads);
     return spirv_is(use->instruction, SpvOpStore) && use->operand == 2 &&
@@ -355,7 +354,7 @@ static bool reads_xy(const struct proof *proof, const uint32_t *instruction)
 {
     if (spirv_is(instruction, SpvOpLoad))
         return all_uses(proof, instruction[2], 0, takes_xy);
-    const uint32_t *index = proof->module->words + proof->module->definitions[instruction[4]];
+    const uint32_t *index = spirv_definition(proof->module, instruction[4]);
     return spirv_is(index, SpvOpConstant) && index[3] < 2;
 }
 
@@ -368,7 +367,7 @@ static const char *value_name(const struct proof *proof, uint32_t id)
 /* A load, or an access chain. */
 static void check_input(struct proof *proof, const uint32_t *instruction)
 {
-    const uint32_t *variable = proof->module->words + proof->module->definitions[instruction[3]];
+    const uint32_t *variable = spirv_definition(proof->module, instruction[3]);
     const struct id *id = &proof->ids[instruction[3]];
     if (!spirv_is(variable, SpvOpVariable) || variable[3] != SpvStorageClassInput)
         return;

@@ -13,8 +13,9 @@
 
 struct quad {                /* an operation */
     uint32_t number, caller; /* variables; caller: of generated text, 0: none */
-    uint32_t file, line, site;
+    uint32_t site;
 };
+enum { QUAD_WORDS = sizeof(struct quad) / sizeof(uint32_t) };
 struct quads {
     bool fragment;
     bool *meets;   /* by id of a function: a call of it may come to such an operation */
@@ -22,8 +23,7 @@ struct quads {
     uint32_t
         discard; /* variable: 1 in an invocation that is discarded, which drivers may run on; 0: none is */
     uint32_t before, calls;
-    struct quad *list;
-    uint32_t count, room;
+    struct spirv_words list; /* of struct quad */
 };
 
 /* The word of an operation that takes a derivative; NULL: it takes none. */
@@ -87,7 +87,7 @@ void quads_free(struct sanitizer *s)
 {
     if (s->quads) {
         free(s->quads->meets);
-        free(s->quads->list);
+        free(s->quads->list.data);
     }
     free(s->quads);
 }
@@ -123,22 +123,6 @@ uint32_t quads_path(struct sanitizer *s, size_t place)
     return path;
 }
 
-static struct quad *add_quad(struct sanitizer *s)
-{
-    struct quads *quads = s->quads;
-    if (quads->count == quads->room) {
-        uint32_t room = quads->room * 2 + 16;
-        struct quad *list = realloc(quads->list, room * sizeof *list);
-        if (!list) {
-            s->edit.failed = true;
-            return NULL;
-        }
-        quads->list = list;
-        quads->room = room;
-    }
-    return &quads->list[quads->count++];
-}
-
 /* The number after one more coming; the same in an invocation that is discarded. */
 static uint32_t put_next(struct sanitizer *s, uint32_t variable, size_t place)
 {
@@ -154,18 +138,16 @@ static uint32_t put_next(struct sanitizer *s, uint32_t variable, size_t place)
 
 static void put_operation(struct sanitizer *s, const char *word, size_t place)
 {
-    struct quad *quad = add_quad(s);
     uint32_t caller = s->file ? 0 : sanitizer_caller(s);
-    if (!quad)
-        return;
     s->kind = SANITIZE_FLOW;
-    *quad = (struct quad){
-        sanitizer_variable(s), caller ? sanitizer_variable(s) : 0, s->file, s->line,
+    const struct quad quad = {
+        sanitizer_variable(s), caller ? sanitizer_variable(s) : 0,
         sanitizer_site(s, word, "", "some invocations of the quad do not reach this derivative")};
+    spirv_append(&s->edit, &s->quads->list, (const uint32_t *)&quad, QUAD_WORDS);
     if (caller)
-        PUT(s, SpvOpStore, quad->caller, sanitizer_load(s, caller));
-    uint32_t next = put_next(s, quad->number, place);
-    PUT(s, SpvOpStore, quad->number, next);
+        PUT(s, SpvOpStore, quad.caller, sanitizer_load(s, caller));
+    uint32_t next = put_next(s, quad.number, place);
+    PUT(s, SpvOpStore, quad.number, next);
 }
 
 void quads_before(struct sanitizer *s, size_t place)
@@ -234,8 +216,8 @@ void quads_end(struct sanitizer *s)
     spirv_copy(&s->edit, &s->edit.code, s->from->words + function->begin);
     uint32_t label = s->edit.bound++;
     PUT(s, SpvOpLabel, label);
-    for (uint32_t i = 0; i < s->quads->count; i++)
-        put_quad(s, &s->quads->list[i]);
+    for (size_t at = 0; at < s->quads->list.count; at += QUAD_WORDS)
+        put_quad(s, (const struct quad *)(s->quads->list.data + at));
     if (s->quads->discard)
         put_discard(s);
     spirv_put(&s->edit, &s->edit.code, SpvOpReturn, NULL, 0);

@@ -57,10 +57,8 @@ static void mark_all(struct reach *reach)
             mark_entry(reach, instruction);
         else if (spirv_is(instruction, SpvOpExtInstImport) || spirv_is(instruction, SpvOpString))
             mark(reach, instruction[1]);
-    SPIRV_EACH(module, i, module->annotations, module->declarations)
-        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
-            i[3] == SpvBuiltInWorkgroupSize)
-            mark(reach, i[1]);
+    if (spirv_builtin(module, SpvBuiltInWorkgroupSize))
+        mark(reach, spirv_builtin(module, SpvBuiltInWorkgroupSize));
     while (reach->count) {
         size_t at = module->definitions[reach->queue[--reach->count]];
         if (at >= module->code && spirv_is(module->words + at, SpvOpFunction))

@@ -4,6 +4,7 @@
  *
  * Text of the generator has no place of its own: what it does is told where the author calls it. */
 #include "model/leaves.h"
+#include "passes.h"
 #include "prove.h"
 #include "sanitizer.h"
 
@@ -305,23 +306,16 @@ static uint32_t put_check(struct sanitizer *s, const struct check *check, const 
 {
     struct values values = {.count = 0};
     char mangled[96];
-    int length = snprintf(mangled, sizeof mangled, "diptych_%s(", check->function);
+    snprintf(mangled, sizeof mangled, "diptych_%s(", check->function);
     for (uint32_t i = 0; i < check->count; i++) {
         uint32_t id = operands[check->first + i];
-        const uint32_t *type = spirv_type(s->from, id), *scalar = spirv_scalar(s->from, type);
-        bool vector = spirv_is(type, SpvOpTypeVector);
-        if (!spirv_letter(scalar))
+        const uint32_t *type = spirv_type(s->from, id);
+        bool part = spirv_is(type, SpvOpTypeVector) && !check->whole;
+        if (!spirv_mangle(s->from, type, !check->whole, mangled, sizeof mangled))
             return 0;
-        const char letters[] = {spirv_letter(scalar), 0};
-        length +=
-            vector && check->whole
-                ? snprintf(mangled + length, sizeof mangled - (size_t)length, "v%s%u;", letters,
-                           type[3])
-                : snprintf(mangled + length, sizeof mangled - (size_t)length, "%s1;", letters);
-        values.ids[values.count++] =
-            vector && !check->whole ? put_part(s, id, type, component) : id;
+        values.ids[values.count++] = part ? put_part(s, id, type, component) : id;
     }
-    snprintf(mangled + length, sizeof mangled - (size_t)length, "u1;u1;");
+    strncat(mangled, "u1;u1;", sizeof mangled - strlen(mangled) - 1);
     sanitizer_place(s, &values, site);
     return sanitizer_call(s, mangled, &values);
 }
@@ -368,14 +362,13 @@ static uint32_t put_safe(struct sanitizer *s, const struct check *check,
     for (uint32_t i = 0; i < width; i++) {
         struct values values = {.count = check->count};
         char mangled[64];
-        int length = snprintf(mangled, sizeof mangled, "diptych_safe_%s(", check->function);
+        snprintf(mangled, sizeof mangled, "diptych_safe_%s(", check->function);
         for (uint32_t k = 0; k < check->count; k++) {
             uint32_t id = instruction[3 + check->first + k];
             const uint32_t *type = spirv_type(s->from, id);
-            char letter = spirv_letter(spirv_scalar(s->from, type));
+            if (!spirv_mangle(s->from, type, true, mangled, sizeof mangled))
+                return 0;
             values.ids[k] = width > 1 ? put_part(s, id, type, i) : id;
-            length += snprintf(mangled + length, sizeof mangled - (size_t)length, "%c1;",
-                               letter ? letter : '?');
         }
         parts[i] = sanitizer_call(s, mangled, &values);
         if (!parts[i])
@@ -436,18 +429,17 @@ static uint32_t put_finite(struct sanitizer *s, uint32_t id)
         const uint32_t *column = spirv_definition(s->from, type[2]);
         for (uint32_t i = 0; i < type[3] && spirv_letter(spirv_scalar(s->from, column)) == 'f';
              i++) {
-            char mangled[40];
+            char mangled[40] = "diptych_finite(";
             struct values values = {{put_part(s, id, type, i)}, 1};
-            snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", column[3]);
+            spirv_mangle(s->from, column, false, mangled, sizeof mangled);
             all = put_bool(s, SpvOpLogicalAnd, all, sanitizer_call(s, mangled, &values));
         }
         return all;
     }
-    if (spirv_letter(spirv_scalar(s->from, type)) != 'f')
+    char mangled[40] = "diptych_finite(";
+    if (spirv_letter(spirv_scalar(s->from, type)) != 'f' ||
+        !spirv_mangle(s->from, type, false, mangled, sizeof mangled))
         return 0;
-    char mangled[40] = "diptych_finite(f1;";
-    if (spirv_is(type, SpvOpTypeVector))
-        snprintf(mangled, sizeof mangled, "diptych_finite(vf%u;", type[3]);
     return sanitizer_call(s, mangled, &(struct values){{id}, 1});
 }
 
@@ -929,7 +921,7 @@ static void put_function(struct sanitizer *s, const struct spirv_function *funct
     SPIRV_EACH_AT(s->from, at, function->begin, function->end) {
         const uint32_t *i = s->from->words + at;
         if (spirv_is(i, SpvOpLine)) {
-            s->file = (uint32_t)atoi((const char *)(spirv_definition(s->from, i[1]) + 2));
+            s->file = spirv_line_file(s->from, i);
             s->line = i[2];
         } else if (check) {
             spirv_copy(&s->edit, &s->edit.code, i);
@@ -963,20 +955,6 @@ static void copy_front(struct sanitizer *s)
     }
 }
 
-/* glslang puts lines between constants, too. */
-static void drop_lines(struct spirv_words *words)
-{
-    size_t count = 0, length;
-    for (size_t at = 0; at < words->count; at += length) {
-        length = spirv_length(words->data + at);
-        if (spirv_is(words->data + at, SpvOpLine) || spirv_is(words->data + at, SpvOpNoLine))
-            continue;
-        memmove(words->data + count, words->data + at, length * sizeof *words->data);
-        count += length;
-    }
-    words->count = count;
-}
-
 bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request)
 {
     struct sanitizer s = {.request = request,
@@ -993,7 +971,8 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
             put_function(&s, function);
         content_end(&s);
         quads_end(&s);
-        drop_lines(&s.edit.declarations);
+        struct spirv_words *own = &s.edit.declarations; /* glslang puts lines between them */
+        own->count = spirv_strip_lines(own->data, 0, own->count);
         copy_front(&s);
     }
     content_free(&s);

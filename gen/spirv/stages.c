@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "model/leaves.h"
 #include "stages.h"
 
 enum { NOWHERE = -1, MOST_LOCATIONS = 1024 };
@@ -28,20 +29,6 @@ struct side {
 
 /* ---- One side -------------------------------------------------------------------------------- */
 
-static int locations_of(const struct spirv *module, uint32_t id)
-{
-    const uint32_t *type = spirv_definition(module, id);
-    uint32_t parts = spirv_parts(module, type);
-    int count = 0;
-    if (spirv_is(type, SpvOpTypeVector))
-        return parts > 2 && spirv_definition(module, type[2])[2] == 64 ? 2 : 1;
-    if (!spirv_is(type, SpvOpTypeStruct))
-        return parts ? (int)parts * locations_of(module, type[2]) : 1;
-    for (uint32_t part = 0; part < parts && count <= MOST_LOCATIONS; part++)
-        count += locations_of(module, type[2 + part]);
-    return count;
-}
-
 /* The struct of a variable, below the layers of arrays; 0: it is no block. */
 static uint32_t block_of(const struct spirv *module, uint32_t type)
 {
@@ -58,15 +45,6 @@ static bool is_built_in(const struct spirv *module, uint32_t id, uint32_t block)
            (block && spirv_member_decoration(module, block, 0, SpvDecorationBuiltIn) != UINT32_MAX);
 }
 
-static bool code_mentions(const struct spirv *module, uint32_t id)
-{
-    SPIRV_EACH(module, i, module->code, module->count)
-        for (uint32_t word = 1; word < spirv_length(i); word++)
-            if (i[word] == id && !spirv_is_literal(i, word))
-                return true;
-    return false;
-}
-
 static void add_between(struct side *side, const uint32_t *variable)
 {
     const struct spirv *module = side->module;
@@ -75,6 +53,7 @@ static void add_between(struct side *side, const uint32_t *variable)
     if (is_built_in(module, id, block))
         return;
     uint32_t location = spirv_decoration(module, id, SpvDecorationLocation);
+    uint64_t locations = spirv_locations(module, type);
     if (block && location == UINT32_MAX)
         location = spirv_member_decoration(module, block, 0, SpvDecorationLocation);
     side->list[side->count++] =
@@ -83,10 +62,10 @@ static void add_between(struct side *side, const uint32_t *variable)
                          .block = block,
                          .name = spirv_name(module, block ? block : id),
                          .location = location < MOST_LOCATIONS ? (int)location : NOWHERE,
-                         .count = locations_of(module, type),
+                         .count = locations < MOST_LOCATIONS ? (int)locations : MOST_LOCATIONS,
                          .component = spirv_decoration(module, id, SpvDecorationComponent),
                          .given = location != UINT32_MAX,
-                         .used = code_mentions(module, id)};
+                         .used = spirv_mentions(module, NULL, id)};
 }
 
 /* Gives locations to those that have none: the first free ones, in order. */

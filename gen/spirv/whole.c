@@ -69,13 +69,9 @@ static uint32_t constant_number(const struct spirv *module, uint32_t id)
 /* The size of a workgroup in LocalSize, in place, also where a constant or other ids give it. */
 static void set_local(struct spirv *module)
 {
-    const uint32_t *size = NULL;
-    SPIRV_EACH(module, i, module->annotations, module->declarations)
-        if (spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
-            i[3] == SpvBuiltInWorkgroupSize)
-            size = spirv_definition(module, i[1]) + 3;
-    if (size && (!spirv_is(size - 3, SpvOpConstantComposite) || spirv_length(size - 3) != 6))
-        size = NULL;
+    const uint32_t *own = spirv_definition(module, spirv_builtin(module, SpvBuiltInWorkgroupSize));
+    bool known = spirv_is(own, SpvOpConstantComposite) && spirv_length(own) == 6;
+    const uint32_t *size = known ? own + 3 : NULL;
     SPIRV_CHANGE(module, i, SPIRV_HEADER, module->annotations) {
         bool ids = spirv_is(i, SpvOpExecutionModeId) && i[2] == SpvExecutionModeLocalSizeId;
         if (!ids && !(spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeLocalSize))
@@ -118,16 +114,9 @@ static const struct body_file *find_module(const struct body_files *files, uint3
 /* Without lines, which makes no valid module of all that follows. */
 static bool without_lines(struct spirv *module)
 {
-    size_t end = module->count, count = SPIRV_HEADER, length;
-    uint32_t *words = spirv_take(module, &end);
-    for (size_t at = SPIRV_HEADER; at < end; at += length) {
-        length = spirv_length(words + at);
-        if (spirv_is(words + at, SpvOpLine) || spirv_is(words + at, SpvOpNoLine))
-            continue;
-        memmove(words + count, words + at, length * sizeof *words);
-        count += length;
-    }
-    return spirv_read(module, words, count);
+    size_t count;
+    uint32_t *words = spirv_take(module, &count);
+    return spirv_read(module, words, spirv_strip_lines(words, SPIRV_HEADER, count));
 }
 
 static bool read_own(const struct pass *pass, const struct shader *shader, bool lines,
