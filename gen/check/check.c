@@ -124,8 +124,6 @@ bool check_model(struct model *model, const char *templates_dir, struct diag *di
 {
     struct checker c = {
         .model = model, .pipeline = &model->pipeline, .diag = diag, .templates_dir = templates_dir};
-    c.bodies = calloc(model->pipeline.pass_count + 1, sizeof *c.bodies);
-    c.out_of_memory = !c.bodies;
     check_names(&c);
     check_params(&c);
     check_constants(&c);
@@ -135,14 +133,10 @@ bool check_model(struct model *model, const char *templates_dir, struct diag *di
     check_passes(&c);
     check_content(&c);
     check_contracts(&c);
-    if (c.bodies)
-        check_bodies(&c);
+    check_bodies(&c);
     check_asserts(&c);
-    if (c.bodies && !diag_error_count(diag)) /* after an error, used names may look unused */
+    if (!diag_error_count(diag)) /* after an error, used names may look unused */
         check_unused(&c);
-    for (uint32_t i = 0; c.bodies && i < model->pipeline.pass_count; i++)
-        free(c.bodies[i].tokens);
-    free(c.bodies);
     free(c.exprs);
     if (c.out_of_memory)
         diag_error(diag, (struct loc){0}, "out of memory");

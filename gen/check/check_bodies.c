@@ -1,7 +1,5 @@
 /* Pass bodies: their files, and what the plan asks of them. Also the warnings about declarations
  * that nothing names. */
-#include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "read/body_files.h"
@@ -60,62 +58,6 @@ static const char *body_name(struct checker *c, const char *name, struct loc loc
 
 enum { MAX_CALLS = 16 }; /* GLSL has no recursion; a limit for wrong bodies */
 
-/* ---- Identifiers ----------------------------------------------------------------------------- */
-
-static void add_token(struct checker *c, struct body *body, struct token token)
-{
-    if (body->count == body->capacity) {
-        size_t capacity = body->capacity ? 2 * body->capacity : 256;
-        struct token *tokens = realloc(body->tokens, capacity * sizeof *tokens);
-        if (!tokens) {
-            c->out_of_memory = true;
-            return;
-        }
-        body->tokens = tokens;
-        body->capacity = capacity;
-    }
-    body->tokens[body->count++] = token;
-}
-
-static void scan_file(struct checker *c, struct body *body, const char *at)
-{
-    int depth = 0;
-    char before = 0;
-    while (*at) {
-        unsigned char first = (unsigned char)*at;
-        const char *start = at++;
-        if (isalnum(first) || first == '_') {
-            while (isalnum((unsigned char)*at) || *at == '_' || (isdigit(first) && *at == '.'))
-                at++;
-            const char *next = at + strspn(at, " \t\n");
-            if (!isdigit(first))
-                add_token(c, body, (struct token){start, (int)(at - start), before, *next, depth});
-            before = isdigit(first) ? '0' : 'a';
-            continue;
-        }
-        depth += (first == '{') - (first == '}');
-        before = isspace(first) ? before : (char)first;
-    }
-}
-
-static bool token_is(const struct token *token, const char *name)
-{
-    return (size_t)token->length == strlen(name) &&
-           !memcmp(token->text, name, (size_t)token->length);
-}
-
-/* The place where the body declares a function of this name; NULL: it does not. */
-static const struct token *function_named(const struct body *body, const char *name, int length)
-{
-    for (size_t i = 1; i < body->count; i++)
-        if (body->tokens[i].before == 'a' && body->tokens[i].after == '(' &&
-            body->tokens[i].length == length &&
-            !memcmp(body->tokens[i].text, name, (size_t)length) &&
-            !token_is(&body->tokens[i - 1], "return") && !token_is(&body->tokens[i - 1], "else"))
-            return &body->tokens[i];
-    return NULL;
-}
-
 /* ---- What the plan asks ---------------------------------------------------------------------- */
 
 /* Whether the body depends on the workgroup's size: it uses shared memory, barriers, or built-ins
@@ -135,71 +77,78 @@ static bool minds_group(const struct body_files *files)
     return false;
 }
 
-static bool reads_image(const struct pass *pass, const struct token *token)
+/* Behind the name of a function of the body, where it is declared; NULL: it is none. */
+static const char *function_named(const struct body_files *files, struct token name)
+{
+    for (uint32_t i = 0; i < files->count; i++) {
+        const char *cursor = files->list[i].code;
+        struct token before = {0}, token = token_next(&cursor);
+        for (; token.length; before = token, token = token_next(&cursor))
+            if (token.length == name.length && !memcmp(token.text, name.text, name.length) &&
+                cursor[strspn(cursor, " \t\n")] == '(' && token_is_word(before) &&
+                !token_is(before, "return") && !token_is(before, "else"))
+                return cursor;
+    }
+    return NULL;
+}
+
+static bool reads_image(const struct pass *pass, struct token token)
 {
     EACH(access, pass->accesses, pass->access_count) {
         const char *word = access_word(access);
         size_t length = strlen(word);
-        if (access->resource && access->resource->kind == DT_IMAGE && token->before != '.' &&
-            !strncmp(token->text, word, length) &&
-            (token->length == (int)length || token->text[length] == '_'))
+        if (access->resource && access->resource->kind == DT_IMAGE && token.length >= length &&
+            !strncmp(token.text, word, length) &&
+            (token.length == length || token.text[length] == '_'))
             return true;
     }
     return false;
 }
 
-/* Adds what the block behind the token does, itself and in functions of the body, to `range`. */
-static void note_block(const struct pass *pass, const struct body *body, const struct token *token,
-                       int calls, struct range *range)
+/* Adds what the next block does, itself and in functions of the body, to `range`. */
+static void note_block(const struct pass *pass, const char *cursor, int calls, struct range *range)
 {
-    const struct token *end = body->tokens + body->count;
-    int depth = token->depth;
-    while (token < end && token->depth <= depth)
-        token++;
-    for (; token < end && token->depth > depth; token++) {
-        const struct token *function =
-            token->after == '(' ? function_named(body, token->text, token->length) : NULL;
+    struct token before = {0}, token = token_next(&cursor);
+    for (int depth = 0; token.length; before = token, token = token_next(&cursor)) {
+        depth += token_is(token, "{") - token_is(token, "}");
+        if (!depth && token_is(token, "}"))
+            break;
+        if (depth < 1 || !token_is_word(token))
+            continue;
+        bool called = cursor[strspn(cursor, " \t\n")] == '(';
+        const char *function = called ? function_named(pass->files, token) : NULL;
         range->words += range->words < INT32_MAX;
-        range->reads_images |= reads_image(pass, token);
+        range->reads_images |= !token_is(before, ".") && reads_image(pass, token);
         if (function && calls < MAX_CALLS && range->words < INT32_MAX)
-            note_block(pass, body, function, calls + 1, range);
+            note_block(pass, function, calls + 1, range);
     }
 }
 
-/* Notes what the loops over ranges do, since that says how long they are when unrolled. */
-static void note_loops(struct checker *c, struct pass *pass, struct body *body)
+/* Notes what a loop over a range does, since that says how long it is when unrolled; and whether the body asks for the
+ * length of an array: of a buffer whose count is not fixed by the parameters it would be that of the limit, so plan.c reads
+ * such buffers as storage, except in a range with `storage: uniform`. */
+static void note_range(struct checker *c, const struct pass *pass, struct range *range)
 {
-    for (uint32_t i = 0; pass->range_count && i < pass->files->count; i++)
-        scan_file(c, body, pass->files->list[i].code);
-    CHANGE_EACH(range, pass->ranges, pass->range_count)
-        for (size_t k = 0; k < body->count; k++)
-            if (body->tokens[k].before == ':' && token_is(&body->tokens[k], range->name))
-                note_block(pass, body, &body->tokens[k], 0, range);
-}
-
-/* Whether the body asks for the length of an array: of a buffer whose count is not fixed by the
- * parameters it would be that of the limit, so plan.c reads such buffers as storage, except in a
- * range with `storage: uniform`. */
-static void note_lengths(struct checker *c, struct pass *pass, const struct body *body)
-{
-    pass->asks_length = body_mentions_member(pass->files, "length");
-    for (size_t k = 1; k < body->count; k++) {
-        const struct token *word = &body->tokens[k - 1];
-        bool asks = body->tokens[k].before == '.' && token_is(&body->tokens[k], "length");
-        for (uint32_t i = 0; asks && i < pass->range_count; i++) {
-            const struct access *access = pass->ranges[i].access;
-            if (pass->ranges[i].storage == STORAGE_UNIFORM && access && access->resource &&
-                access->resource->count && !expr_is_literal(access->resource->count) &&
-                token_is(word, access_word(access)))
-                diag_error(c->diag, pass->ranges[i].loc,
+    const struct access *access = range->access;
+    bool fixed = range->storage != STORAGE_UNIFORM || !access || !access->resource ||
+                 !access->resource->count || expr_is_literal(access->resource->count);
+    for (uint32_t i = 0; i < pass->files->count; i++) {
+        const char *cursor = pass->files->list[i].code;
+        struct token last[2] = {{0}}, token = token_next(&cursor);
+        for (; token.length; last[1] = last[0], last[0] = token, token = token_next(&cursor)) {
+            if (token_is(last[0], ":") && token_is(token, range->name))
+                note_block(pass, cursor, 0, range);
+            if (!fixed && token_is(token, "length") && token_is(last[0], ".") &&
+                token_is(last[1], access_word(access)))
+                diag_error(c->diag, range->loc,
                            "`%s.length()`: the range `%s` has `storage: uniform`, and a uniform "
                            "block has no length; use `%s_count`",
-                           access_word(access), pass->ranges[i].name, access_word(access));
+                           access_word(access), range->name, access_word(access));
         }
     }
 }
 
-static void check_body(struct checker *c, struct pass *pass, struct body *body)
+static void check_body(struct checker *c, struct pass *pass)
 {
     if (!pass->shader)
         return;
@@ -213,8 +162,9 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
     pass->shader =
         pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
     pass->minds_group = minds_group(pass->files);
-    note_loops(c, pass, body);
-    note_lengths(c, pass, body);
+    pass->asks_length = body_mentions_member(pass->files, "length");
+    CHANGE_EACH(range, pass->ranges, pass->range_count)
+        note_range(c, pass, range);
     pass->own_vertices = body_asks_for(pass->files, "VERTEX");
     if (pass->kind == DT_PASS_DRAW_VERTICES && !pass->own_vertices)
         diag_error(c->diag, pass->shader_loc,
@@ -228,8 +178,8 @@ static void check_body(struct checker *c, struct pass *pass, struct body *body)
 
 void check_bodies(struct checker *c)
 {
-    for (uint32_t i = 0; i < c->pipeline->pass_count; i++)
-        check_body(c, &c->pipeline->passes[i], &c->bodies[i]);
+    CHANGE_EACH(pass, c->pipeline->passes, c->pipeline->pass_count)
+        check_body(c, pass);
 }
 
 /* Whether a GLSL expression of the spec contains the name as a whole word. */

@@ -4,20 +4,6 @@
 #include "model/expr.h"
 #include "model/names.h"
 
-/* An identifier of a pass body, outside comments. */
-struct token {
-    const char *text;
-    int length;
-    /* the nearest non-space characters; before: 'a' for a word, '0' for a number; 0: none */
-    char before, after;
-    int depth; /* of braces */
-};
-
-struct body { /* the tokens of a pass's shader and of what it includes */
-    struct token *tokens;
-    size_t count, capacity;
-};
-
 struct checker {
     struct model *model;
     struct pipeline *pipeline;
@@ -26,7 +12,6 @@ struct checker {
     /* every expression of the spec, for the search for unused names */
     const struct expr **exprs;
     size_t expr_count, expr_capacity;
-    struct body *bodies; /* one per pass */
     bool out_of_memory;
 };
 

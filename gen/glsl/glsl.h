@@ -60,21 +60,6 @@ void glsl_put_before(struct text *part, struct text *front);
 const char *glsl_type(enum dt_type type);
 const char *glsl_element_type(const struct resource *buffer); /* struct or type name */
 
-/* ---- Scanning -------------------------------------------------------------------------------- */
-
-struct token {
-    const char *text; /* into the scanned text */
-    size_t length;    /* 0: end of the text */
-};
-/* The next identifier, number or single character from *cursor; skips blanks, comments and
- * preprocessor lines. */
-struct token token_next(const char **cursor);
-static inline bool token_is(struct token token, const char *text)
-{
-    return token.length && *token.text == *text && !strncmp(token.text, text, token.length) &&
-           !text[token.length];
-}
-
 /* ---- Parts ----------------------------------------------------------------------------------- */
 
 /* glsl_body.c: #line and the author's file, into PART_BODY; loops over ranges are expanded. */

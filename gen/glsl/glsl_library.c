@@ -2,53 +2,7 @@
  * them, and a stage gets those that it uses. */
 #include "glsl.h"
 
-#include <ctype.h>
 #include <string.h>
-
-/* ---- Scanning -------------------------------------------------------------------------------- */
-
-/* Skips blanks, comments and preprocessor lines. */
-static const char *skip_blank(const char *at)
-{
-    for (;;) {
-        while (isspace((unsigned char)*at))
-            at++;
-        if (at[0] == '/' && at[1] == '*') {
-            const char *end = strstr(at + 2, "*/");
-            at = end ? end + 2 : at + strlen(at);
-        } else if ((at[0] == '/' && at[1] == '/') || at[0] == '#') {
-            for (at += strcspn(at, "\n"); *at && at[-1] == '\\'; at += strcspn(at, "\n"))
-                at++;
-        } else {
-            return at;
-        }
-    }
-}
-
-/* The end of a number such as 12u, .5, 1.5e-3 or 0x1e. */
-static const char *skip_number(const char *at)
-{
-    const char *end = at + 1;
-    bool hexadecimal = *end == 'x' || *end == 'X';
-    while (text_is_word(*end) || *end == '.' ||
-           (!hexadecimal && (*end == '+' || *end == '-') && (end[-1] == 'e' || end[-1] == 'E')))
-        end++;
-    return end;
-}
-
-struct token token_next(const char **cursor)
-{
-    const char *at = skip_blank(*cursor), *end = at;
-    if (isdigit((unsigned char)at[*at == '.']))
-        end = skip_number(at);
-    else if (text_is_word(*end))
-        while (text_is_word(*end))
-            end++;
-    else if (*end)
-        end++;
-    *cursor = end;
-    return (struct token){at, (size_t)(end - at)};
-}
 
 /* ---- Definitions ----------------------------------------------------------------------------- */
 

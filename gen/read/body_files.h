@@ -4,6 +4,9 @@
  * declarations to write, what to read again when a file changes. */
 #pragma once
 
+#include <string.h>
+
+#include "base/text.h"
 #include "model/source.h"
 
 struct body_file {
@@ -75,3 +78,23 @@ char *find_version(char *code);
 void blank_comments(char *at);
 /* First occurrence of `word` as an identifier, not as a member behind a dot; NULL: none. */
 const char *find_word(const char *text, const char *word);
+
+/* ---- Scanning -------------------------------------------------------------------------------- */
+
+struct token {
+    const char *text; /* into the scanned text */
+    size_t length;    /* 0: end of the text */
+};
+/* The next identifier, number or single character from *cursor; skips blanks, comments and
+ * preprocessor lines. */
+struct token token_next(const char **cursor);
+static inline bool token_is(struct token token, const char *text)
+{
+    return token.length && *token.text == *text && !strncmp(token.text, text, token.length) &&
+           !text[token.length];
+}
+/* Whether it is an identifier. */
+static inline bool token_is_word(struct token token)
+{
+    return token.length && text_is_word(*token.text) && (*token.text < '0' || *token.text > '9');
+}
