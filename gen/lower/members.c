@@ -177,33 +177,3 @@ int64_t member_integer(const struct member *member, const void *row, uint32_t in
     memcpy(&value, at + index * size, size);
     return member->kind == MEMBER_SIGNED ? (int16_t)value : (int64_t)value;
 }
-
-static bool same_member(const struct member *member, const void *a, const void *b)
-{
-    const char *x = (const char *)a + member->offset, *y = (const char *)b + member->offset;
-    if (member->kind < MEMBER_ROW && member->kind != MEMBER_TEXT)
-        return memcmp(x, y, member->size) == 0;
-    if (member->kind == MEMBER_ROW)
-        return !members_difference(member->rows, x, y);
-    x = pointer_in(member, a), y = pointer_in(member, b);
-    uint32_t count = member_count(member, a);
-    if (!x || !y || count != member_count(member, b))
-        return !x == !y || (member->kind >= MEMBER_ROWS && !count && !member_count(member, b));
-    if (member->kind == MEMBER_TEXT)
-        return strcmp(x, y) == 0;
-    if (member->kind >= MEMBER_RESOURCES)
-        return memcmp(x, y, count * sizeof(uint16_t)) == 0;
-    for (uint32_t i = 0; i < count; i++)
-        if (members_difference(member->rows, x + i * member->rows->size,
-                               y + i * member->rows->size))
-            return false;
-    return true;
-}
-
-const char *members_difference(const struct members *members, const void *a, const void *b)
-{
-    for (size_t i = 0; i < members->count; i++)
-        if (!same_member(&members->list[i], a, b))
-            return members->list[i].name;
-    return NULL;
-}

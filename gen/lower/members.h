@@ -1,5 +1,5 @@
 /* The structs of panel.h and diptych.h that tables are made of, member by member. emit_members.c
- * prints them as C; tests compare them. A new member of a table is one line in members.c. */
+ * prints them as C; tests/app/play_test.c compares them. A new member of a table is one line in members.c. */
 #pragma once
 
 #include "lower.h"
@@ -47,8 +47,6 @@ extern const struct members storage_members, sampler_members, program_members, n
 int64_t member_integer(const struct member *member, const void *row, uint32_t index);
 /* Elements of a list or an array, else 1. */
 uint32_t member_count(const struct member *member, const void *row);
-/* The name of a member in which two rows differ; NULL: they are the same. */
-const char *members_difference(const struct members *members, const void *a, const void *b);
 
 /* ---- emit_members.c -------------------------------------------------------------------------- */
 
