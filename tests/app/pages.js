@@ -109,7 +109,7 @@ addEventListener("load", () => {
         const view = frame.contentWindow, before = said.length;
         for (const check of [check_widths, check_contrast, check_keys, check_verdict, check_looks])
             check(view, view.document);
-        said.splice(before, said.length, ...said.slice(before).map(text => `${frame.width}: ${text}`));
+        said.splice(before, said.length, ...said.slice(before).map(text => `${frame.name}: ${text}`));
     }
     const list = document.createElement("pre");
     list.id = "said";

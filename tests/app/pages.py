@@ -13,8 +13,9 @@ FLAGS = ("--headless --no-sandbox --disable-gpu --disable-quic --no-first-run --
 WIDTHS = (390, 1280, 2560)  # a phone, a usual and a large screen
 
 
-def look(path, scheme):
-    """The harness stands beside the page, for its relative links; a frame is as wide as a phone, which a window cannot be."""
+def look(path, schemes):
+    """The harness stands beside the page, for its relative links; a frame is as wide as a phone, which a window cannot be, and its
+    colour scheme is what the page prefers."""
     with open(path, encoding="utf-8") as file:
         page = re.sub(r"<meta http-equiv=\"Content-Security-Policy\".*?>", "", file.read())  # it would stop the harness's script
     with open(os.path.join(os.path.dirname(__file__), "pages.js"), encoding="utf-8") as file:
@@ -22,10 +23,10 @@ def look(path, scheme):
     harness = os.path.join(os.path.dirname(path), "harness.html")
     with open(harness, "w", encoding="utf-8") as file:
         file.write(f"<!DOCTYPE html><meta charset=utf-8><meta name=color-scheme content='light dark'><body><script>{script}</script>"
-                   + "".join(f"<iframe style='border: 0' width={width} height=800 srcdoc=\"{html.escape(page)}\"></iframe>" for width in WIDTHS))
+                   + "".join(f"<iframe name='{width} {scheme}' style='border: 0; color-scheme: {scheme}' width={width} height=800 "
+                             f"srcdoc=\"{html.escape(page)}\"></iframe>" for scheme in schemes for width in WIDTHS))
     with tempfile.TemporaryDirectory() as profile:
-        done = subprocess.run(["chromium", *FLAGS, f"--user-data-dir={profile}", "--window-size=2600,1000",
-                               f"--blink-settings=preferredColorScheme={0 if scheme == 'dark' else 1}", "--dump-dom",
+        done = subprocess.run(["chromium", *FLAGS, f"--user-data-dir={profile}", "--window-size=2600,1000", "--dump-dom",
                                "file://" + os.path.abspath(harness)], capture_output=True, text=True, check=False, timeout=600)
     os.unlink(harness)
     said = re.search(r'<pre id="said">looked at\n?(.*?)</pre>', done.stdout, re.DOTALL)
@@ -33,7 +34,7 @@ def look(path, scheme):
 
 
 def main():
-    wrong = [line for scheme in sys.argv[2:] for line in look(sys.argv[1], scheme)]
+    wrong = look(sys.argv[1], sys.argv[2:])
     print("\n".join(wrong[:100]))
     return bool(wrong)
 

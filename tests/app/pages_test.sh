@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Pages as readers meet them: on a phone, a usual and a large screen, light and dark, by keyboard alone. pages.js looks in Chromium.
-# Those of sweeps are read in sweep_test.sh. TAP.
+# Those of sweeps and reports are read in their tests. TAP.
 # shellcheck source=tests/lib/tap.sh
 . "$(dirname "$0")/../lib/tap.sh"
 cd "$work" || exit 1
@@ -10,10 +10,6 @@ small=(--spec "$root/templates/rsm.yaml" --set rsm_size=64 --set samples=4)
 reads_well "a page that tells a difference reads well" differs/index.html
 "$diptych" compare --scene "$scene" "${small[@]}" --size 64x48 --html agrees >/dev/null
 reads_well "... and one that tells none" agrees/index.html
-check "a report" "$diptych" report --spec "$root/tests/specs/grey.yaml" --scene "$scene" --size 64x48 --spp 4 --frames 2 --warmup 1 -o reported
-reads_well "... reads well" reported/index.html
-check "... with the reference's noise as a band" grep -q 'id="noise"' reported/plots/relative_mse.svg
-
 command -v chromium >/dev/null || finish
 # One page with mistakes of each kind.
 cp -r differs broken
@@ -21,7 +17,7 @@ sed 's/--good: #1a7f37/--good: #9fdf9f/; s/\.scroll { overflow-x: auto;/.scroll 
     differs/index.html >broken/index.html
 /usr/bin/python3 -B "$root/tests/app/pages.py" broken/index.html light >said
 check "pale letters are seen" grep -F "contrast " said
-check "... a page wider than a phone" grep -F "390: wider than the window" said
+check "... a page wider than a phone" grep -F "390 light: wider than the window" said
 check "... a verdict off the screen" grep -F "the verdict is off the screen" said
 check "... keys that lead nowhere" grep -F "j 1 leads elsewhere" said
 finish
