@@ -10,7 +10,6 @@
 #include "base/files.h"
 #include "base/limit.h"
 #include "console/options.h"
-#include "compare/confine.h"
 #include "base/nearest.h"
 
 static int verb_help(struct console *console, const struct options *options);
@@ -228,8 +227,6 @@ static int run_and_tell(struct console *console, const struct verb *verb,
     bool given[] = {!options->html || access(options->html, F_OK) == 0,
                     !options->pictures || access(options->pictures, F_OK) == 0};
     int status;
-    if (verb->id == VERB_REPLAY && confine_replay(console, options, &status))
-        return status;
     status = verb->run(console, options);
     for (size_t i = 0; i < 2 && status == EXIT_USAGE; i++)
         if (!given[i]) /* made by the run: if it is empty, for nothing */

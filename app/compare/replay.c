@@ -3,10 +3,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include <cjson/cJSON.h>
 
-#include "console/options.h"
+#include "base/limit.h"
+#include "console/python.h"
 #include "compare/evidence.h"
 #include "compare/unwritten.h"
 #include "result/sheet.h"
@@ -290,9 +292,25 @@ static void release(struct lone_pass *alone)
     side_free(&alone->side);
 }
 
+/* Of a folder that may come from anyone: memory, and processor time of all threads together. */
+static void limit_replay(void)
+{
+    enum { GIBIBYTES = 16, SECONDS = 1800 };
+    struct rlimit limit;
+    limit_memory(GIBIBYTES);
+    if (getrlimit(RLIMIT_CPU, &limit) == 0 && limit.rlim_cur > SECONDS) {
+        limit.rlim_cur = SECONDS;
+        setrlimit(RLIMIT_CPU, &limit);
+    }
+}
+
+/* Without --trust, Python starts it again in a sandbox: app/python/diptych/sandbox.py. */
 int verb_replay(struct console *console, const struct options *options)
 {
     struct lone_pass alone = {.console = console, .options = options};
+    if (!options->trust)
+        return python_verb(console, "replay", options_json(options, VERB_REPLAY));
+    limit_replay();
     bool good = run_replay(&alone);
     int status = EXIT_USAGE;
     console_status(console, "%s", "");

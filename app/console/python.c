@@ -16,19 +16,22 @@ static bool give_request(const struct console *console, cJSON *request)
 {
     char *program = tools_folder(&console->log);
     char *path = program ? format_string("%s/diptych", program) : NULL;
+    char *templates = templates_folder(&console->log);
     char *errors = format_string("[%s]", console->kept.data ? console->kept.data : "");
     cJSON_AddStringToObject(request, "program", path ? path : "");
+    cJSON_AddStringToObject(request, "templates", templates ? templates : "");
     cJSON_AddStringToObject(request, "version", VERSION);
     cJSON_AddRawToObject(request, "errors", errors ? errors : "[]");
     char *text = cJSON_PrintUnformatted(request);
     int file = memfd_create("request", 0);
-    bool good = path && text && file >= 0 &&
+    bool good = path && templates && text && file >= 0 &&
                 write(file, text, strlen(text)) == (ssize_t)strlen(text) &&
                 lseek(file, 0, SEEK_SET) == 0 && dup2(file, STDIN_FILENO) >= 0;
     if (file >= 0)
         close(file);
     cJSON_free(text);
     free(errors);
+    free(templates);
     free(path);
     free(program);
     return good;

@@ -92,21 +92,6 @@ bool tool_run(const struct tool *tool, char *const argv[], int output, struct co
     return judge_tool(console_wait(console, child), tool, argv[0], &console->log);
 }
 
-bool tool_quiet(char *const argv[], struct console *console)
-{
-    int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    const struct streams streams = {-1, -1, nowhere};
-    pid_t child;
-    bool good = nowhere >= 0 && start_child(&child, argv, &streams) == 0;
-    if (good) {
-        console_adopt(console, child);
-        good = console_wait(console, child) == 0;
-    }
-    if (nowhere >= 0)
-        close(nowhere);
-    return good;
-}
-
 int tool_status(char *const argv[], struct console *console)
 {
     const struct streams streams = {-1, STDOUT_FILENO, -1};
@@ -123,20 +108,6 @@ int tool_status(char *const argv[], struct console *console)
     else
         report_error(&console->log, "%s: cannot be started: %s", argv[0], strerror(error));
     return -1;
-}
-
-bool tool_is_there(const char *name)
-{
-    bool found = false;
-    const char *path = getenv("PATH");
-    for (const char *at = path ? path : ""; *at && !found; at += *at == ':') {
-        int length = (int)strcspn(at, ":");
-        char *file = format_string("%.*s/%s", length, at, name);
-        found = file && access(file, X_OK) == 0;
-        free(file);
-        at += length;
-    }
-    return found;
 }
 
 void words_add(struct words *words, const char *word)

@@ -17,8 +17,6 @@ struct tool {
  * dropped, to keep our own output clean. Logs an error unless tool->explains. */
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console);
 
-/* The same without any message, and with the program's streams dropped. */
-bool tool_quiet(char *const argv[], struct console *console);
 /* Runs argv[0] with our streams; its exit status, or -1, logged. */
 int tool_status(char *const argv[], struct console *console);
 
@@ -32,6 +30,3 @@ struct words {
 void words_add(struct words *words, const char *word);
 void words_pair(struct words *words, const char *option, const char *value); /* NULL: nothing */
 void words_free(struct words *words);
-
-/* Whether there is a program of that name in a folder of PATH. */
-bool tool_is_there(const char *name);

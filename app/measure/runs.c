@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "base/files.h"
-#include "base/installed.h"
 #include "console/python.h"
 #include "measure/cost.h"
 #include "run/side.h"
@@ -14,19 +13,15 @@ static int start_python(struct console *console, const struct options *options, 
                         enum verb_id id)
 {
     struct sides sides = {0};
-    char *templates = templates_folder(&console->log);
-    if (!templates || !sides_read_each(&sides, &options->setup, &console->log)) {
+    if (!sides_read_each(&sides, &options->setup, &console->log)) {
         sides_free(&sides);
-        free(templates);
         return EXIT_USAGE;
     }
     cJSON *request = options_json(options, id);
     cJSON *labels = cJSON_AddArrayToObject(request, "sides");
     for (uint32_t i = 0; i < sides.count; i++)
         cJSON_AddItemToArray(labels, cJSON_CreateString(sides.list[i].label));
-    cJSON_AddStringToObject(request, "templates", templates);
     sides_free(&sides);
-    free(templates);
     return python_verb(console, verb, request);
 }
 

@@ -4,7 +4,6 @@
 #include <cjson/cJSON.h>
 #include <stdlib.h>
 
-#include "base/installed.h"
 #include "console/python.h"
 #include "result/measured.h"
 
@@ -203,10 +202,7 @@ void sheets_page(cJSON *page, const struct sheet *const *sheets, uint32_t count)
 
 bool sheets_write(cJSON *page, const struct options *options, struct console *console)
 {
-    char *templates = templates_folder(&console->log);
     cJSON_AddStringToObject(page, "html", options->html);
     cJSON_AddStringToObject(page, "junit", options->junit);
-    add_shown_text(page, "templates", templates);
-    free(templates);
     return python_child(console, "comparison", "writing the page", page, -1);
 }

@@ -14,7 +14,7 @@ cp "$build/diptych-gen" "$build/libdiptych_image.so" project/build/
 cp "$planted" project/build/diptych
 cp -r "$build/glad/include" project/build/glad/
 cp -r "$root/templates" project/
-ln -s "$root/runtime_gl" "$root/runtime_vk" "$root/scenes" project/
+ln -s "$root/app" "$root/runtime_gl" "$root/runtime_vk" "$root/scenes" project/
 own=$work/project/build/diptych
 
 # Faults in one backend, as a programmer makes them.

@@ -23,6 +23,7 @@ VERBS: dict[str, tuple[str, int]] = {
     "flicker": ("flicker", 1),
     "list": ("listing", 1),
     "metrics": ("metrics", 1),
+    "replay": ("sandbox", 2),
     "report": ("report", 2),
     "sweep": ("grid", 2),
     "tune": ("tune", 1),

@@ -50,13 +50,15 @@ class Console:
 
 
 def write(path: str, content: str | bytes) -> None:
-    """Writes a file whole or not at all."""
-    draft = f"{path}.diptych-tmp-{os.getpid()}"
+    """Writes a file whole or not at all; a pipe or a device, such as /dev/stdout, is written to."""
+    is_stream = os.path.exists(path) and not os.path.isfile(path)
+    draft = path if is_stream else f"{path}.diptych-tmp-{os.getpid()}"
     try:
         with open(draft, "wb") as file:
             file.write(content if isinstance(content, bytes) else content.encode(errors="replace"))
-        os.replace(draft, path)
+        if not is_stream:
+            os.replace(draft, path)
     except BaseException:
-        if os.path.exists(draft):
+        if os.path.exists(draft) and not is_stream:
             os.unlink(draft)
         raise

@@ -16,9 +16,10 @@ import numpy as np
 from . import differ, guilty
 from .capture import renderdoc
 from ..console import Console, printable, write
+from ..sandbox import confines
 from .left import TAKEN, Unreadable, frame_of, read
 from .match import Matcher, Pair, Side, numbers_of
-from .replays import SECONDS, confines, limit, replay, sandbox
+from .replays import SECONDS, limit, on_mesa, replay
 from .texels import doubled_depth, hashes_of, names_of
 
 Json = dict[str, Any]
@@ -372,8 +373,7 @@ class Comparison:
     def run_alone(self, folder: str, words: list[str]) -> guilty.Done:
         """A command of diptych, on what came out of a capture and lies in the folder."""
         program = os.path.realpath(self.request["program"])
-        own = [os.path.join(os.path.dirname(program), name) for name in ("", "../templates", "../share/diptych")]
-        confine = sandbox([os.path.normpath(path) for path in own], folder, []) if self.confined else []
+        confine = on_mesa([os.path.dirname(program), self.request["templates"]], folder, []) if self.confined else []
         return subprocess.run([*confine, program, *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, errors="replace",
                               timeout=SECONDS, check=False, preexec_fn=limit)
 

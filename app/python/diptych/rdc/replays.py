@@ -4,38 +4,25 @@ from __future__ import annotations
 
 import os
 import resource
-import shutil
 import signal
 import subprocess
 from threading import Timer
 
 from ..console import Console
+from ..sandbox import sandbox
 from ..verbs import HERE
 
 LIMITS = {resource.RLIMIT_AS: 16 << 30, resource.RLIMIT_CPU: 1800, resource.RLIMIT_FSIZE: 4 << 30}  # of a replay
 SECONDS = 900
-READ = ["/usr", "/lib", "/lib64", "/bin", "/etc/vulkan", "/etc/glvnd", "/etc/ld.so.cache", "/etc/alternatives", "/etc/drirc", "/sys"]
 LAVAPIPE = ["/usr/share/vulkan/icd.d/" + name for name in ("lvp_icd.x86_64.json", "lvp_icd.json", "lvp_icd.aarch64.json")]
 
 
-def sandbox(read: list[str], folder: str, package: list[str]) -> list[str]:
+def on_mesa(read: list[str], folder: str, package: list[str]) -> list[str]:
     """In it, a replay is Mesa's on the CPU. RenderDoc makes OpenGL's programs anew at each event: /tmp keeps what the driver compiled."""
-    words = ["bwrap", "--unshare-all", "--die-with-parent", "--proc", "/proc", "--dev", "/dev", "--tmpfs", "/tmp", "--clearenv"]
-    for path in [*READ, *package, *read]:
-        words += ["--ro-bind-try", path, path]
-    words += ["--bind", folder, folder, "--chdir", folder]
     driver = next(filter(os.path.exists, LAVAPIPE), "")
-    for name, value in {"HOME": "/tmp", "PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(package), "XDG_CACHE_HOME": "/tmp",
-                        "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver,
-                        "VK_ICD_FILENAMES": driver}.items():
-        words += ["--setenv", name, value]
-    return words
-
-
-def confines() -> bool:
-    """Whether there can be a sandbox."""
-    words = ["bwrap", "--unshare-all", "--ro-bind", "/", "/", "--proc", "/proc", "--dev", "/dev", "/bin/true"]
-    return bool(shutil.which("bwrap")) and subprocess.run(words, capture_output=True, check=False).returncode == 0
+    variables = {"HOME": "/tmp", "PATH": "/usr/bin:/bin", "PYTHONPATH": ":".join(package), "XDG_CACHE_HOME": "/tmp",
+                 "LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "llvmpipe", "VK_DRIVER_FILES": driver, "VK_ICD_FILENAMES": driver}
+    return [*sandbox([*package, *read], variables), "--bind", folder, folder, "--chdir", folder]
 
 
 def limit() -> None:
@@ -49,7 +36,7 @@ def replay(console: Console, confined: bool, module: str, capture: str, folder: 
     path = os.path.realpath(capture)
     package = [os.path.dirname(HERE), *filter(None, os.environ.get("PYTHONPATH", "").split(":"))]
     words = ["/usr/bin/python3", "-m", f"diptych.rdc.{module}", path, folder, argument]
-    words = sandbox([path], folder, package) + words if confined else words
+    words = on_mesa([path], folder, package) + words if confined else words
     process = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
                                errors="replace", preexec_fn=limit)
     late, last = Timer(SECONDS, process.send_signal, [signal.SIGXCPU]), ""
