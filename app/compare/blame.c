@@ -87,11 +87,15 @@ static bool replay_pass(const struct replay *replay, struct row_source sources[2
                    rows->pipeline->passes[pass].name);
     if (!advance(sources, (struct worker_place){WORKER_BEFORE_PASS, replay->frame, pass}))
         return false;
-    for (uint32_t i = inputs[pass]; i < inputs[pass + 1]; i++)
+    bool skips = replay->alone && pass != replay->pass;
+    sources[1].skips = skips;
+    for (uint32_t i = inputs[pass]; i < inputs[pass + 1] && !skips; i++)
         if (!hand_over(sources, &rows->inputs.list[i], viewer))
             return false;
     if (!advance(sources, (struct worker_place){WORKER_AFTER_PASS, replay->frame, pass}))
         return false;
+    if (skips)
+        return true;
     if (!show_edges(rows, sources, pass, viewer))
         return false;
     for (uint32_t i = outputs[pass]; i < outputs[pass + 1]; i++)
@@ -108,7 +112,7 @@ static bool start_replay(const struct replay *replay, struct row_source sources[
         info.frames = replay->frame + 1;
         info.first_observed = replay->frame;
         info.stops_before = replay->rows->pipeline->pass_count;
-        info.quiet = true;
+        info.quiet = !replay->alone;
         if (i == 1)
             info.session.first_frame = replay->frame;
         if (!source_start(&sources[i], &info, i == 0 ? replay->dump : NULL))
@@ -125,7 +129,8 @@ bool replay_run(const struct replay *replay, const struct replay_viewer *viewer)
     for (uint32_t pass = 0; pass < replay->rows->pipeline->pass_count && good; pass++)
         good = replay_pass(replay, sources, pass, viewer);
     good = good && advance(sources, (struct worker_place){WORKER_FRAME_DONE, replay->frame, 0}) &&
-           advance(sources, (struct worker_place){WORKER_FINISHED, replay->frame + 1, 0});
+           advance(sources, (struct worker_place){WORKER_FINISHED, replay->frame + 1, 0}) &&
+           (!viewer->finished || viewer->finished(viewer->user, &sources[1]));
     source_close(&sources[0]);
     source_close(&sources[1]);
     return good;

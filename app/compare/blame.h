@@ -14,6 +14,8 @@ struct replay {
     struct dump_reader *dump;      /* --against: takes the first side's place */
     uint32_t frame;
     bool strangers; /* the sides are drivers of different makers */
+    bool alone;     /* this pass runs, and no other */
+    uint32_t pass;
 };
 
 /* Callbacks of a replay; may be NULL. One that returns false, with the error logged, ends it. Bytes
@@ -27,10 +29,12 @@ struct replay_viewer {
     bool (*edges_depth)(void *user, const struct dt_bytes copies[2]);
     /* row `index` of rows->outputs: the first side's, and the second side's from the same inputs */
     bool (*output)(void *user, uint32_t index, const struct dt_bytes copies[2]);
+    /* the second side, when all passes have run */
+    bool (*finished)(void *user, struct row_source *source);
     void *user;
 };
 
-/* Runs every pass of the frame. False with the error logged. */
+/* Runs every pass of the frame, or one. False with the error logged. */
 bool replay_run(const struct replay *replay, const struct replay_viewer *viewer);
 
 /* Hash of all declared numbers of a resource; zeroes the padding. False when out of memory. */

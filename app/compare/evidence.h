@@ -5,6 +5,7 @@
 
 #include "console/setup.h"
 #include "spec/pipeline.h"
+#include "result/dump_reader.h"
 #include "result/region.h"
 #include "result/rows.h"
 #include "run/side.h"
@@ -42,21 +43,22 @@ bool evidence_write(const struct evidence *evidence, const char *place);
 struct evidence_case {
     struct console *console;
     const char *folder;
-    char *root; /* its real path */
-    struct cJSON *manifest;
-    struct setup setup;     /* what the pipeline was loaded with, from the folder */
-    char *spec, *templates; /* of the setup */
+    char *root;                /* its real path */
+    struct dump_reader reader; /* gives what the pass found and left */
+    struct setup setup;        /* what the pipeline was loaded with, from the folder */
+    char *spec, *templates;    /* of the setup */
     struct pipeline pipeline;
     struct rows rows;
     struct scene scene; /* data only; a minimal scene when the pass uses none */
     struct dt_frame frame;
     uint32_t pass;
-    struct dt_bytes *inputs;     /* one per input row of the pass */
-    struct dt_bytes *outputs[2]; /* one per output row: expected, and the other side's */
 };
 
 /* Reads the folder and loads its pipeline. Copies the rest of the setup into the case. On false the
  * error is logged; evidence_free either way. */
 bool evidence_read(struct evidence_case *evidence, struct console *console, const char *folder,
                    const struct setup *setup);
+/* What the other side left of an output; free(bytes->data). Logs its error. */
+bool evidence_actual(const struct evidence_case *evidence, const struct row *row,
+                     struct dt_bytes *bytes);
 void evidence_free(struct evidence_case *evidence); /* takes a zeroed one */

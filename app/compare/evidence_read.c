@@ -8,7 +8,6 @@
 
 #include "base/foreign.h"
 #include "compare/evidence.h"
-#include "result/dump_reader.h"
 
 static const struct dt_log *log_of(const struct evidence_case *evidence)
 {
@@ -52,14 +51,14 @@ static bool read_member(const struct evidence_case *evidence, const cJSON *objec
 static bool read_case_manifest(struct evidence_case *evidence)
 {
     uint32_t version;
-    evidence->manifest = foreign_json(evidence->folder, "manifest.json", log_of(evidence));
-    bool good = evidence->manifest;
-    if (good && !cJSON_HasObjectItem(evidence->manifest, EVIDENCE_MARK)) {
+    evidence->reader.manifest = foreign_json(evidence->folder, "manifest.json", log_of(evidence));
+    bool good = evidence->reader.manifest;
+    if (good && !cJSON_HasObjectItem(evidence->reader.manifest, EVIDENCE_MARK)) {
         report_error(log_of(evidence), "%s/manifest.json: is no folder of compare --bisect",
                      evidence->folder);
         good = false;
     }
-    good = good && read_member(evidence, evidence->manifest, EVIDENCE_MARK, &version);
+    good = good && read_member(evidence, evidence->reader.manifest, EVIDENCE_MARK, &version);
     if (good && version != EVIDENCE_VERSION) {
         report_error(log_of(evidence),
                      "%s/manifest.json: has version %u, and this diptych reads version %d",
@@ -93,12 +92,13 @@ static char *path_within(const struct evidence_case *evidence, const char *name)
 
 static bool read_setup(struct evidence_case *evidence)
 {
-    const cJSON *sets = cJSON_GetObjectItem(evidence->manifest, "set");
+    const cJSON *sets = cJSON_GetObjectItem(evidence->reader.manifest, "set");
     struct setup *setup = &evidence->setup;
-    const char *spec = read_string(evidence, evidence->manifest, "spec");
-    const char *templates = spec ? read_string(evidence, evidence->manifest, "templates") : NULL;
-    if (!templates || !read_member(evidence, evidence->manifest, "width", &setup->size[0]) ||
-        !read_member(evidence, evidence->manifest, "height", &setup->size[1]))
+    const char *spec = read_string(evidence, evidence->reader.manifest, "spec");
+    const char *templates =
+        spec ? read_string(evidence, evidence->reader.manifest, "templates") : NULL;
+    if (!templates || !read_member(evidence, evidence->reader.manifest, "width", &setup->size[0]) ||
+        !read_member(evidence, evidence->reader.manifest, "height", &setup->size[1]))
         return false;
     int count = cJSON_GetArraySize(sets);
     setup->sets = calloc((size_t)count + 1, sizeof *setup->sets);
@@ -118,7 +118,7 @@ static bool read_setup(struct evidence_case *evidence)
 static bool find_pass(struct evidence_case *evidence)
 {
     const struct dt_pipeline *info = evidence->pipeline.info;
-    const char *name = read_string(evidence, evidence->manifest, "pass");
+    const char *name = read_string(evidence, evidence->reader.manifest, "pass");
     for (uint32_t i = 0; name && i < info->pass_count; i++) {
         if (strcmp(info->passes[i].name, name) == 0) {
             evidence->pass = i;
@@ -141,7 +141,7 @@ static void *read_exactly(const struct evidence_case *evidence, const char *name
 static bool read_block(const struct evidence_case *evidence, const char *key, void *block,
                        size_t size)
 {
-    const char *name = read_string(evidence, evidence->manifest, key);
+    const char *name = read_string(evidence, evidence->reader.manifest, key);
     void *data = name ? read_exactly(evidence, name, size) : NULL;
     if (data)
         memcpy(block, data, size);
@@ -149,39 +149,12 @@ static bool read_block(const struct evidence_case *evidence, const char *key, vo
     return data;
 }
 
-/* The folder's copies of one list of the pass's rows. */
-static bool read_list(const struct evidence_case *evidence, const char *list, const char *key,
-                      const struct row_list *rows, struct dt_bytes **bytes)
+bool evidence_actual(const struct evidence_case *evidence, const struct row *row,
+                     struct dt_bytes *bytes)
 {
-    const struct dump_reader reader = {.folder = evidence->folder,
-                                       .log = log_of(evidence),
-                                       .manifest = evidence->manifest,
-                                       .pipeline = evidence->pipeline.info,
-                                       .size = {evidence->setup.size[0], evidence->setup.size[1]}};
-    const uint32_t *first = &rows->first[evidence->pass];
-    *bytes = calloc(first[1] - first[0] + 1, sizeof **bytes);
-    if (!*bytes)
-        return case_out_of_memory(evidence);
-    for (uint32_t i = first[0]; i < first[1]; i++) {
-        const struct row *row = &rows->list[i];
-        const cJSON *entry = dump_reader_find(&reader, list, NULL, row);
-        if (!entry)
-            return report_error(
-                log_of(evidence), "%s/manifest.json: lists no %s under \"%s\", and the pass %s it",
-                evidence->folder, row->name, list, list[0] == 'i' ? "finds" : "writes");
-        if (!dump_reader_load(&reader, entry, key, row, rows == &evidence->rows.inputs,
-                              &(*bytes)[i - first[0]]))
-            return false;
-    }
-    return true;
-}
-
-static bool read_rows(struct evidence_case *evidence)
-{
-    const struct rows *rows = &evidence->rows;
-    return read_list(evidence, "inputs", "file", &rows->inputs, &evidence->inputs) &&
-           read_list(evidence, "outputs", "expected", &rows->outputs, &evidence->outputs[0]) &&
-           read_list(evidence, "outputs", "actual", &rows->outputs, &evidence->outputs[1]);
+    const struct dump_reader *reader = &evidence->reader;
+    return dump_reader_load(reader, dump_reader_find(reader, "outputs", NULL, row), "actual", row,
+                            false, bytes);
 }
 
 /* ---- The scene ------------------------------------------------------------------------------- */
@@ -221,7 +194,7 @@ static bool check_texture(const struct evidence_case *evidence)
 
 static bool read_scene(struct evidence_case *evidence)
 {
-    const cJSON *entry = cJSON_GetObjectItem(evidence->manifest, "scene");
+    const cJSON *entry = cJSON_GetObjectItem(evidence->reader.manifest, "scene");
     struct dt_scene *scene = &evidence->scene.data;
     if (!evidence->pipeline.info->passes[evidence->pass].uses_scene)
         return scene_none(&evidence->scene, log_of(evidence));
@@ -259,6 +232,8 @@ bool evidence_read(struct evidence_case *evidence, struct console *console, cons
                    const struct setup *setup)
 {
     *evidence = (struct evidence_case){.console = console, .folder = folder, .setup = *setup};
+    evidence->reader =
+        (struct dump_reader){.folder = folder, .log = &console->log, .evidence = true};
     evidence->setup.sets = NULL;
     evidence->setup.set_count = 0;
     evidence->root = realpath(folder, NULL);
@@ -269,25 +244,18 @@ bool evidence_read(struct evidence_case *evidence, struct console *console, cons
     if (!read_case_manifest(evidence) || !read_setup(evidence))
         return false;
     struct pipeline *pipeline = &evidence->pipeline;
-    return pipeline_load(pipeline, console, &evidence->setup) && find_pass(evidence) &&
-           rows_make(&evidence->rows, pipeline->info, log_of(evidence)) &&
+    memcpy(evidence->reader.size, evidence->setup.size, sizeof evidence->reader.size);
+    if (!pipeline_load(pipeline, console, &evidence->setup))
+        return false;
+    evidence->reader.pipeline = pipeline->info;
+    return find_pass(evidence) && rows_make(&evidence->rows, pipeline->info, log_of(evidence)) &&
            read_block(evidence, "live_block", pipeline->live, pipeline->info->live_size) &&
            read_block(evidence, "frame_block", &evidence->frame, sizeof evidence->frame) &&
-           read_scene(evidence) && read_rows(evidence);
-}
-
-static void free_rows(struct dt_bytes *bytes, const struct row_list *list, uint32_t pass)
-{
-    for (uint32_t i = 0; bytes && i < list->first[pass + 1] - list->first[pass]; i++)
-        free(bytes[i].data);
-    free(bytes);
+           read_scene(evidence);
 }
 
 void evidence_free(struct evidence_case *evidence)
 {
-    free_rows(evidence->inputs, &evidence->rows.inputs, evidence->pass);
-    free_rows(evidence->outputs[0], &evidence->rows.outputs, evidence->pass);
-    free_rows(evidence->outputs[1], &evidence->rows.outputs, evidence->pass);
     scene_free(&evidence->scene);
     rows_free(&evidence->rows);
     pipeline_unload(&evidence->pipeline);
@@ -295,6 +263,6 @@ void evidence_free(struct evidence_case *evidence)
     free(evidence->templates);
     free(evidence->spec);
     free(evidence->root);
-    cJSON_Delete(evidence->manifest);
+    dump_reader_close(&evidence->reader);
     *evidence = (struct evidence_case){0};
 }

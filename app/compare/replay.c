@@ -9,21 +9,20 @@
 
 #include "base/limit.h"
 #include "console/python.h"
+#include "compare/blame.h"
 #include "compare/evidence.h"
 #include "compare/unwritten.h"
 #include "result/sheet.h"
 #include "run/undefined.h"
-#include "run/worker.h"
 
 struct lone_pass {
     struct console *console;
     const struct options *options;
     struct side side;
     struct evidence_case evidence;
-    struct worker worker;
     struct undefined undefined; /* --sanitize */
     char *device;
-    struct sheet sheet; /* against the expected content; no row: the pass has not run */
+    struct sheet sheet; /* against the expected content */
     /* one per row: */
     struct output {
         bool recorded;         /* equal to the other side's content in the folder */
@@ -38,31 +37,7 @@ static const struct dt_pipeline *pipeline_of(const struct lone_pass *alone)
     return alone->evidence.pipeline.info;
 }
 
-static uint32_t row_count(const struct row_list *list, uint32_t pass)
-{
-    return list->first[pass + 1] - list->first[pass];
-}
-
-/* The rows that the pass writes. */
-static const struct row *outputs_of(const struct lone_pass *alone)
-{
-    const struct row_list *outputs = &alone->evidence.rows.outputs;
-    return &outputs->list[outputs->first[alone->evidence.pass]];
-}
-
 /* ---- The run --------------------------------------------------------------------------------- */
-
-static bool write_inputs(struct lone_pass *alone)
-{
-    const struct row_list *inputs = &alone->evidence.rows.inputs;
-    uint32_t pass = alone->evidence.pass;
-    for (uint32_t i = 0; i < row_count(inputs, pass); i++) {
-        const struct row *row = &inputs->list[inputs->first[pass] + i];
-        if (!worker_write(&alone->worker, row->resource, row->mip, &alone->evidence.inputs[i]))
-            return false;
-    }
-    return true;
-}
 
 /* Bit for bit means all declared numbers: padding does not count, and dumps have none. */
 static bool is_as_expected(const struct dt_resource *resource, const struct dt_bytes copies[2],
@@ -85,92 +60,58 @@ static bool keep(struct dt_bytes *kept, const struct dt_bytes *bytes)
     return kept->data;
 }
 
-/* What depends on the fill of memory: outputs of the second run against those of the first. */
-static bool find_unwritten(struct lone_pass *alone)
+static bool compare_output(void *user, uint32_t index, const struct dt_bytes copies[2])
 {
-    for (uint32_t i = 0; i < alone->sheet.count; i++) {
-        const struct row *row = &outputs_of(alone)[i];
-        struct output *output = &alone->outputs[i];
-        struct dt_bytes copies[2] = {{0}, output->found};
-        if (!worker_read(&alone->worker, row->resource, row->mip, &copies[0]))
-            return false;
-        bool surely;
-        if (!unwritten_describe(row, alone->sheet.rows[i].resource, copies, &output->unwritten,
-                                &surely))
-            return report_error(&alone->console->log, "out of memory");
-        if (surely) /* else perhaps a race */
-            alone->sheet.rows[i].text = output->unwritten;
-    }
-    return true;
-}
-
-static bool compare_outputs(struct lone_pass *alone)
-{
+    struct lone_pass *alone = user;
     const struct evidence_case *evidence = &alone->evidence;
-    const struct dt_log *log = &alone->console->log;
-    uint32_t count = row_count(&evidence->rows.outputs, evidence->pass);
-    alone->sheet = (struct sheet){.labels = {"expected", alone->side.label}, .lone = true};
-    alone->outputs = calloc(count + 1, sizeof *alone->outputs);
-    if (!sheet_begin(&alone->sheet, count, log))
+    const struct row *row = &evidence->rows.outputs.list[index];
+    struct output *output = &alone->outputs[alone->sheet.count];
+    struct sheet_row *shown = &alone->sheet.rows[alone->sheet.count++];
+    struct dt_bytes actual[2] = {{0}, copies[1]};
+    *shown = (struct sheet_row){.pass = pipeline_of(alone)->passes[evidence->pass].name,
+                                .name = row->name,
+                                .resource = &pipeline_of(alone)->resources[row->resource],
+                                .mip = (int)row->mip,
+                                .frame = evidence->frame.index,
+                                .compared = true};
+    if (!evidence_actual(evidence, row, &actual[0]))
         return false;
-    for (uint32_t i = 0; i < count; i++) {
-        const struct row *row = &outputs_of(alone)[i];
-        struct sheet_row *shown = &alone->sheet.rows[alone->sheet.count++];
-        struct dt_bytes found;
-        *shown = (struct sheet_row){.pass = pipeline_of(alone)->passes[evidence->pass].name,
-                                    .name = row->name,
-                                    .resource = &pipeline_of(alone)->resources[row->resource],
-                                    .mip = (int)row->mip,
-                                    .frame = evidence->frame.index,
-                                    .compared = true};
-        if (!worker_read(&alone->worker, row->resource, row->mip, &found))
-            return false;
-        const struct dt_bytes expected[2] = {evidence->outputs[0][i], found};
-        const struct dt_bytes actual[2] = {evidence->outputs[1][i], found};
-        if (!alone->outputs ||
-            !difference_measure(&shown->difference, shown->resource, shown->frame, expected) ||
-            !is_as_expected(shown->resource, actual, &alone->outputs[i].recorded) ||
-            !keep(&alone->outputs[i].found, &found))
-            return report_error(log, "out of memory");
-    }
+    bool good = difference_measure(&shown->difference, shown->resource, shown->frame, copies) &&
+                is_as_expected(shown->resource, actual, &output->recorded) &&
+                keep(&output->found, &copies[1]);
+    free(actual[0].data);
+    return good || report_error(&alone->console->log, "out of memory");
+}
+
+/* What depends on the fill of memory: an output of the second run against that of the first. */
+static bool find_unwritten(void *user, uint32_t index, const struct dt_bytes copies[2])
+{
+    struct lone_pass *alone = user;
+    const struct row_list *outputs = &alone->evidence.rows.outputs;
+    uint32_t place = index - outputs->first[alone->evidence.pass];
+    struct output *output = &alone->outputs[place];
+    struct sheet_row *shown = &alone->sheet.rows[place];
+    const struct dt_bytes both[2] = {copies[1], output->found};
+    bool surely;
+    if (!unwritten_describe(&outputs->list[index], shown->resource, both, &output->unwritten,
+                            &surely))
+        return report_error(&alone->console->log, "out of memory");
+    if (surely) /* else perhaps a race */
+        shown->text = output->unwritten;
     return true;
 }
 
-/* --sanitize: what the pass has done. */
-static bool read_undefined(struct lone_pass *alone)
+/* Of the first run: the device; --sanitize: what the pass has done. */
+static bool finish(void *user, struct row_source *source)
 {
+    struct lone_pass *alone = user;
     const struct pipeline *pipeline = &alone->evidence.pipeline;
+    const struct row row = {.resource = plan_reports(pipeline->plan)};
     struct dt_bytes bytes;
+    alone->device = strdup(source_device(source));
     return !alone->options->setup.sanitize ||
-           (worker_read(&alone->worker, plan_reports(pipeline->plan), 0, &bytes) &&
+           (source_ask(source, &row) && source_take(source, &row, &bytes) &&
             undefined_add(&alone->undefined, pipeline, 0, &bytes, &alone->console->log));
-}
-
-/* Steps through the frame: skips all passes but one, and writes the inputs of that one before it
- * runs. */
-static bool run_pass(struct lone_pass *alone)
-{
-    struct worker *worker = &alone->worker;
-    struct worker_place place;
-    uint32_t pass = alone->evidence.pass;
-    if (!worker_wait(worker, &place))
-        return false;
-    if (!alone->device)
-        alone->device = strdup(worker->device);
-    for (enum dt_action action = DT_RUN;;) {
-        if (!worker_resume(worker, action) || !worker_wait(worker, &place))
-            return false;
-        if (place.stop == WORKER_FINISHED)
-            return alone->again || read_undefined(alone);
-        action = DT_RUN;
-        if (place.stop == WORKER_BEFORE_PASS && place.pass != pass)
-            action = DT_SKIP;
-        else if (place.stop == WORKER_BEFORE_PASS && !write_inputs(alone))
-            return false;
-        else if (place.stop == WORKER_AFTER_PASS && place.pass == pass &&
-                 !(alone->again ? find_unwritten(alone) : compare_outputs(alone)))
-            return false;
-    }
 }
 
 /* The first output that differs; NULL: none. */
@@ -185,23 +126,33 @@ static const struct sheet_row *first_difference(const struct lone_pass *alone)
 static bool run_once(struct lone_pass *alone, int fill)
 {
     struct evidence_case *evidence = &alone->evidence;
-    uint32_t frame = evidence->frame.index;
-    const struct worker_info info = {.session = {.side = &alone->side,
-                                                 .console = alone->console,
-                                                 .setup = &evidence->setup,
-                                                 .pipeline = &evidence->pipeline,
-                                                 .scene = &evidence->scene,
-                                                 .poison = fill,
-                                                 .first_frame = frame,
-                                                 .frame_block = &evidence->frame},
-                                     .frames = frame + 1,
-                                     .first_observed = frame,
-                                     .stops_before = UINT32_MAX};
-    bool good = worker_start(&alone->worker, &info) && run_pass(alone);
-    worker_close(&alone->worker);
-    if (good && !alone->sheet.count)
-        report_error(&alone->console->log, "%s: the runtime skipped the pass", alone->side.label);
-    return good && alone->sheet.count;
+    const struct replay replay = {.console = alone->console,
+                                  .rows = &evidence->rows,
+                                  .dump = &evidence->reader,
+                                  .frame = evidence->frame.index,
+                                  .alone = true,
+                                  .pass = evidence->pass,
+                                  .workers[1].session = {.side = &alone->side,
+                                                         .console = alone->console,
+                                                         .setup = &evidence->setup,
+                                                         .pipeline = &evidence->pipeline,
+                                                         .scene = &evidence->scene,
+                                                         .poison = fill,
+                                                         .frame_block = &evidence->frame}};
+    const struct replay_viewer viewer = {.output = alone->again ? find_unwritten : compare_output,
+                                         .finished = alone->again ? NULL : finish,
+                                         .user = alone};
+    return replay_run(&replay, &viewer);
+}
+
+static bool begin_sheet(struct lone_pass *alone)
+{
+    const uint32_t *first = &alone->evidence.rows.outputs.first[alone->evidence.pass];
+    uint32_t count = first[1] - first[0];
+    alone->sheet = (struct sheet){.labels = {"expected", alone->side.label}, .lone = true};
+    alone->outputs = calloc(count + 1, sizeof *alone->outputs);
+    return alone->outputs ? sheet_begin(&alone->sheet, count, &alone->console->log)
+                          : report_error(&alone->console->log, "out of memory");
 }
 
 static bool run_replay(struct lone_pass *alone)
@@ -212,7 +163,7 @@ static bool run_replay(struct lone_pass *alone)
     if (!side_read(&alone->side, options->setup.backend, &options->setup, &console->log) ||
         !sides_heed(&alone->side, 1, &options->setup, &console->log) ||
         !evidence_read(evidence, console, options->folder, &options->setup) ||
-        !run_once(alone, POISON_OTHERS))
+        !begin_sheet(alone) || !run_once(alone, POISON_OTHERS))
         return false;
     alone->again = first_difference(alone);
     return (!alone->again || run_once(alone, POISON_FIRST)) && atomic_load(&console->errors) == 0;
@@ -222,7 +173,7 @@ static bool run_replay(struct lone_pass *alone)
 
 static const char *recorded_text(const struct lone_pass *alone, const char *side, const char *key)
 {
-    const cJSON *entry = cJSON_GetObjectItem(alone->evidence.manifest, side);
+    const cJSON *entry = cJSON_GetObjectItem(alone->evidence.reader.manifest, side);
     const char *text = cJSON_GetStringValue(cJSON_GetObjectItem(entry, key));
     return text ? text : "unknown";
 }

@@ -69,6 +69,8 @@ const cJSON *dump_reader_find(const struct dump_reader *reader, const char *list
 static const cJSON *find_entry(const struct dump_reader *reader, const struct row *row, bool before)
 {
     const struct dt_pass *passes = reader->pipeline->passes;
+    if (reader->evidence)
+        return dump_reader_find(reader, before ? "inputs" : "outputs", NULL, row);
     if (!before)
         return dump_reader_find(reader, "entries", passes[row->pass].name, row);
     const cJSON *entry = NULL;
@@ -122,8 +124,8 @@ bool dump_reader_read(struct dump_reader *reader, const struct row *row, bool be
                       struct dt_bytes *bytes)
 {
     free(reader->data);
-    bool good =
-        dump_reader_load(reader, find_entry(reader, row, before), "file", row, before, bytes);
+    const char *key = reader->evidence && !before ? "expected" : "file";
+    bool good = dump_reader_load(reader, find_entry(reader, row, before), key, row, before, bytes);
     reader->data = bytes->data;
     return good;
 }

@@ -13,6 +13,7 @@ struct dump_reader {
     /* the caller sets them when they are known */
     const struct dt_pipeline *pipeline;
     uint32_t size[2]; /* of the frame */
+    bool evidence;    /* of one pass: "inputs", and "outputs" with "expected" and "actual" */
     uint8_t *data;    /* of the last row that was read */
 };
 

@@ -10,7 +10,9 @@ bool source_start(struct row_source *source, const struct worker_info *info,
 
 bool source_resume(struct row_source *source)
 {
-    return source->dump || worker_resume(&source->worker, DT_RUN);
+    enum dt_action action = source->skips ? DT_SKIP : DT_RUN;
+    source->skips = false;
+    return source->dump || worker_resume(&source->worker, action);
 }
 
 bool source_reach(struct row_source *source, struct worker_place place)

@@ -11,6 +11,7 @@ struct row_source {
     struct worker worker;
     struct dump_reader *dump; /* NULL: the worker */
     struct worker_place place;
+    bool skips; /* the pass that comes next does not run */
 };
 
 /* All log their errors. Between source_resume and source_reach, and between source_ask and

@@ -129,7 +129,7 @@ damaged() { # text command...: the command damages a copy; replay refuses the co
 check "a short file" damaged "inputs/pyramid.raw: has 100 bytes instead of 32768" truncate -s 100 inputs/pyramid.raw
 check "a missing file" damaged "expected/pyramid.mip1.raw: cannot be read" rm expected/pyramid.mip1.raw
 check "a missing key" damaged '"width" is missing or wrong' sed -i '/"width":\t17/d' manifest.json
-check "a missing input" damaged 'lists no pyramid mip 0 under "inputs"' sed -i 's/"inputs"/"imputs"/' manifest.json
+check "a missing input" damaged 'names no file for pyramid mip 0 before pass halve' sed -i 's/"inputs"/"imputs"/' manifest.json
 check "a foreign manifest" damaged "is no folder of compare --bisect" sed -i s/diptych_pass/other/ manifest.json
 check "a later version" damaged "has version 2" sed -i 's/"diptych_pass":\t1/"diptych_pass":\t2/' manifest.json
 check "a pass that is gone" damaged "has no pass half" sed -i 's/"pass":\t"halve"/"pass":\t"half"/' manifest.json
