@@ -1,5 +1,5 @@
 /* Log lines, progress and signals; see console.h. A thread takes signals with sigtimedwait: there
- * is no signal handler and no global state, and the clean-up may call any function. */
+ * is no signal handler, and the clean-up may call any function. */
 #include "console/console.h"
 
 #include <errno.h>
@@ -18,6 +18,9 @@
 
 enum { TICK_NS = 200000000, PROGRESS_AFTER_S = 2 };
 
+/* A file in memory for messages of this thread; -1: they are printed. */
+static _Thread_local int capture = -1;
+
 static void clear_line(struct console *console)
 {
     if (console->shown)
@@ -29,7 +32,6 @@ static void clear_line(struct console *console)
 static void take_diag(struct diag_taker *taker, const struct diag *diag)
 {
     struct console *console = (struct console *)taker;
-    int capture = console_capturing(console);
     unsigned errors = diag_error_count(diag);
     char *text = diag_text(diag, "diptych");
     atomic_fetch_add(&console->errors, errors);
@@ -53,7 +55,6 @@ static void print_log_message(struct diag_taker *taker, enum dt_level level, con
 {
     static const char *const labels[] = {"debug: ", "", "warning: ", "error: "};
     struct console *console = (struct console *)taker;
-    int capture = console_capturing(console);
     atomic_fetch_add(&console->errors, level == DT_ERROR);
     if (console->attached) {
         report_message(&console->host, level, "%s", message);
@@ -78,69 +79,29 @@ static void take_message(struct diag_taker *taker, enum dt_level level, const ch
     free(text);
 }
 
-/* The capture of this thread; NULL: none. Call with the lock held. */
-static struct console_capture *capture_of(struct console *console, pthread_t owner)
+void console_capture(void)
 {
-    for (int i = 0; i < CONSOLE_CAPTURES; i++) {
-        struct console_capture *capture = &console->captures[i];
-        if (capture->open && pthread_equal(capture->owner, owner))
-            return capture;
-    }
-    return NULL;
+    capture = memfd_create("messages", MFD_CLOEXEC);
 }
 
-bool console_capture(struct console *console)
+char *console_captured(void)
 {
-    pthread_t self = pthread_self();
-    struct console_capture *place = NULL;
-    pthread_mutex_lock(&console->lock);
-    for (int i = 0; i < CONSOLE_CAPTURES && !capture_of(console, self) && !place; i++)
-        place = console->captures[i].open ? NULL : &console->captures[i];
-    if (place)
-        *place = (struct console_capture){.open = true,
-                                          .file = memfd_create("messages", MFD_CLOEXEC),
-                                          .owner = self,
-                                          .too = self};
-    pthread_mutex_unlock(&console->lock);
-    return place;
-}
-
-void console_capture_too(struct console *console, pthread_t owner)
-{
-    pthread_mutex_lock(&console->lock);
-    struct console_capture *capture = capture_of(console, owner);
-    if (capture)
-        capture->too = pthread_self();
-    pthread_mutex_unlock(&console->lock);
-}
-
-char *console_captured(struct console *console)
-{
-    pthread_mutex_lock(&console->lock);
-    struct console_capture *capture = capture_of(console, pthread_self());
-    int file = capture ? capture->file : -1;
-    if (capture)
-        capture->open = false;
-    pthread_mutex_unlock(&console->lock);
+    int file = capture;
     char *text = file < 0 ? NULL : file_contents(file);
     if (file >= 0)
         close(file);
+    capture = -1;
     return text;
 }
 
-int console_capturing(struct console *console)
+int console_capturing(void)
 {
-    pthread_t self = pthread_self();
-    int file = -1;
-    pthread_mutex_lock(&console->lock);
-    for (int i = 0; i < CONSOLE_CAPTURES; i++) {
-        const struct console_capture *capture = &console->captures[i];
-        if (capture->open &&
-            (pthread_equal(capture->owner, self) || pthread_equal(capture->too, self)))
-            file = capture->file;
-    }
-    pthread_mutex_unlock(&console->lock);
-    return file;
+    return capture;
+}
+
+void console_capture_too(int file)
+{
+    capture = file;
 }
 
 static void show_progress(struct console *console)

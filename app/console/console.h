@@ -13,7 +13,7 @@
  * they could not run. */
 enum { EXIT_FINE = 0, EXIT_DIFFER = 1, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 
-enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 64, CONSOLE_CAPTURES = 2 };
+enum { CONSOLE_TEMPORARIES = 4, CONSOLE_CHILDREN = 64 };
 
 struct console {
     struct diag_taker taker; /* of the log; the first member */
@@ -33,11 +33,6 @@ struct console {
     struct timespec start; /* when the verb started */
     char status[128];
     char *temporaries[CONSOLE_TEMPORARIES]; /* removed when a signal ends the process */
-    struct console_capture {
-        bool open;
-        int file;             /* in memory: messages of these threads; -1: out of memory */
-        pthread_t owner, too; /* equal when only one thread captures */
-    } captures[CONSOLE_CAPTURES];
     /* each leads a process group, which a signal ends, too; 0: none */
     pid_t children[CONSOLE_CHILDREN];
     bool keeps;           /* warnings and errors, for --json */
@@ -54,14 +49,12 @@ void console_attach(struct console *console, const struct dt_log *host);
 void console_close(struct console *console);
 
 /* Keeps this thread's log messages, and stderr of the tools that it runs, until console_captured,
- * which returns them: free(), NULL when out of memory. Several threads may capture at once. False
- * when the thread captures already or CONSOLE_CAPTURES threads do. */
-bool console_capture(struct console *console);
-char *console_captured(struct console *console);
-/* This thread's messages join those of `owner`, while that captures. At most one thread for each
- * owner. */
-void console_capture_too(struct console *console, pthread_t owner);
-int console_capturing(struct console *console); /* this thread's capture file, or -1 */
+ * which returns them: free(), NULL when out of memory; then they were printed. */
+void console_capture(void);
+char *console_captured(void);
+int console_capturing(void); /* this thread's capture file, or -1 */
+/* This thread's messages go there, too, until it ends. */
+void console_capture_too(int file);
 
 /* Sets the progress line, shown with the elapsed time once the verb takes longer than two
  * seconds. */

@@ -82,7 +82,7 @@ static bool judge_tool(int status, const struct tool *tool, const char *name,
 
 bool tool_run(const struct tool *tool, char *const argv[], int output, struct console *console)
 {
-    const struct streams streams = {-1, output, console_capturing(console)};
+    const struct streams streams = {-1, output, console_capturing()};
     pid_t child = -1;
     int error = start_child(&child, argv, &streams);
     if (error)

@@ -139,18 +139,18 @@ static void build_pipeline(struct reload *reload, double start)
 {
     struct reload_result result = {0};
     tell_news(reload, RELOAD_BEGUN, &result);
-    bool capture = console_capture(reload->console);
+    console_capture();
     const char *target = !reload->automatic      ? NULL
                          : reload->setup.for_gpu ? "target=gpu"
                                                  : "target=software";
     bool good = pipeline_try(reload->console, &reload->setup, target);
     if (good) {
         /* The other process said the same. */
-        free(capture ? console_captured(reload->console) : NULL);
-        capture = console_capture(reload->console);
+        free(console_captured());
+        console_capture();
         good = pipeline_load(&result.pipeline, reload->console, &reload->setup);
     }
-    result.text = capture ? console_captured(reload->console) : NULL;
+    result.text = console_captured();
     result.ms = milliseconds_now() - start;
     console_status(reload->console, "%s", "");
     if (good) {

@@ -198,14 +198,14 @@ struct side_frame {
     struct view *view;
     struct view_side *side;
     const struct dt_frame *frame;
-    pthread_t waits; /* the thread that waits for the frame */
+    int messages; /* where those of the thread go that waits for the frame */
     bool good;
 };
 
 static void *render_apart(void *user)
 {
     struct side_frame *work = user;
-    console_capture_too(work->view->console, work->waits);
+    console_capture_too(work->messages);
     work->good = render_side(work->view, work->side, work->frame);
     return NULL;
 }
@@ -221,7 +221,7 @@ static bool render_sides(struct view *view, const struct dt_frame *frame)
     for (uint32_t i = 1; i < view->side_count && frame->index == 0 && !view->verdict.checking;
          i++) {
         struct view_side *side = &view->side[i];
-        work[i] = (struct side_frame){view, side, frame, pthread_self(), false};
+        work[i] = (struct side_frame){view, side, frame, console_capturing(), false};
         apart[i] = i == 1 && strcmp(side->session.runtime->name, "vk") == 0 &&
                    pthread_create(&threads[i], NULL, render_apart, &work[i]) == 0;
     }

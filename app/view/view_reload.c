@@ -122,11 +122,11 @@ static bool swap(struct view *view, struct pipeline *next)
 {
     struct pipeline old = view->pipeline;
     const struct kept_shown shown = shown_of(view, old.info);
-    bool capture = console_capture(view->console);
+    console_capture();
     view->pipeline = *next;
     keep_live(view, &old);
     bool good = start_pipeline(view, &shown);
-    char *text = capture ? console_captured(view->console) : NULL;
+    char *text = console_captured();
     if (good) {
         if (text)
             fputs(text, stderr);
