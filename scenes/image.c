@@ -35,12 +35,6 @@ bool image_may_open(const char *path, const struct dt_log *log)
 
 /* ---- PNG ------------------------------------------------------------------------------------- */
 
-struct png_file {
-    uint32_t width, height, bits; /* of a channel */
-    char space[PICTURE_SPACE];    /* as struct picture has them */
-    uint32_t turn;
-};
-
 static _Noreturn void png_fail(png_structp png, png_const_charp text)
 {
     (void)text;
@@ -89,13 +83,6 @@ static void take_space(png_structp png, png_infop info, char space[PICTURE_SPACE
         snprintf(space, PICTURE_SPACE, "one of gamma %.3g", 1e5 / gamma);
 }
 
-static uint32_t take_turn(png_structp png, png_infop info)
-{
-    png_uint_32 size;
-    png_bytep exif;
-    return png_get_eXIf_1(png, info, &size, &exif) ? picture_exif_turn(exif, size) : 1;
-}
-
 /* As RGBA, the numbers of the file. libpng jumps out where the file is damaged. */
 static void read_codes(png_structp png, png_infop info, uint32_t width, uint32_t height,
                        uint8_t *codes, png_bytepp rows)
@@ -111,10 +98,10 @@ static void read_codes(png_structp png, png_infop info, uint32_t width, uint32_t
     png_read_end(png, NULL);
 }
 
-/* Reads the header of a PNG and, with `texels`, its pixels if they are of 8 bits or less and of the
- * size wanted (0: any). False for all else, and for damaged files: OpenImageIO reads these, or tells
- * why not. */
-static bool read_png(const char *path, const uint32_t wanted[2], struct png_file *read,
+/* Reads the header of a PNG, its space unless `read` has one, and, with `texels`, its pixels if they are of 8
+ * bits or less and of the size wanted (0: any). False for all else, and for damaged files: OpenImageIO
+ * reads these, or tells why not. */
+static bool read_png(const char *path, const uint32_t wanted[2], struct picture *read,
                      uint8_t **texels)
 {
     FILE *file = fopen(path, "rb");
@@ -124,19 +111,21 @@ static bool read_png(const char *path, const uint32_t wanted[2], struct png_file
     uint8_t *volatile codes = NULL;
     png_bytepp volatile rows = NULL;
     volatile bool good = false;
-    *read = (struct png_file){0};
+    png_uint_32 size;
+    png_bytep exif;
     if (info && setjmp(png_jmpbuf(png)) == 0) {
         png_init_io(png, file);
         png_read_info(png, info);
         read->width = png_get_image_width(png, info);
         read->height = png_get_image_height(png, info);
-        read->bits = png_get_bit_depth(png, info);
-        take_space(png, info, read->space);
-        read->turn = take_turn(png, info);
+        if (!*read->space)
+            take_space(png, info, read->space);
+        if (png_get_eXIf_1(png, info, &size, &exif))
+            read->turn = picture_exif_turn(exif, size);
         uint64_t count = (uint64_t)read->width * read->height;
         bool fits = !wanted || wanted[0] == 0 || wanted[1] == 0 ||
                     (wanted[0] == read->width && wanted[1] == read->height);
-        if (texels && fits && read->bits <= 8 && count <= IMAGE_MOST_PIXELS) {
+        if (texels && fits && png_get_bit_depth(png, info) <= 8 && count <= IMAGE_MOST_PIXELS) {
             codes = malloc(4 * count);
             rows = malloc(read->height * sizeof *rows);
             if (codes && rows) {
@@ -164,19 +153,15 @@ void image_check_claims(const char *path, enum image_encoding encoding, const st
     static const char *const taken[] = {[IMAGE_AS_NUMBERS] = "are kept",
                                         [IMAGE_AS_LIGHT] = "are taken as linear",
                                         [IMAGE_AS_SRGB] = "are taken as sRGB codes"};
-    struct png_file png;
     struct picture picture;
     const char *reason, *space = picture.space;
     picture_read(path, &picture, &reason);
-    bool is_png = read_png(path, NULL, &png, NULL);
-    if (is_png && !*space)
-        space = png.space;
-    uint32_t turn = is_png ? png.turn : picture.turn;
-    if (turn != 1)
+    read_png(path, NULL, &picture, NULL);
+    if (picture.turn != 1)
         report_message(
             log, DT_WARNING,
             "%s: its EXIF orientation is %u, and viewers turn it; its rows are taken as they are",
-            path, turn);
+            path, picture.turn);
     bool srgb = strcmp(space, "sRGB") == 0, linear = strcmp(space, "linear") == 0;
     if (*space && !(srgb && encoding != IMAGE_AS_LIGHT) && !(linear && encoding != IMAGE_AS_SRGB))
         report_message(log, DT_WARNING, "%s: its colour space is %s; its numbers %s", path, space,
@@ -207,7 +192,7 @@ static bool image_read(const char *path, bool is_float, uint32_t *width, uint32_
 
 bool image_size(const char *path, uint32_t *width, uint32_t *height, const struct dt_log *log)
 {
-    struct png_file png;
+    struct picture png = {.width = 0};
     if (!image_may_open(path, log))
         return false;
     if (!read_png(path, NULL, &png, NULL))
@@ -220,7 +205,7 @@ bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8
                       const struct dt_log *log)
 {
     const uint32_t wanted[2] = {*width, *height};
-    struct png_file png;
+    struct picture png = {.width = 0};
     void *bytes = NULL;
     if (!image_may_open(path, log))
         return false;
@@ -237,7 +222,7 @@ bool image_read_rgba8(const char *path, uint32_t *width, uint32_t *height, uint8
 bool image_read_float(const char *path, uint32_t *width, uint32_t *height, float **texels,
                       const struct dt_log *log)
 {
-    struct png_file png;
+    struct picture png = {.width = 0};
     void *bytes = NULL;
     uint8_t *codes;
     *width = *height = 0;
