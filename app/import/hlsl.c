@@ -10,7 +10,7 @@
 
 #include "import/reflect.h"
 #include "base/text.h"
-#include "gen/glsl/glslang.h"
+#include "gen/glsl/initials.h"
 #include "gen/model/foreign.h"
 #include "gen/model/leaves.h"
 #include "gen/model/module.h"
@@ -376,20 +376,35 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
     return NULL;
 }
 
+/* entry: gets the name of the entry point. */
+static struct glslang_job job_of(const struct import_texts *texts, const char *name, int stage,
+                                 char entry[ENTRY_SIZE])
+{
+    const char *text = texts->list[0].text, *own = find_word(text, "main");
+    bool named = find_entry(text, stage, entry) || (!own && find_last(text, entry));
+    return (struct glslang_job){.code = text,
+                                .stage = stage,
+                                .minor = 3,
+                                .lines = true,
+                                .hlsl = named ? entry : "main",
+                                .name = name,
+                                .include = texts_include,
+                                .user = texts};
+}
+
+void hlsl_initials(const struct import_texts *texts, const char *name, int stage,
+                   struct reflection *reflection)
+{
+    char entry[ENTRY_SIZE];
+    struct glslang_job job = job_of(texts, name, stage, entry);
+    glsl_initials(&job, reflect_initial, reflection);
+}
+
 uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why)
 {
     char entry[ENTRY_SIZE];
-    const char *text = texts->list[0].text, *own = find_word(text, "main");
-    bool named = find_entry(text, stage, entry) || (!own && find_last(text, entry));
-    const struct glslang_job job = {.code = texts->list[0].text,
-                                    .stage = stage,
-                                    .minor = 3,
-                                    .lines = true,
-                                    .hlsl = named ? entry : "main",
-                                    .name = name,
-                                    .include = texts_include,
-                                    .user = texts};
+    const struct glslang_job job = job_of(texts, name, stage, entry);
     uint32_t *words = spirv_init(true) ? glslang_compile(&job, count, why) : NULL;
     uint32_t *meant = put_all_meant(words, count, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;

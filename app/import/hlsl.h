@@ -19,6 +19,11 @@ struct hlsl_links {
     uint32_t count;
 };
 
+/* Gives uniforms the values that globals of this stage are initialized with. */
+struct reflection;
+void hlsl_initials(const struct import_texts *texts, const char *name, int stage,
+                   struct reflection *reflection);
+
 /* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */
 uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why);

@@ -386,7 +386,7 @@ bool reflect_module(const uint32_t *words, size_t count, int stage, struct refle
     return good && reflect_words(own, count, reflection);
 }
 
-static void take_initial(void *user, const char *name, const char *value)
+void reflect_initial(void *user, const char *name, const char *value)
 {
     struct reflection *reflection = user;
     for (uint32_t i = 0; i < reflection->count; i++) {
@@ -410,7 +410,7 @@ bool reflect(const char *text, int stage,
     uint32_t *words = code && spirv_init(true) ? glsl_compile_whole(&job, &count, why) : NULL;
     bool good = words && reflect_words(words, count, reflection);
     if (good)
-        glsl_initials(&job, take_initial, reflection);
+        glsl_initials(&job, reflect_initial, reflection);
     free(code);
     return good;
 }

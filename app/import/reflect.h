@@ -57,4 +57,6 @@ bool reflect(const char *text, int stage,
 /* The same of a module that spirv_check took. */
 bool reflect_module(const uint32_t *words, size_t count, int stage, struct reflection *reflection,
                     char **why);
+/* An initial_taker of a reflection's values. */
+void reflect_initial(void *user, const char *name, const char *value);
 void reflect_free(struct reflection *reflection);

@@ -161,6 +161,8 @@ static bool read_shader(struct making *making, const char *path, int stage)
             reflect(own->text, file->stage, texts_include, &file->texts, &file->reflection, &why);
     if (!good)
         tell_compiler(making, file, why);
+    else if (hlsl)
+        hlsl_initials(&file->texts, path, file->stage, &file->reflection);
     free(why);
     good = good && texts_write(&file->texts, "", file->name, sizeof file->name) &&
            (!hlsl || write_module(making, file, made, count));
@@ -304,10 +306,7 @@ static bool write_value(struct making *making, const struct reflected *item)
         for (int i = 0; !item->initial && i < components_of(type); i++)
             text_add(&making->params, "%s%s", i ? ", " : "", one);
         text_add(&making->params, "%s, type: %s, live: true}%s\n", vector ? "]" : "", type,
-                 item->initial ? ""
-                 : making->now->hlsl
-                     ? "  # its value is a guess: glslang drops initializers of HLSL's uniforms"
-                     : "  # its value is a guess");
+                 item->initial ? "" : "  # its value is a guess");
         return true;
     }
     text_add(&making->values, "  %s: \"", item->name);

@@ -1,6 +1,7 @@
 /* See initials.h. */
 #include "initials.h"
 
+#include <ctype.h>
 #include <spirv/unified1/spirv.h>
 #include <stdlib.h>
 #include <string.h>
@@ -55,6 +56,40 @@ static bool add_constant_text(const struct spirv *module, uint32_t id, bool oute
         good = false;
     text_add(out, named ? ")" : "");
     return good;
+}
+
+/* HLSL with `static` before each global that has an initializer, which glslang drops of others; free(). */
+static char *make_static(const char *text)
+{
+    struct text out = {0};
+    char *code = strdup(text), *begun = NULL, *done = code;
+    bool said = false; /* of the declaration that has begun */
+    int depth = 0;
+    if (code)
+        blank_comments(code);
+    for (char *at = code; at && *at; at++) {
+        if (*at == '#' && !begun) {
+            while (at[1] && (at[1] != '\n' || *at == '\\'))
+                at++;
+            continue;
+        }
+        if (!begun && !isspace((unsigned char)*at))
+            begun = at, said = false;
+        depth += strchr("{([", *at) ? 1 : strchr("})]", *at) ? -1 : 0;
+        if (*at == '=' && !depth && begun && !said) {
+            char *word = (char *)find_word(begun, "uniform");
+            if (word && word < at)
+                memset(word, ' ', strlen("uniform"));
+            text_add(&out, "%.*sstatic ", (int)(begun - done), done);
+            done = begun;
+            said = true;
+        }
+        if (!depth && (*at == ';' || (*at == '}' && !said)))
+            begun = NULL;
+    }
+    text_add(&out, "%s", done ? done : "");
+    free(code);
+    return out.data;
 }
 
 struct taking {
@@ -122,19 +157,30 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
     struct spirv module = {0};
     size_t count = 0;
     char *log = NULL;
-    if (!seems_to_have_some(job->code))
+    if (!job->hlsl && !seems_to_have_some(job->code))
         return;
-    own.opengl = own.whole = true;
+    char *globals = job->hlsl ? make_static(job->code) : NULL;
+    own.code = globals ? globals : job->code;
+    own.opengl = own.whole = !job->hlsl;
     own.marked = own.lines = false;
     uint32_t *words = glslang_compile(&own, &count, &log);
     free(log);
+    free(globals);
     if (!words || !spirv_read(&module, words, count))
         return;
-    SPIRV_EACH(&module, i, module.declarations, module.code) {
-        if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassUniformConstant &&
-            spirv_length(i) > 4)
-            take_leaves(&(struct taking){&module, i[4], {0}, take, user}, spirv_pointee(&module, i),
-                        0, spirv_name(&module, i[2]));
+    SPIRV_EACH(&module, i, module.declarations, module.count) {
+        const uint32_t *variable = i;
+        uint32_t value = spirv_is(i, SpvOpVariable) && spirv_length(i) > 4 ? i[4] : 0;
+        if (spirv_is(i, SpvOpStore) && job->hlsl) /* where main begins */
+            variable = spirv_definition(&module, i[1]), value = i[2];
+        if (!value || !spirv_is(variable, SpvOpVariable) ||
+            variable[3] != (job->hlsl ? SpvStorageClassPrivate : SpvStorageClassUniformConstant))
+            continue;
+        const char *name = spirv_name(&module, variable[2]);
+        uint32_t opcode = spirv_opcode(spirv_definition(&module, value));
+        if (name && opcode >= SpvOpConstantTrue && opcode <= SpvOpConstantNull)
+            take_leaves(&(struct taking){&module, value, {0}, take, user},
+                        spirv_pointee(&module, variable), 0, name);
     }
     spirv_free(&module);
 }

@@ -2,6 +2,8 @@ RWStructuredBuffer<float> meant : register(u0);
 ByteAddressBuffer zeros : register(t0); // another list
 static float begun = 2.5;
 static float twice = begun * 2.0;
+float2 first = {0.25, 3}, second = 1; // defaults
+uniform int third = 2;
 groupshared uint sum;
 [numthreads(1, 1, 1)]
 void main(uint i : SV_DispatchThreadID)
@@ -16,5 +18,6 @@ void main(uint i : SV_DispatchThreadID)
         InterlockedMax(sum, 3);
         InterlockedAdd(sum, 5);
         meant[4] = sum;
+        meant[5] = first.y + second.x * 10 + third * 100;
     }
 }
