@@ -31,10 +31,8 @@ static struct fy_node *first_scalar(struct fy_node *node)
 static struct fy_node *key_of(struct fy_node *node)
 {
     struct fy_node *parent = node ? fy_node_get_parent(node) : NULL;
-    struct fy_node_pair *pair;
-    void *iterator = NULL;
     if (parent && fy_node_get_type(parent) == FYNT_MAPPING)
-        while ((pair = fy_node_mapping_iterate(parent, &iterator)))
+        EACH_PAIR(pair, parent)
             if (fy_node_pair_value(pair) == node)
                 return fy_node_pair_key(pair);
     return NULL;
@@ -163,13 +161,11 @@ static bool drop_in_mapping(struct fy_node *node, const struct target *to)
 /* false: out of memory. The parser limits the depth. */
 static bool drop_duplicates(struct fy_node *node, const struct target *to)
 {
-    void *iterator = NULL;
-    struct fy_node *item;
     if (!node || fy_node_get_type(node) == FYNT_SCALAR)
         return true;
     if (fy_node_get_type(node) == FYNT_MAPPING)
         return drop_in_mapping(node, to);
-    while ((item = fy_node_sequence_iterate(node, &iterator)))
+    EACH_ITEM(item, node)
         if (!drop_duplicates(item, to))
             return false;
     return true;
@@ -224,9 +220,6 @@ static bool is_merge(struct fy_node *key)
 /* False: a limit is passed. */
 static bool count_aliased(struct fy_node *node, int depth, bool aliased, struct expansion *e)
 {
-    void *iterator = NULL;
-    struct fy_node_pair *pair;
-    struct fy_node *item;
     if (!node)
         return true;
     if (fy_node_is_alias(node))
@@ -235,11 +228,11 @@ static bool count_aliased(struct fy_node *node, int depth, bool aliased, struct 
     if (e->count > YAML_MOST_ALIASED || depth > MOST_DEPTH)
         return false;
     if (fy_node_get_type(node) == FYNT_SEQUENCE)
-        while ((item = fy_node_sequence_iterate(node, &iterator)))
+        EACH_ITEM(item, node)
             if (!count_aliased(item, depth + 1, aliased, e))
                 return false;
     if (fy_node_get_type(node) == FYNT_MAPPING)
-        while ((pair = fy_node_mapping_iterate(node, &iterator))) {
+        EACH_PAIR(pair, node) {
             e->needed |= is_merge(fy_node_pair_key(pair));
             if (!count_aliased(fy_node_pair_key(pair), depth + 1, aliased, e) ||
                 !count_aliased(fy_node_pair_value(pair), depth + 1, aliased, e))

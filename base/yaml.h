@@ -21,6 +21,13 @@ const char *yaml_wrong_byte(const char *text, size_t length);
  * YAML, and prints what is wrong with it: a name has letters, digits, `_` and dots. */
 struct fy_node_pair *yaml_pair(struct fy_node *map, const char *name, size_t length);
 
+/* The items of a sequence and the pairs of a mapping, in order; none of NULL and of other nodes. */
+#define YAML_EACH(iterate, type, at, node)                                                         \
+    for (void *at##_last = NULL, *at##_open = &at##_last; at##_open; at##_open = NULL)             \
+        for (type * at; (at = iterate(node, &at##_last));)
+#define EACH_ITEM(item, list) YAML_EACH(fy_node_sequence_iterate, struct fy_node, item, list)
+#define EACH_PAIR(pair, map)  YAML_EACH(fy_node_mapping_iterate, struct fy_node_pair, pair, map)
+
 /* The place of a scalar; of a mapping or a sequence: the start of its first scalar. Line 0 where
  * there is none. */
 struct loc yaml_loc(const struct source *source, struct fy_node *node);

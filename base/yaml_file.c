@@ -3,7 +3,6 @@
 
 #include "base/input.h"
 #include "base/nearest.h"
-#include "base/yaml.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -101,9 +100,7 @@ static void read_value(struct reader *reader, struct key *key)
 void reader_mapping(struct reader *reader, struct fy_node *mapping, struct fy_node *place,
                     const char *owner, struct key *keys, size_t count)
 {
-    void *position = NULL;
-    struct fy_node_pair *pair;
-    while ((pair = fy_node_mapping_iterate(mapping, &position))) {
+    EACH_PAIR(pair, mapping) {
         struct fy_node *name_node = fy_node_pair_key(pair);
         const char *name =
             name_node && fy_node_is_scalar(name_node) ? fy_node_get_scalar0(name_node) : NULL;

@@ -2,9 +2,7 @@
  * reported in one run. Specs have a table of keys of their own (gen/read/table.h). */
 #pragma once
 
-#include "base/diag.h"
-
-#include <libfyaml.h>
+#include "base/yaml.h"
 
 enum key_type { KEY_TEXT, KEY_NUMBERS, KEY_MAPPING, KEY_MAPPING_OR_TEXT, KEY_SEQUENCE };
 

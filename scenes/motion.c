@@ -276,8 +276,7 @@ static void read_motion(struct reader *reader, struct fy_node *root, void *user)
     struct reading *reading = user;
     struct motion *motion = reading->motion;
     struct fy_node_pair *first = fy_node_mapping_get_by_index(root, 0);
-    struct fy_node *place = first ? fy_node_pair_key(first) : root, *item;
-    void *position = NULL;
+    struct fy_node *place = first ? fy_node_pair_key(first) : root;
     int errors = reader->errors;
     reader_mapping(reader, root, place, "the motion", keys, COUNT);
     if (reader->errors > errors)
@@ -291,7 +290,7 @@ static void read_motion(struct reader *reader, struct fy_node *root, void *user)
     reading->frames_per_unit = keys[RATE].number[0];
     motion->frames_per_second = keys[RATE].given ? keys[RATE].number[0] : (double)FRAMES_PER_SECOND;
     reading->last_frame = -1;
-    while ((item = fy_node_sequence_iterate(keys[KEYS].node, &position)))
+    EACH_ITEM(item, keys[KEYS].node)
         read_keyframe(reader, reading, item);
     place = keys[KEYS].name_node;
     if (reader->errors == errors && !motion->camera.moves && !motion->light.moves)

@@ -12,9 +12,8 @@ static void read_asserts(struct reader *reader, const struct fields *top)
         count += (size_t)list_count(field_node(at, "asserts"));
     pipeline->assertions = reader_alloc(reader, count, sizeof *pipeline->assertions);
     for (const struct fields *at = top; at && pipeline->assertions; at = at->next) {
-        struct fy_node *list = field_node(at, "asserts"), *item;
-        void *iterator = NULL;
-        while ((item = next_item(list, &iterator))) {
+        struct fy_node *list = field_node(at, "asserts");
+        EACH_ITEM(item, list) {
             struct fields fields;
             if (fields_read(reader, item, SECTION_ASSERT, node_loc(reader, item), &fields))
                 record_read(reader, &fields, 0, &pipeline->assertions[pipeline->assertion_count++]);

@@ -45,21 +45,9 @@ struct fy_node *section_of(const struct document *document, const char *key)
     return map_value(fy_document_root(document->yaml), key);
 }
 
-struct fy_node *next_item(struct fy_node *list, void **iterator)
-{
-    bool is_list = list && fy_node_get_type(list) == FYNT_SEQUENCE;
-    return is_list ? fy_node_sequence_iterate(list, iterator) : NULL;
-}
-
 int list_count(struct fy_node *list)
 {
     return list ? fy_node_sequence_item_count(list) : 0;
-}
-
-struct fy_node_pair *next_pair(struct fy_node *map, void **iterator)
-{
-    bool is_map = map && fy_node_get_type(map) == FYNT_MAPPING;
-    return is_map ? fy_node_mapping_iterate(map, iterator) : NULL;
 }
 
 const char *pair_name(struct reader *reader, struct fy_node_pair *pair)
@@ -193,15 +181,12 @@ static int former_type(struct reader *reader, const struct key *key, struct fy_n
 /* Forgets the overrides at and below `node`, since replacing `node` frees them. */
 static void forget_overrides(struct reader *reader, struct fy_node *node)
 {
-    void *iterator = NULL;
-    struct fy_node *item;
-    struct fy_node_pair *pair;
     for (size_t i = 0; i < reader->override_count; i++)
         if (reader->overrides[i].node == node)
             reader->overrides[i].node = NULL;
-    while ((item = next_item(node, &iterator)))
+    EACH_ITEM(item, node)
         forget_overrides(reader, item);
-    while ((pair = next_pair(node, &iterator))) {
+    EACH_PAIR(pair, node) {
         forget_overrides(reader, fy_node_pair_key(pair));
         forget_overrides(reader, fy_node_pair_value(pair));
     }
@@ -286,10 +271,9 @@ static void report_path(struct reader *reader, const struct setting *setting, co
 
 static size_t add_keys(struct reader *reader, struct fy_node *map, const char **names, size_t count)
 {
-    void *iterator = NULL;
-    struct fy_node_pair *pair;
-    while (count < MOST_NAMES && (pair = next_pair(map, &iterator)))
-        names[count++] = declared_name(reader, map, node_text(reader, fy_node_pair_key(pair)));
+    EACH_PAIR(pair, map)
+        if (count < MOST_NAMES)
+            names[count++] = declared_name(reader, map, node_text(reader, fy_node_pair_key(pair)));
     return count;
 }
 
@@ -318,12 +302,10 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
 {
     const char *names[MOST_NAMES];
     size_t count = 0;
-    void *iterator = NULL;
-    struct fy_node *item;
     char *end;
     long number = strtol(setting->segment, &end, 10);
     if (!*end && number >= 0 && number < fy_node_sequence_item_count(list)) {
-        item = fy_node_sequence_get_by_index(list, (int)number);
+        struct fy_node *item = fy_node_sequence_get_by_index(list, (int)number);
         if (!is_use(item))
             return item;
         diag_error(reader->diag, segment_loc(setting),
@@ -331,7 +313,7 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
                    setting->source->text, number);
         return NULL;
     }
-    while ((item = next_item(list, &iterator))) {
+    EACH_ITEM(item, list) {
         const char *text = has_own_name(item) ? element_name(reader, item) : NULL;
         if (text && !strcmp(text, setting->segment))
             return item;
@@ -339,9 +321,8 @@ static struct fy_node *find_element(struct reader *reader, const struct setting 
     const struct document *at = &reader->spec;
     do {
         struct fy_node *passes = section_of(at, "passes");
-        iterator = NULL;
-        while (count < MOST_NAMES && (item = next_item(passes, &iterator)))
-            if (element_name(reader, item) && !is_use(item))
+        EACH_ITEM(item, passes)
+            if (count < MOST_NAMES && element_name(reader, item) && !is_use(item))
                 names[count++] = declared_name(reader, item, element_name(reader, item));
     } while ((at = at->next));
     report_path(reader, setting, "the list", names, count);
@@ -444,9 +425,8 @@ static void apply_path(struct reader *reader, struct setting *setting)
 static bool sets_cull(struct reader *reader, const char *path)
 {
     for (const struct document *at = &reader->spec; at; at = at->next) {
-        struct fy_node *passes = at->scope ? NULL : section_of(at, "passes"), *item;
-        void *iterator = NULL;
-        while ((item = next_item(passes, &iterator))) {
+        struct fy_node *passes = at->scope ? NULL : section_of(at, "passes");
+        EACH_ITEM(item, passes) {
             const char *name = element_name(reader, item);
             size_t length = name ? strlen(name) : 0;
             if (length && has_own_name(item) && is_culled(item) && !strncmp(path, name, length) &&

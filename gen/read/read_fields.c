@@ -164,10 +164,8 @@ static struct fy_node *wrong_number(struct reader *reader, const struct key *key
                                     struct fy_node *node)
 {
     bool listed = key->type == KEY_VALUE || key->type == KEY_NUMBERS;
-    void *iterator = NULL;
     double number;
-    struct fy_node *item;
-    while (listed && (item = next_item(node, &iterator))) {
+    EACH_ITEM(item, listed ? node : NULL) {
         const char *text = node_text(reader, item);
         if (!text || !text_number(text, &number))
             return item;
@@ -178,10 +176,9 @@ static struct fy_node *wrong_number(struct reader *reader, const struct key *key
 /* Whether a comma parted an expression: an element has a parenthesis that none in it closes. */
 static bool is_torn(struct reader *reader, struct fy_node *node)
 {
-    void *iterator = NULL;
     int open = 0;
-    for (struct fy_node *item; !open && (item = next_item(node, &iterator));)
-        for (const char *text = node_text(reader, item); text && *text; text++)
+    EACH_ITEM(item, node)
+        for (const char *text = open ? NULL : node_text(reader, item); text && *text; text++)
             open += (*text == '(') - (*text == ')');
     return open;
 }
@@ -266,9 +263,7 @@ bool fields_read(struct reader *reader, struct fy_node *node, enum section secti
         return diag_error(
             reader->diag, node && node_loc(reader, node).line ? node_loc(reader, node) : loc,
             "%s must be a map, not %s", table_sections[section].title, describe_node(reader, node));
-    void *iterator = NULL;
-    struct fy_node_pair *pair;
-    while ((pair = fy_node_mapping_iterate(node, &iterator)))
+    EACH_PAIR(pair, node)
         read_pair(reader, pair, fields);
     for (const struct key *key = table_section(section); key->name; key++) {
         bool there = !key->required;
@@ -290,9 +285,7 @@ static int entry_count(const struct fields *fields, const char *key)
 static void add_named(struct reader *reader, const struct key *entry, bool top, struct fy_node *map,
                       struct named_list *list)
 {
-    void *iterator = NULL;
-    struct fy_node_pair *pair;
-    while ((pair = fy_node_mapping_iterate(map, &iterator))) {
+    EACH_PAIR(pair, map) {
         const char *name = key_text(reader, fy_node_pair_key(pair));
         struct loc loc = node_loc(reader, fy_node_pair_key(pair));
         bool refers = entry->child == SECTION_CONTRACTS; /* to a resource, perhaps of an instance */

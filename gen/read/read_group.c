@@ -52,9 +52,7 @@ const char *declared_name(struct reader *reader, struct fy_node *node, const cha
 static bool list_declares(struct fy_node *passes, const char *word, size_t length)
 {
     static const char *const keys[] = {"name", "as"};
-    void *iterator = NULL;
-    struct fy_node *item;
-    while ((item = next_item(passes, &iterator))) {
+    EACH_ITEM(item, passes) {
         for (int i = 0; i < 2; i++) {
             struct fy_node *name = map_value(item, keys[i]);
             size_t own = 0;
@@ -161,11 +159,9 @@ void each_word(struct reader *reader, struct fy_node *node,
 {
     for (const struct scope *scope = node_scope(reader, node); scope; scope = scope->outer) {
         struct fy_node *constants = scope->root ? map_value(scope->root, "constants") : NULL;
-        struct fy_node_pair *pair;
-        void *iterator = NULL;
         for (uint32_t i = 0; i < scope->binding_count; i++)
             visit(user, scope->bindings[i].name, scope->bindings[i].at);
-        while ((pair = next_pair(constants, &iterator)))
+        EACH_PAIR(pair, constants)
             if (pair_name(reader, pair))
                 visit(user, pair_name(reader, pair), fy_node_pair_key(pair));
     }
@@ -443,12 +439,10 @@ static struct fy_node *find_group(struct use *use)
     do {
         struct fy_node *groups = section_of(at, "groups");
         struct fy_node *group = map_value(groups, name);
-        struct fy_node_pair *pair;
-        void *iterator = NULL;
         if (group)
             return group;
-        while (count < DT_ARRAY_COUNT(names) && (pair = next_pair(groups, &iterator)))
-            if (pair_name(reader, pair))
+        EACH_PAIR(pair, groups)
+            if (count < DT_ARRAY_COUNT(names) && pair_name(reader, pair))
                 names[count++] = pair_name(reader, pair);
     } while ((at = at->next));
     key_error(reader, &use->fields, "group", "unknown group `%s`%s", name,
@@ -462,13 +456,11 @@ static void report_unknown_arguments(struct use *use, const struct scope *scope,
     struct reader *reader = use->reader;
     const char *names[64];
     size_t count = 0;
-    struct fy_node_pair *pair;
-    void *iterator = NULL;
     while (count < DT_ARRAY_COUNT(names) && count < scope->binding_count) {
         names[count] = scope->bindings[count].name;
         count++;
     }
-    while ((pair = next_pair(with, &iterator))) {
+    EACH_PAIR(pair, with) {
         const char *name = pair_name(reader, pair);
         if (!name || find_binding(scope, name, strlen(name)))
             continue;
@@ -481,11 +473,10 @@ static void report_unknown_arguments(struct use *use, const struct scope *scope,
 static void bind_arguments(struct use *use, struct scope *scope, struct fy_node *args)
 {
     struct reader *reader = use->reader;
-    struct fy_node *with = field_node(&use->fields, "with"), *item;
-    void *iterator = NULL;
+    struct fy_node *with = field_node(&use->fields, "with");
     size_t count = args ? (size_t)fy_node_sequence_item_count(args) : 0;
     scope->bindings = reader_alloc(reader, count, sizeof *scope->bindings);
-    while (scope->bindings && (item = next_item(args, &iterator))) {
+    EACH_ITEM(item, scope->bindings ? args : NULL) {
         const char *name = key_text(reader, item);
         if (!name || !is_identifier(name)) {
             node_error(reader, item, "an argument must be a name");
@@ -584,9 +575,7 @@ bool has_own_name(struct fy_node *item)
 static void warn_of_unused_groups(struct reader *reader)
 {
     struct fy_node *groups = section_of(&reader->spec, "groups");
-    struct fy_node_pair *pair;
-    void *iterator = NULL;
-    while ((pair = next_pair(groups, &iterator))) {
+    EACH_PAIR(pair, groups) {
         const struct document *at = reader->spec.next;
         while (at && at->group != fy_node_pair_value(pair))
             at = at->next;
@@ -600,9 +589,8 @@ bool documents_expand(struct reader *reader)
 {
     unsigned errors = diag_error_count(reader->diag);
     for (struct document *at = &reader->spec; at; at = at->next) {
-        struct fy_node *passes = section_of(at, "passes"), *item;
-        void *iterator = NULL;
-        while ((item = next_item(passes, &iterator))) {
+        struct fy_node *passes = section_of(at, "passes");
+        EACH_ITEM(item, passes) {
             struct use use = {.reader = reader, .from = at, .item = item};
             if (is_use(item) && !(map_value(item, "repeat")  ? expand_repeat(&use)
                                   : map_value(item, "group") ? expand_group(&use)

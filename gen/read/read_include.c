@@ -38,16 +38,14 @@ struct fy_node *root_with(struct reader *reader, const char *section, const char
     struct fy_node *found = NULL, *first = NULL;
     const struct document *at = &reader->spec;
     do {
-        struct fy_node *root = fy_document_root(at->yaml), *item;
+        struct fy_node *root = fy_document_root(at->yaml);
         struct fy_node *value = map_value(root, section);
-        struct fy_node_pair *pair;
-        void *iterator = NULL;
         if (value && !first)
             first = root;
-        while ((pair = next_pair(value, &iterator)))
+        EACH_PAIR(pair, value)
             if (begins(reader, root, pair_name(reader, pair), path, ends))
                 found = root;
-        while ((item = next_item(value, &iterator)))
+        EACH_ITEM(item, value)
             if (has_own_name(item) && begins(reader, root, element_name(reader, item), path, ends))
                 found = root;
     } while ((at = at->next));
@@ -149,14 +147,12 @@ bool is_include(struct fy_node *item)
 
 static bool read_includes(struct reader *reader, struct document *document)
 {
-    struct fy_node *files = section_of(document, "include"), *item;
+    struct fy_node *files = section_of(document, "include");
     struct fy_node *passes = section_of(document, "passes");
-    void *iterator = NULL;
     bool good = true;
-    while ((item = next_item(files, &iterator)))
+    EACH_ITEM(item, files)
         good &= include(reader, document, node_text(reader, item), node_loc(reader, item), NULL);
-    iterator = NULL;
-    while ((item = next_item(passes, &iterator))) {
+    EACH_ITEM(item, passes) {
         struct fields fields;
         if (!is_include(item))
             continue;
@@ -213,12 +209,11 @@ const struct fields *documents_fields(struct reader *reader)
 static void add_document_passes(const struct reader *reader, const struct document *document,
                                 struct fy_node **items, uint32_t *count)
 {
-    struct fy_node *list = field_node(&document->fields, "passes"), *item;
-    void *iterator = NULL;
+    struct fy_node *list = field_node(&document->fields, "passes");
     for (const struct document *at = document->next; at; at = at->next)
         if (at->parent == document && !at->entry)
             add_document_passes(reader, at, items, count);
-    while ((item = next_item(list, &iterator))) {
+    EACH_ITEM(item, list) {
         bool stands = !is_include(item) && !is_use(item);
         for (const struct document *at = document->next; !stands && at; at = at->next)
             if (at->entry == item)

@@ -143,9 +143,7 @@ struct loc node_loc(const struct reader *reader, struct fy_node *node); /* line 
 /* NULL where there is no such value, or no map or list. */
 struct fy_node *map_value(struct fy_node *map, const char *key);
 struct fy_node *section_of(const struct document *document, const char *key);
-struct fy_node *next_item(struct fy_node *list, void **iterator);
 int list_count(struct fy_node *list);
-struct fy_node_pair *next_pair(struct fy_node *map, void **iterator);
 const char *pair_name(struct reader *reader, struct fy_node_pair *pair);
 /* NULL unless a scalar. key_text: as written; node_text: with `{EXPR}` replaced. */
 const char *key_text(struct reader *reader, struct fy_node *node);
