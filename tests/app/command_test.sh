@@ -104,9 +104,10 @@ check "values that are valid only together are" \
     "${render[@]}" --backend vk -o "$work/a.png" --set passes.shade.ranges.first_range.storage=uniform \
     --set 'tile=[1,1]' --set first_vpls=64
 # Pictures against a reference.
-"$diptych" render --scene "$scene" --size 37x23 --backend vk -o "$work/a.exr"
-"$diptych" render --scene "$scene" --size 37x23 --backend vk -o "$work/a.png"
-"$diptych" render --scene "$scene" --size 39x23 --backend vk -o "$work/b.exr"
+pictured=("$diptych" render --scene "$scene" --spec "$root/templates/rsm.yaml" --set rsm_size=32 --set samples=4 --backend vk)
+"${pictured[@]}" --size 37x23 -o "$work/a.exr"
+"${pictured[@]}" --size 37x23 -o "$work/a.png"
+"${pictured[@]}" --size 39x23 -o "$work/b.exr"
 metrics=("$diptych" metrics --reference "$work/a.exr")
 refused 2 '--test FILE is missing' "${metrics[@]}"
 refused 2 '--exposure 0: must be a number above 0' "${metrics[@]}" --test "$work/a.exr" --exposure 0
@@ -133,7 +134,7 @@ cp "$work/a.exr" "$work/absent_0.exr"
 refused 1 'absent_1.exr' "${metrics[@]}" --test "$work/absent_%d.exr" --frames 2
 several() { # the metrics of two pictures are the means and standard errors of each picture's metrics
     local frame
-    "$diptych" render --scene "$scene" --size 37x23 --backend vk --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
+    "${pictured[@]}" --size 37x23 --frames 2 --set reuse_pattern=0 -o "$work/several_%d.exr" || return
     for frame in 0 1; do
         "${metrics[@]}" --test "$work/several_$frame.exr" --json "$work/several_$frame.json" || return
     done
