@@ -1,13 +1,15 @@
 #!/usr/bin/env bash
 # Every barrier of every pipeline is needed, and no barrier is missing. tests/runtime/barrier_audit.c drops each barrier in turn; a layout
 # change also runs without its wait. The validation layers must report the missing barrier; where the layers are known to be
-# silent, a model of the specification must. The counts are printed as comments. Long: more frame sizes.
+# silent, a model of the specification must. The counts are printed as comments. SEED draws how many bounces
+# ssvp also has. Long: all, and more frame sizes.
 . "$(dirname "$0")/../lib/tap.sh"
 specs=$root/tests/specs
 tiny=(--set first_vpls=16 --set second_vpls=16 --set clusters=2 --set rsm_size=32 --set map_size=32)
 # The C library keeps what a frame frees for the next one: a quarter less time for hundreds of frames.
 export MALLOC_TRIM_THRESHOLD_=1000000000 MALLOC_MMAP_THRESHOLD_=1000000000
-bounces=(--live bounces=1 --live bounces=0)
+bounces=(--live "bounces=$((${SEED:-RANDOM} % 2))")
+[ -z "${DIPTYCH_LONG:-}" ] || bounces=(--live bounces=1 --live bounces=0)
 
 audit() { # description arguments...
     local description=$1
