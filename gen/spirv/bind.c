@@ -393,6 +393,21 @@ static void put_begin(struct binder *binder)
 
 /* ---------------------------------------------------------------------------------------------- */
 
+/* Extensions of one vendor; Mesa takes those of `known`. */
+static bool is_of_vendor(const char *extension)
+{
+    static const char *const vendors[] = {"AMD", "ARM", "INTEL", "NV", "NVX", "QCOM"};
+    static const char *const known[] = {"AMD_gpu_shader_", "AMD_texture_gather_bias_lod",
+                                        "AMD_shader_image_load_store_lod"};
+    const char *name = extension + strlen("SPV_");
+    bool found = false;
+    for (size_t i = 0; i < DT_ARRAY_COUNT(vendors); i++)
+        found |= !strncmp(name, vendors[i], strlen(vendors[i])) && name[strlen(vendors[i])] == '_';
+    for (size_t i = 0; i < DT_ARRAY_COUNT(known); i++)
+        found &= strncmp(name, known[i], strlen(known[i])) != 0;
+    return found;
+}
+
 /* What the runtimes do not have, and some drivers crash of. */
 static bool check_capabilities(struct binder *binder)
 {
@@ -408,6 +423,7 @@ static bool check_capabilities(struct binder *binder)
         {SpvCapabilitySparseResidency, "sparse textures", "OpenGL does"},
         {SpvCapabilityDemoteToHelperInvocation,
          "demotion of invocations that write buffers or images", "OpenGL does"},
+        {SpvCapabilityFragmentFullyCoveredEXT, "coverage of fragments", "OpenGL does"},
         {SpvCapabilityMultiView, "views", "passes do"},
         {SpvCapabilityStencilExportEXT, "stencil references", "passes do"},
         {SpvCapabilityFragmentShaderPixelInterlockEXT, "interlocks", "passes do"},
@@ -418,6 +434,9 @@ static bool check_capabilities(struct binder *binder)
             if (spirv_is(i, SpvOpCapability) && i[1] == missing[k].capability)
                 return refuse(binder, "the shader uses %s, which %s not have", missing[k].what,
                               missing[k].who);
+        if (spirv_is(i, SpvOpExtension) && is_of_vendor((const char *)(i + 1)))
+            return refuse(binder, "the shader uses %s, which OpenGL does not have",
+                          (const char *)(i + 1));
         bool subgroups = spirv_is(i, SpvOpCapability) && i[1] >= SpvCapabilityGroupNonUniform &&
                          i[1] <= SpvCapabilityGroupNonUniformQuad;
         if (subgroups && (binder->request->exact || !binder->request->local))

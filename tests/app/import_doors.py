@@ -86,7 +86,7 @@ for shape, words in (("samplerCubeArray", "size: [64, 64], cube: true, layers: 6
     case(f"a {shape}", {"a.frag": fragment(f"uniform {shape} t;", "vec4(textureSize(t" + ", 0" * (shape[7] != "B") + ").x)")}, int("error" in words), words)
 for name, lines in (("demotion of invocations that write buffers or images", "GL_EXT_demote_to_helper_invocation : require\nbuffer B { float b[]; };\nvoid f() { demote; b[0] = 1; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
                     ("stencil references", "GL_ARB_shader_stencil_export : require\nvoid f() { gl_FragStencilRefARB = 1; }"), ("interlocks", "GL_ARB_fragment_shader_interlock : require\n"
-                    "layout(pixel_interlock_ordered) in;\nvoid f() {}"), ("pixel_center_integer", "all : warn\nlayout(pixel_center_integer) in vec4 gl_FragCoord;\nvec4 f() { return gl_FragCoord; }")):
+                    "layout(pixel_interlock_ordered) in;\nvoid f() {}"), ("SPV_AMD_shader_trinary_minmax", "GL_AMD_shader_trinary_minmax : require\nfloat f() { return min3(gl_FragCoord.x, 2.0, 3.0); }"), ("pixel_center_integer", "all : warn\nlayout(pixel_center_integer) in vec4 gl_FragCoord;\nvec4 f() { return gl_FragCoord; }")):
     case(f"what passes have not: {name}", {"a.frag": fragment(f"#extension {lines}").replace("main() {", "main() { f();")}, 1, f"the shader uses {name}, which ")
 case("an input that is interpolated elsewhere", {"a.frag": fragment("layout(location = 0) in vec4 at;", "interpolateAtOffset(at, vec2(0.25))")}, 0, "at: ")
 for version in ("# version 450", "/* #version 120 */ #version 450"):
