@@ -280,8 +280,9 @@ static bool is_redefinition(struct model *model, const struct compiler_message *
     if (says(message, macro)) {
         const char *colon = memrchr(message->text, ':', message->length);
         const char *word = colon ? colon + 1 + strspn(colon + 1, " ") : "";
-        *name = arena_strndup(model->arena, word, strcspn(word, " \n"));
-        return *name;
+        const char *copy = arena_strndup(model->arena, word, strcspn(word, " \n"));
+        *name = copy ? copy : *name;
+        return copy;
     }
     return says(message, "redefinition") || says(message, "function already has a body") ||
            says(message, "redeclaration");
