@@ -9,7 +9,7 @@ from typing import Any
 gl, glfw = ctypes.CDLL("libGL.so.1"), ctypes.CDLL("libglfw.so.3")
 SIDE = 96
 TEXTURE_2D, ARRAY, CUBE, VOLUME, SAMPLES, FRAMEBUFFER, COLOUR, DEPTH = 0xDE1, 0x8C1A, 0x8513, 0x806F, 0x9100, 0x8D40, 0x8CE0, 0x8D00
-DEPTH_TEST, CULL_FACE, BLEND, OFFSET, SCISSOR = 0xB71, 0xB44, 0xBE2, 0x8037, 0xC11
+DEPTH_TEST, CULL_FACE, BLEND, OFFSET, SCISSOR, DISCARD = 0xB71, 0xB44, 0xBE2, 0x8037, 0xC11, 0x8C89
 STORAGE, RGBA8, CLAMP = 0x90D2, 0x8058, 0x812F
 
 HEAD = "#version 330 core\n"
@@ -18,7 +18,8 @@ SOLID = HEAD + """layout(location = 0) in vec2 spot; out vec3 colour; uniform ma
 void main() { vec2 p = spot; colour = vec3(p * .5 + .5, .3);
 gl_Position = place * vec4(p, p.x * .2 + float(gl_VertexID / 3) * .05 + .5, 1.0); }"""
 COLOURED = HEAD + "in vec3 colour; layout(location = 0) out vec4 result; uniform sampler2D still;" """
-void main() { result = vec4(colour, 1.0) + textureLod(still, colour.rg, 1.0) * 0.1; }"""
+layout(std140) uniform Light { float gain; vec4 tint; } light;
+void main() { result = vec4(colour, light.gain) * light.tint + textureLod(still, colour.rg, 1.0) * 0.1; }"""
 BLUR = HEAD + """uniform sampler2D scene; uniform float radius; uniform float iTime; layout(location = 0) out vec4 result;
 void main() { vec2 p = TURN / 96.0; vec4 sum = vec4(0.0); for (int i = -2; i <= 2; i++) sum += texture(scene, p + vec2(float(i) + SHIFT, 0.0)
 * radius / 96.0); result = sum * 0.2 + iTime * 0.1; }"""
@@ -124,6 +125,9 @@ class Scene:
             (flat, [(TEXTURE_2D, mips, mip) for mip in range(4)], shaded, 1), (flat, [(TEXTURE_2D, self.made_mips, 0)], shaded, 0),
             (layer, [(volume, 0, at) for at in range(4)], shaded, 0),
             (flat, [(TEXTURE_2D, name, 0) for name in (whole, view, whole)], shaded, 0))]
+        block = (ctypes.c_float * 72)(1, 0, 0, 0, 1, 1, 1, 1)
+        block[64:72] = 1, 0, 0, 0, 1, .5, 1, 1
+        self.block = buffer(0x8A11, block)
         self.buffers = [buffer(STORAGE, (ctypes.c_uint * 96)(3, 5, 7, last)) for last in (0, 9, 11)]
         self.meshes = [(buffer(0x8892, (ctypes.c_float * 12)(-.8, -.7, .7, -.8, .1, top, -.5, .6, .4, .5, .6, -.4)),
                         buffer(0x8893, (ctypes.c_ushort * 6)(0, 1, 2, 3, *last))) for top, last in ((.8, (4, 5)), (.7, (5, 4)))]
@@ -136,10 +140,12 @@ class Scene:
         gl.glPolygonOffset(*((0.0, 0.5) if fault == "offset" else (0.5, 0.0)))
         if fault != "before":
             gl.glClearColor(0.1, 0.2, 0.3, 1.0)
-        gl.glClear(0x4100)
+        gl.glClearStencil(fault == "clear")
+        gl.glClear(0x4500)
+        gl.glBindBufferRange(0x8A11, 0, self.block, ctypes.c_size_t(256 if fault == "block" else 0), ctypes.c_size_t(32))
         if fault == "clear":
             gl.glClearBufferfv(0x1800, 0, (ctypes.c_float * 4)(0.1, 0.4, 0.3, 1.0))
-        switch(*(state for name, state in (("blend", BLEND), ("cull", CULL_FACE), ("scissor", SCISSOR)) if name == fault), on=True)
+        switch(*(state for name, state in (("blend", BLEND), ("cull", CULL_FACE), ("scissor", SCISSOR), ("discard", DISCARD)) if name == fault), on=True)
         gl.glScissor(0, 0, 50, SIDE)
         gl.glViewport(8 if fault == "viewport" else 0, 0, SIDE, SIDE)
         for kind, name in zip((0x8892, 0x8893), self.meshes[fault == "vertices"]):
@@ -148,7 +154,7 @@ class Scene:
         gl.glEnableVertexAttribArray(0)
         for start in (0, 3) if fault == "parts" else (0,):
             gl.glDrawElements(4, 3 if fault == "parts" else 6, 0x1403, ctypes.c_void_p(2 * start))
-        switch(DEPTH_TEST, CULL_FACE, OFFSET, SCISSOR, BLEND)
+        switch(DEPTH_TEST, CULL_FACE, OFFSET, SCISSOR, BLEND, DISCARD)
         if fault.startswith("cover"):
             self.cover(fault == "covered")
         blur, tone = self.programs[{"shader": 1, "rows": 2}.get(fault, 0)]

@@ -57,7 +57,7 @@ drawn() ( # number fault...: the first two, and others by the seed; all in long 
 )
 check "a program in OpenGL is captured" captured once.rdc 3 /usr/bin/python3 -B "$scene"
 check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
-    none cull offset uniform clock shader rows vertices channels clear before parts alpha read levels cover covered
+    none cull offset uniform clock shader rows vertices channels clear before parts alpha read levels block discard cover covered
 mv gl/*.rdc .
 faults=('p["agree"] and t == "{}"|once' 'p["captures"]["moments"]["01_draw_96x96"] == ["iTime: 0.22 against 0.49"]|clock'
     '"cull: nocull against back" in t and p["guilty"]["pass"] == "00_draw_96x96"|cull'
@@ -66,7 +66,9 @@ faults=('p["agree"] and t == "{}"|once' 'p["captures"]["moments"]["01_draw_96x96
     '"shift of " in w|shader'
     'p["guilty"]["pass"] == "01_draw_96x96" and "flip in y" in w|rows'
     '"vertex data spot: 1 of 12 numbers differ, by up to 0.1" in t and "vertex data indices: 2 of 6 numbers" in t|vertices'
-    '"clampedge/clampedge, channels green/green/blue/alpha" in t|channels' '"clear of colour: (0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|clear'
+    '"clampedge/clampedge, channels green/green/blue/alpha" in t|channels'
+    '"clear of colour: (0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t and "clear of stencil: 0 against 1" in t|clear'
+    '"Light.tint: (1, 1, 1, 1) against (1, 0.5, 1, 1)" in t|block' '"rasterizer discard: off against on" in t|discard'
     '"(0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|before' '"1 against 2 draws" in t and "less against greater (in all draws)" in t|parts'
     '"alpha add(one, zero)" in t and len(p["captures"]["matched"]) == 4|alpha' '"blurred: the picture of 01_draw_96x96 against that of 00_" in t|read'
     '{"00.still"} <= b and [r["mip"] for r in p["results"] if r["resource"] == "still"] == [0, 1]|levels')
@@ -101,7 +103,8 @@ across=('p["agree"] and t == "{}"|none' '"depth test: less against greater" in t
     '"cull: nocull against back" in t|cull' '"factor 0.5, units 0 against factor 0, units 1" in t|offset' '"scissor: whole against (0, 0, 50, 96)" in t|scissor'
     '"viewport: (0, 0, 96, 96) against (8" in t|viewport' '"clampedge/clampedge against linear/linear, wrap" in t|wrap'
     '"8 bits unorm against 16 bits float" in t|format' '"shift of 2 texels" in w|shader'
-    '"flip in y" in w|rows' '"exposure: 1 against 1.25" in t|uniform' '"(0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|clear' 'len(p["captures"]["matched"]) == 3|pass')
+    '"flip in y" in w|rows' '"exposure: 1 against 1.25" in t|uniform' '"(0.1, 0.2, 0.3, 1) against (0.1, 0.4, 0.3, 1)" in t|clear'
+    '"Light.tint: (1, 1, 1, 1) against (1, 0.5, 1, 1)" in t|block' 'len(p["captures"]["matched"]) == 3|pass')
 mapfile -t across < <(drawn 6 "${across[@]}")
 if frames vk ENABLE_VULKAN_RENDERDOC_CAPTURE=1 GALLIUM_DRIVER=zink /usr/bin/python3 -B "$scene" "${across[@]##*|}" cover covered; then
     echo "# SEED=$seed: faults ${faults[*]##*|}; ${across[*]##*|}"
@@ -113,7 +116,11 @@ if frames vk ENABLE_VULKAN_RENDERDOC_CAPTURE=1 GALLIUM_DRIVER=zink /usr/bin/pyth
     check "... or differ; the state of draw 38 of 100 is told" pair 1 '"blend: off" in t and "(draw 38 of 100)" in t and
         {"02.color0", "04.color0", "13.color0", "21.color0", "23.color0", "24.color0", "25.picture", "25.Sums", "25.Keys"} <= b'
     check "... samples that RenderDoc cannot read are told" grep -q 'vk/cover.rdc: of 1 passes, single samples, .* left out' said
-    confined=1 check "... a depth test is no shader's fault" says 1 '^alone, .* outside the shader, or .*; what differs: depth test$' none.rdc vk/depth.rdc
+    confined=1 check "... a depth test is no shader's fault" \
+        says 1 '^alone, .* picture of gl and vk: .* outside the shader, or .*; what differs: depth test$' none.rdc vk/depth.rdc
+    check "a program whose OpenGL Zink draws is captured as Vulkan" timeout 120 "$diptych" capture -o zink.rdc --frame 3 \
+        --env GALLIUM_DRIVER=zink -- /usr/bin/python3 -B "$scene"
+    check "... with its window" says 0 ' screen .* equal ' once.rdc zink.rdc
 else
     cd "$work" || exit 1
     skip "faults across APIs" "no Zink that RenderDoc captures"
@@ -168,11 +175,12 @@ from types import SimpleNamespace
 from unittest import mock
 from diptych.rdc import replays
 from diptych.rdc.replay import FLAGS, Grouping
-from diptych.rdc.state import sampler, sampler_of
-from diptych.rdc.differ import aligned, common, uniform_differences, worded
+from diptych.rdc.state import restarts, sampler, sampler_of
+from diptych.rdc.texels import KINDS, TYPES, texels_of
+from diptych.rdc.differ import aligned, blit, common, uniform_differences, worded
 from diptych.rdc.compare import Matched, drop_alpha
 from diptych.rdc.guilty import modern, verdict
-from diptych.rdc.match import Matcher, Side
+from diptych.rdc.match import Matcher, Pair, Side
 whole = [{"kind": "draw", "entries": [{"samples": 4}], "left_out": ["color0"]}, {"kind": "resolve", "entries": ["resolved"]}]
 (side := Side("", "", "", {"passes": whole})).leave_samples()
 assert side.passes == [{"kind": "draw", "entries": ["resolved"], "left_out": []}]
@@ -184,14 +192,32 @@ row = [1, 2, 3, 4, 5, 6, 7, 8]
 turned, matrices = [*row[:4], *(-number for number in row[4:])], {"HLSL": [[1, 5, 2, 6, 3, 7, 4, 8], 2]}
 assert uniform_differences({"HLSL": row, "flat": row}, {**matrices, "flat": turned}) == []
 assert [name for name, _ in uniform_differences({"HLSL": row, "flat": row}, {"HLSL": matrices["HLSL"][0], "flat": row[::-1]})] == ["HLSL", "flat"]
+seen = np.array([[2, 0, 0, 1], [0, 3, 1, 0], [0, 1, -1, -2], [0, 0, -1, 0]])
+clips = [np.linalg.inv(clip @ seen).ravel().tolist() for clip in (np.eye(4), np.array([[1, 0, 0, 0], [0, -1, 0, 0], [0, 0, .5, .5], [0, 0, 0, 1]]))]
+assert uniform_differences({"inverse": clips[0]}, {"inverse": clips[1]}) == []
 def words(*numbers):  # that Zink leaves
     return {"uniforms": {f"pixel uniform_0[{at}]": [number] for at, number in enumerate(numbers)}}
-loose = {"uniforms": {"a": [1.0], "b": [2.5, 3.0], "c": [-7], "d": [1]}, "loose": {"pixel": ["a", "b", "c", "d"]}}
+loose = {"uniforms": {"a": [1.0], "b": [2.5, 3.0], "c": [-7], "d": [1]}, "loose": {"pixel": ["a", "b", "c", "d"]}, "laid": {}}
 for own, changed, lost in ((words(1.0, 2.5, 3.0, 2**32 - 7, 2**32 - 1, 1.0), [], []), (words(2.5, 3.0, 2**32 - 7, 1.0, 1), [], []),
                            (words(1.0, 2.5, 4.0, 2**32 - 7, 1), ["b"], []), (words(2.5, 3.0, 2**32 - 7, 5.0, 1), [], ["a"])):
     found, gone = worded(loose, own)
     assert ([name for name, _ in uniform_differences({name: loose["uniforms"][name] for name in found}, found)], gone) == (changed, lost), own
 assert common({"s_tex": 1}, {"s_texTexture": 2}) == [("s_tex", 1, 2)]
+assert common({"_25.turn": 1, "_11.turn": 1, "_25.a": 1, "_11.a": 2}, {"turn": 1, "a": 1}) == [("turn", 1, 1)]
+restarting = SimpleNamespace(IsRestartEnabled=lambda: True, GetRestartIndex=lambda: 0xffffffff)
+assert restarts(restarting, np.array([0, 0xffff, 0xfffe], "u2")).tolist() == [False, True, False]
+form = SimpleNamespace(type=TYPES.Regular, compType=KINDS.Depth, compByteWidth=4)
+assert texels_of(form, b"\xff" * 4, 1, 1, True).rows == 0xffffff and texels_of(form, b"\0\0\x80\x3f", 1, 1, True).rows == 1
+form = SimpleNamespace(type=TYPES.Regular, compType=KINDS.UScaled, compByteWidth=1, compCount=1)
+assert texels_of(form, b"\x07", 1, 1, True).rows == 7
+region = [[0, 0, 9, 9], [0, 0, 6, 6], [1], [9, 8]]
+assert blit(region, False, False) == "(0, 0, 9, 9) to (0, 0, 6, 6), linear" == blit([[0, 9, 9, 0], [0, 8, 6, 2], [1], [9, 8]], True, True)
+inputs = [[{"resource": name, "kind": "image", "file": file, "turned": file, "width": 1, "height": 1, "layers": 1, "format": "rgba8", "id": file}
+           for name, file in zip(names, "xy")] for names in ("ab", "ba")]
+small = {name: np.zeros((1, 1, 4)) for name in "xy"}
+swapped = Matcher(*(Side("", "", "", {"small": small, "passes": [{"entries": [1], "inputs": items}]}) for items in inputs))
+swapped.pair_inputs(pairs := [Pair(0, 0)])
+assert [one["resource"] + other["resource"] for one, other, _ in pairs[0].inputs] == ["aa", "bb"]
 assert modern("#version 120\nvarying vec2 p; x(texture2DProj); gl_FragColor") == (
     "#version 330\nout vec4 alone_color;\n\nin vec2 p; x(textureProj); alone_color")
 place = [SimpleNamespace(bind=at, bindset=0, used=True) for at in range(2)]

@@ -75,12 +75,17 @@ class Taken:
                 self.collect(variable.members, name + "_", number, found)
             else:
                 found[name] = found[number] = literal(variable)
+                found.setdefault(variable.name, found[name])  # of a block that has a name
 
     def values(self) -> dict[str, str]:
         places = self.state.GetBindpointMapping(self.stage).constantBlocks
         found: dict[str, str] = {}
         for block, values in rdc_state.blocks(self.control, self.state, self.kind, self.stage, self.shader):
             self.collect(values, "", place_of(places[block.bindPoint]) if block.bindPoint < len(places) else "", found)
+        for block, parts in rdc_state.zink_blocks(self.control, self.state, self.stage, self.shader):
+            size = block.byteSize // 4
+            rows = [f"uint[{size}]({', '.join(f'{number}u' for number in [*words, *[0] * (size - len(words))])})" for words in parts]
+            found[f"struct_{block.name.replace('@', '_at_')}_0"] = f"uint[{len(rows)}][{size}]({', '.join(rows)})"
         return found
 
     # ---- Textures --------------------------------------------------------------------------------
@@ -121,7 +126,7 @@ class Taken:
         size = mesh.indexByteStride
         raw = bytes(self.control.GetBufferData(mesh.indexResourceId, mesh.indexByteOffset, mesh.numIndices * size))
         indices = np.frombuffer(raw, f"<u{size}")
-        if self.state.IsRestartEnabled() and self.state.GetRestartIndex() in indices:
+        if rdc_state.restarts(self.state, indices).any():
             raise Untold("its indices restart primitives")
         return indices[order].astype(int) + mesh.baseVertex
 

@@ -5,9 +5,11 @@ import os
 import shlex
 import shutil
 import signal
+import subprocess
+import sys
 import tempfile
 import time
-from typing import Any
+from typing import Any, Callable, Iterator
 
 from ..console import Console
 
@@ -24,49 +26,80 @@ def renderdoc(console: Console) -> Any:
     return module
 
 
-def variables(rd: Any, command: list[str], settings: list[str]) -> list[Any]:
+def variables(command: list[str], settings: list[str]) -> dict[str, str]:
     """libsixel of mpv calls other functions than RenderDoc's of the same names, unless the library is there first."""
-    if os.path.basename(command[0]) == "mpv" and not any(setting.startswith("LD_PRELOAD=") for setting in settings):
-        settings = [*settings, "LD_PRELOAD=libstb.so.0"]
-    pairs = (setting.split("=", 1) for setting in settings)
-    return [rd.EnvironmentModification(rd.EnvMod.Append if name == "LD_PRELOAD" else rd.EnvMod.Set, rd.EnvSep.Platform, name, value)
-            for name, value in pairs]
+    found = dict(setting.split("=", 1) for setting in settings)
+    return {"LD_PRELOAD": "libstb.so.0", **found} if os.path.basename(command[0]) == "mpv" else found
+
+
+def zink(settings: dict[str, str]) -> dict[str, str]:
+    """The environment of a program whose OpenGL Zink draws with Vulkan, which alone is captured then, or none. Without the first variable,
+    Zink on lavapipe shows its pictures past Vulkan."""
+    found = {**os.environ, **settings}
+    names = "MESA_LOADER_DRIVER_OVERRIDE", "GALLIUM_DRIVER"
+    return {**found, names[0]: "zink", "ENABLE_VULKAN_RENDERDOC_CAPTURE": "1"} if any(found.get(name) == "zink" for name in names) else {}
 
 
 class Run:
     """A program under RenderDoc; `control` is the connection to it."""
 
     def __init__(self, console: Console, rd: Any, command: list[str], settings: list[str], path: str):
-        self.console, self.rd = console, rd
-        program = shutil.which(command[0])
+        self.console, self.rd, self.name = console, rd, command[0]
+        program, own = shutil.which(command[0]), variables(command, settings)
+        environment = zink(own)
+        self.control: Any = None
+        self.process: subprocess.Popen[bytes] | None = None
         if not program:
             console.fail(f"{command[0]}: no such program")
+        if environment:
+            self.process = subprocess.Popen([program, *command[1:]], env={**environment, "RENDERDOC_CAPFILE": path}, start_new_session=True)
+            self.pid = self.process.pid
+            self.connect(self.targets)
+            return
         options = rd.GetDefaultCaptureOptions()
         options.delayForDebugger = 0
-        arguments = " ".join(map(shlex.quote, command[1:]))
-        begun = rd.ExecuteAndInject(program, os.getcwd(), arguments, variables(rd, command, settings), path, options, False)
+        changes = [rd.EnvironmentModification(rd.EnvMod.Append if name == "LD_PRELOAD" else rd.EnvMod.Set, rd.EnvSep.Platform, name, value)
+                   for name, value in own.items()]
+        begun = rd.ExecuteAndInject(program, os.getcwd(), " ".join(map(shlex.quote, command[1:])), changes, path, options, False)
         if not begun.ident:
             console.fail(f"{command[0]}: cannot be started under RenderDoc: {begun.result}")
-        self.name, end = command[0], time.monotonic() + CONNECTING
-        self.control: Any = None
-        while not self.control and time.monotonic() < end:
-            self.control = rd.CreateTargetControl("", begun.ident, "diptych", True)
-            if self.control is None or not self.control.Connected():
-                self.control = None
-                time.sleep(0.02)
-        if not self.control:
-            console.fail(f"{self.name}: ended, or did not answer RenderDoc in {CONNECTING:g} s; does it run without it?")
+        self.connect(lambda: iter([begun.ident]))
         self.pid = self.control.GetPID()
+
+    def connect(self, targets: Callable[[], Iterator[int]]) -> None:
+        end = time.monotonic() + CONNECTING
+        while time.monotonic() < end and not (self.process and self.process.poll() is not None):
+            for target in targets():
+                self.control = self.rd.CreateTargetControl("", target, "diptych", True)
+                if self.control and self.control.Connected() and not (self.process and os.getsid(self.control.GetPID()) != self.pid):
+                    return
+            time.sleep(0.02)
+        self.console.fail(f"{self.name}: ended, or did not answer RenderDoc in {CONNECTING:g} s; does it run without it?")
+
+    def targets(self) -> Iterator[int]:
+        """All programs that RenderDoc is in."""
+        target = self.rd.EnumerateRemoteTargets("", 0)
+        while target:
+            yield target
+            target = self.rd.EnumerateRemoteTargets("", target)
+
+    def connected(self) -> bool:
+        """The driver loads RenderDoc with each instance of Vulkan, and lets it go."""
+        if self.process and not self.control.Connected() and self.process.poll() is None:
+            self.connect(self.targets)
+        return bool(self.control.Connected())
 
     def wait(self, frame: int, after: float) -> str:
         """The path of the capture."""
         kinds, start = self.rd.TargetControlMessageType, time.monotonic()
         apis: dict[str, bool] = {}    # and whether a window shows its pictures
         refused: dict[str, str] = {}  # by API, why RenderDoc cannot capture a window that shows its pictures
-        if frame:
-            self.control.QueueCapture(frame, 1)
+        asked: Any = None
         triggered = bool(frame)
-        while self.control.Connected() and time.monotonic() - start < WAITING:
+        while self.connected() and time.monotonic() - start < WAITING:
+            if frame and asked is not self.control:
+                asked = self.control
+                asked.QueueCapture(frame, 1)
             message = self.control.ReceiveMessage(None)
             if message.type == kinds.RegisterAPI:
                 use = message.apiUse
@@ -76,12 +109,10 @@ class Run:
                     refused = {} if use.supported else {use.name: why}
             elif message.type == kinds.NewCapture:
                 return str(message.newCapture.path)
-            elif message.type == kinds.Disconnected:
-                break
             if refused and time.monotonic() - start > after + GRACE:
                 api, why = refused.popitem()
-                self.console.fail(f"{self.name}: RenderDoc cannot capture its {api}: {why}; has it an option for a newer version, "
-                                  "or for a core profile?")
+                self.console.fail(f"{self.name}: RenderDoc cannot capture its {api}: {why or 'an old context'}; has it an option for a "
+                                  "newer version, or for a core profile? --env MESA_LOADER_DRIVER_OVERRIDE=zink captures it as Vulkan")
             if not triggered and time.monotonic() - start > after:
                 triggered = True
                 self.control.TriggerCapture(1)
@@ -92,12 +123,13 @@ class Run:
         self.console.fail(f"{self.name}: ended before its frame was captured: {seen}; try another --frame, or --after")
 
     def end(self) -> None:
+        kill = os.killpg if self.process else os.kill
         for number, seconds in ((signal.SIGTERM, ENDING), (signal.SIGKILL, 0.0)):
             try:
-                os.kill(self.pid, number)
+                kill(self.pid, number)
                 limit = time.monotonic() + seconds
-                while time.monotonic() < limit:
-                    os.kill(self.pid, 0)
+                while time.monotonic() < limit and not (self.process and self.process.poll() is not None):
+                    kill(self.pid, 0)
                     if self.control.Connected():
                         self.control.ReceiveMessage(None)
                     time.sleep(0.02)
@@ -111,6 +143,7 @@ def main(console: Console, request: Json) -> tuple[int, Json]:
         console.fail(f"{request['output']}: cannot be written: it is a folder, or in no such folder, or no right to write there")
     with tempfile.TemporaryDirectory(dir=os.path.dirname(output), prefix=".capture-") as folder:
         run = Run(console, rd, request["command"], request.get("env", []), os.path.join(folder, "frame"))
+        signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # the program ends with us
         try:
             path = run.wait(request.get("frame", 0), request.get("after", 3.0))
         finally:

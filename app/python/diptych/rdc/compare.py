@@ -180,6 +180,7 @@ class Matched:
         self.state: dict[str, list[str]] = {}
         self.clocks: dict[str, list[str]] = {}
         self.draws: dict[str, list[int]] = {}  # those whose state was compared, and all
+        self.ported = len({(side.label, side.frame["device"].endswith("by Zink")) for side in sides}) > 1
         sources = [self.sources(side, [pair.second if at else pair.first for pair in pairs if pair.both]) for at, side in enumerate(sides)]
         for pair, first, second in self.both():
             for item, other in ((first, second), (second, first)):  # what one side left out is not asked of the other
@@ -189,7 +190,8 @@ class Matched:
             for entry, other, _ in pair.inputs:
                 entry["differs"] = entry.get("differs") or other["file"] not in (entry["file"], entry["turned"])
             folders, draws = [side.folder for side in sides], max(first["draws"], second["draws"])
-            texts, moved, compared = differ.differences(first, second, pair.turned, folders, sides[0].label != sides[1].label)
+            how = pair.turned, sides[0].label != sides[1].label, self.ported
+            texts, moved, compared = differ.differences(first, second, folders, *how)
             read = differ.common(sources[0][pair.first], sources[1][pair.second])
             texts += [f"{name}: the picture of {one} against that of {other}" for name, one, other in read if one != other]
             if first["kind"] == second["kind"] == "draw":
@@ -399,8 +401,7 @@ class Comparison:
         for side, label in zip(sides, ("first", "second")):
             if self.save and not side.why:
                 shutil.copytree(side.folder, os.path.join(self.save, label, "alone"))
-        across = matched.sides[0].label != matched.sides[1].label
-        return guilty.verdict(sides, across, pair.turned, matched.state.get(name, []))
+        return guilty.verdict(sides, matched.ported, pair.turned, matched.state.get(name, []))
 
     def conclude(self) -> None:
         """State beside the first difference, and in --json."""

@@ -10,7 +10,9 @@ import numpy as np
 
 Json = dict[str, Any]
 MOST_TOLD = 6  # uniforms of a pass
+BOTH = ((False, False), (False, True), (True, False), (True, True))  # a window and a texture may have rows in other orders
 SHAPES = {8: (2, 4), 9: (3, 3), 16: (4, 4)}  # of matrices into clip space, by how many numbers they have
+ZINK = re.compile(r"\w+ (uniform_0|ubos_1)\[")
 CLOCK = re.compile(r"time|clock|cycle|elapsed|ticks?$|frame_?(count|number|index|id)", re.I)
 
 
@@ -104,19 +106,22 @@ def common(first: dict[str, Any], second: dict[str, Any]) -> list[tuple[str, Any
             if name not in first or name not in second:
                 found.setdefault(bare(name), []).append(name)
     for name, own in names[0].items():
-        if len(own) == 1 and len(names[1].get(name, [])) == 1:
-            pairs.append((name, first[own[0]], second[names[1][name][0]]))
+        both = [[side[item] for item in items] for side, items in ((first, own), (second, names[1].get(name, [])))]
+        if all(items and all(item == items[0] for item in items) for items in both):  # blocks of two stages may have one
+            pairs.append((name, both[0][0], both[1][0]))
     return pairs
 
 
 def clip_space(first: np.ndarray, second: np.ndarray) -> bool:
-    """Whether the second matrix is the first, with y turned, depth of 0 to 1, or both."""
+    """Whether the second matrix is the first, with y turned, depth of 0 to 1, or both; or their inverses are."""
     half = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, .5, .5], [0, 0, 0, 1]])
     for own, other in ((first, second), (first.T, second.T)):
         rows = len(own)
         for turn in (1, -1):
             for depth in (np.eye(4), half, np.linalg.inv(half)) if rows == 4 else (np.eye(rows),):
-                if np.allclose(np.diag([1, turn, 1, 1][:rows]) @ depth @ own, other, rtol=1e-4, atol=1e-5):
+                clip = np.diag([1, turn, 1, 1][:rows]) @ depth
+                ways = [clip @ own] + ([own @ np.linalg.inv(clip)] if rows == own.shape[1] else [])
+                if any(np.allclose(way, other, rtol=1e-4, atol=1e-5) for way in ways):
                     return True
     return False
 
@@ -131,34 +136,53 @@ def same_uniform(one: np.ndarray, other: np.ndarray) -> bool:
         len(one) in SHAPES and one.shape == other.shape and clip_space(one.reshape(SHAPES[len(one)]), other.reshape(SHAPES[len(one)])))
 
 
+def bits_at(words: Json, start: str) -> np.ndarray:
+    """Of the words whose names start so, in order."""
+    there = [value[0] for name, value in words["uniforms"].items() if name.startswith(start)]
+    return np.array([np.float32(value).view("u4") if isinstance(value, float) else value for value in there], "u4")
+
+
+def loose_words(named: Json, bits: np.ndarray, names: list[str]) -> tuple[dict[str, Any], list[str]]:
+    """Of a stage's uniforms without a block."""
+    own, at = {}, 0  # type: dict[str, tuple[np.ndarray, np.ndarray, list[Any]]], int
+    for name in names:
+        values = named["uniforms"][name]
+        whole = not isinstance(values[0], float)
+        wanted = np.array([value & 0xffffffff for value in values], "u4") if whole else np.array(values, "f4").view("u4")
+        theirs = bits[at:at + len(values)]
+        if whole and set(values) <= {0, 1} and set(theirs.tolist()) <= {0, 0x3f800000, 0xffffffff}:  # how Mesa has booleans
+            theirs = (theirs != 0).astype("u4")
+        same = np.array_equal(wanted, theirs)
+        own[name] = (wanted, theirs, values if same else theirs.view("i4" if whole else "f4").tolist())
+        at += len(values)
+    both = [np.sort(np.concatenate([pair[side] for pair in own.values()] or [bits])) for side in (0, 1)]
+    if at > len(bits):
+        return {}, []
+    if np.array_equal(both[0], both[1]):  # equal, or in another order
+        return {name: named["uniforms"][name] for name in own}, []
+    if 2 * sum(np.array_equal(*pair[:2]) for pair in own.values()) >= len(own) - (len(own) == 1):
+        return {name: theirs for name, (*_, theirs) in own.items()}, []
+    return {}, [name for name, (wanted, *_) in own.items()
+                if not any(np.array_equal(wanted, bits[start:start + len(wanted)]) for start in range(len(bits)))]
+
+
 def worded(named: Json, words: Json) -> tuple[dict[str, Any], list[str]]:
     """Of uniforms that the first side names, the values that Zink keeps as words; and names of those whose values are nowhere there,
-    where its order is not that of locations: a stage before has uniforms of this one, too."""
+    where its order is not that of locations: a stage before has uniforms of this one, too. Blocks are in the same order."""
     found, lost = {}, []  # type: dict[str, Any], list[str]
     for stage, names in named["loose"].items():
-        there = [value[0] for name, value in words["uniforms"].items() if name.startswith(f"{stage} uniform_0[")]
-        bits = np.array([np.float32(value).view("u4") if isinstance(value, float) else value for value in there], "u4")
-        own, at = {}, 0  # type: dict[str, tuple[np.ndarray, np.ndarray, list[Any]]], int
-        for name in names:
-            values = named["uniforms"][name]
-            whole = not isinstance(values[0], float)
-            wanted = np.array([value & 0xffffffff for value in values], "u4") if whole else np.array(values, "f4").view("u4")
-            theirs = bits[at:at + len(values)]
-            if whole and set(values) <= {0, 1} and set(theirs.tolist()) <= {0, 0x3f800000, 0xffffffff}:  # how Mesa has booleans
-                theirs = (theirs != 0).astype("u4")
-            same = np.array_equal(wanted, theirs)
-            own[name] = (wanted, theirs, values if same else theirs.view("i4" if whole else "f4").tolist())
-            at += len(values)
-        both = [np.sort(np.concatenate([pair[side] for pair in own.values()] or [bits])) for side in (0, 1)]
-        if at > len(bits):
-            continue
-        if np.array_equal(both[0], both[1]):  # equal, or in another order
-            found.update({name: named["uniforms"][name] for name in own})
-        elif 2 * sum(np.array_equal(*pair[:2]) for pair in own.values()) >= len(own) - (len(own) == 1):
-            found.update({name: theirs for name, (*_, theirs) in own.items()})
-        else:
-            lost += [name for name, (wanted, *_) in own.items()
-                     if not any(np.array_equal(wanted, bits[start:start + len(wanted)]) for start in range(len(bits)))]
+        own, gone = loose_words(named, bits_at(words, f"{stage} uniform_0["), names)
+        found.update(own)
+        lost += gone
+    for stage, laid in named["laid"].items():
+        for number, block in enumerate(laid, 1):
+            bits = bits_at(words, f"{stage} ubos_{number}[")
+            for name, places in block.items():
+                values, wide = plain(named["uniforms"][name])
+                if max(places) < 4 * len(bits):
+                    kind = "f4" if isinstance(values[0], float) else "i4" if min(values) < 0 else "u4"
+                    theirs = bits[np.array(places) // 4].view(kind).tolist()
+                    found[name] = [theirs, wide] if wide else theirs
     return found, lost
 
 
@@ -187,6 +211,8 @@ def stream_differences(first: Json, second: Json, folders: list[str], across: bo
         turns = [a, *(np.concatenate([a[:, :1], y, a[:, 2:]], 1) for y in (-a[:, 1:2], 1 - a[:, 1:2]) if across)]
         if a.shape != b.shape:
             found[f"vertex data {name}"] = f"{len(a)} of {a.shape[1]} numbers against {len(b)} of {b.shape[1]}"
+        elif name == "indices" and ((a < 0) != (b < 0)).any():
+            found[f"vertex data {name}"] = "primitives restart at other places"
         elif not any(np.allclose(turn, b, rtol=1e-6, atol=1e-6, equal_nan=True) for turn in turns):
             gaps = np.abs(a - b)[a != b]
             found[f"vertex data {name}"] = f"{len(gaps)} of {a.size} numbers differ, by up to {text_of(float(gaps.max()))}"
@@ -194,6 +220,21 @@ def stream_differences(first: Json, second: Json, folders: list[str], across: bo
 
 
 # ---- A pass --------------------------------------------------------------------------------------
+
+
+def blit(region: list[list[float]], *turns: bool) -> str:
+    """From where to where, with rows of either in the opposite order, and how, where sizes differ."""
+    parts = [list(corners) for corners in region[:2]]
+    for part, height, turned in zip(parts, region[3], turns):
+        if turned:
+            part[1], part[3] = height - part[1], height - part[3]
+    for low, high in ((0, 2), (1, 3)):
+        if parts[1][low] > parts[1][high]:
+            for part in parts:
+                part[low], part[high] = part[high], part[low]
+    sizes = [[abs(part[2] - part[0]), abs(part[3] - part[1])] for part in parts]
+    how = "" if sizes[0] == sizes[1] else ", linear" if region[2][0] else ", nearest"
+    return f"{text_of(parts[0])} to {text_of(parts[1])}{how}"
 
 
 def shared(items: list[Json]) -> Json:
@@ -229,7 +270,7 @@ def steps(first: Json, second: Json, *how: bool) -> Iterator[tuple[int, Json, Js
         merged: list[Json] = [{key: shared([item[key] for item in side.values()]) for key in ("state", "uniforms", "samplers")}
                               for side in sides]
         for item in merged:  # words have no order without their neighbours, and draws that are parted have other vertices
-            item.update(loose={}, streams={})
+            item.update(loose={}, laid={}, streams={})
         yield -1, merged[0], merged[1], True
     for at, other in pairs:
         looked = first["chosen"][at], second["chosen"][other]
@@ -239,8 +280,10 @@ def steps(first: Json, second: Json, *how: bool) -> Iterator[tuple[int, Json, Js
         yield at, sides[0][looked[0]], sides[1][looked[1]], both
 
 
-def differences(first: Json, second: Json, turned: bool, folders: list[str], across: bool) -> tuple[list[str], list[str], int]:
-    """What differs, which of it is a clock, and of how many draws the state was compared. `across`: the sides have different APIs."""
+def differences(first: Json, second: Json, folders: list[str], turned: bool, across: bool, ported: bool
+                ) -> tuple[list[str], list[str], int]:
+    """What differs, which of it is a clock, and of how many draws the state was compared. `across`: the captures are of different APIs;
+    `ported`: or one of them of OpenGL that Zink drew."""
     texts: list[str] = []
     moved: list[str] = []
     if first["kind"] != second["kind"]:
@@ -255,12 +298,15 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
         texts.append(f"{what} {text_of(first['counts'][at])} against {text_of(second['counts'][at])}")
     cleared = [(key, *(side["clears"][key] for side in (first, second))) for key in first["clears"] if key in second["clears"]]
     texts += [f"clear of {key}: {text_of(one)} against {text_of(other)}" for key, one, other in cleared if not same_value(one, other)]
+    if len(first["region"]) == 4 == len(second["region"]):
+        way, ways = blit(first["region"]), [blit(second["region"], *turns) for turns in ((turned, turned), *BOTH * ported)]
+        texts += [f"{first['kind']}: {way} against {ways[0]}"] if way not in ways else []
     draws: dict[str, list[int]] = {}  # that a text is true of
     clocks: set[str] = set()
     told: set[str] = set()
     looked, compared = 0, 0
     details: dict[str, str] = {}
-    for at, one, other, both in steps(first, second, turned, across and not turned):
+    for at, one, other, both in steps(first, second, turned, across != turned):
         compared += at >= 0
         found = min((state_texts(one["state"], state) for state in (other["state"], other_front(other["state"]))), key=len)
         if both:
@@ -268,7 +314,7 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
             named = [one["uniforms"], other["uniforms"]]
             lost: list[str] = []
             for side, (a, b) in enumerate(((one, other), (other, one))):
-                if a["loose"] and any(" uniform_0[" in name for name in b["uniforms"]):
+                if (a["loose"] or a["laid"]) and not b["laid"] and any(ZINK.match(name) for name in b["uniforms"]):
                     theirs, lost = worded(a, b)
                     named = [{name: a["uniforms"][name] for name in theirs}, theirs][::1 - 2 * side] if theirs or lost else named
             found += [f"{name}: no such value on the other side" for name in lost]
@@ -281,7 +327,7 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
                          for uniforms in named)
                 found.append("uniforms of other names, which are not compared: " + " against ".join(sides))
             found += [f"sampler of {name}: {a} against {b}" for name, a, b in common(one["samplers"], other["samplers"]) if a != b]
-            numbers = stream_differences(one["streams"], other["streams"], folders, across)
+            numbers = stream_differences(one["streams"], other["streams"], folders, ported)
             found += numbers
             details = {**numbers, **details}
         for text in dict.fromkeys(found):
@@ -291,7 +337,7 @@ def differences(first: Json, second: Json, turned: bool, folders: list[str], acr
         part = f" (draw {places[0] + 1}{more} of {first['draws']})" if len(places) < looked else " (in all draws)" if places[0] < 0 else ""
         detail = f": {details[text]}" if text in details else ""
         (moved if text in clocks else texts).append(text + detail + part)
-    for one, other in zip(first["shaders"], second["shaders"]) if not across else ():
+    for one, other in zip(first["shaders"], second["shaders"]) if not ported else ():
         if one["file"] != other["file"]:
             texts.append(f"{one['stage']} shader: other code, see --save")
     return texts, moved, compared

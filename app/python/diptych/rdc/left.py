@@ -16,9 +16,10 @@ FAULTS = (OSError, ValueError, TypeError, EOFError, RecursionError, MemoryError,
 ENTRY = {"kind": "", "file": "", "turned": "", "resource": "", "label": "", "screen": False, "id": 0}
 IMAGE = {**ENTRY, "mip": 0, "width": 0, "height": 0, "layers": 0, "format": ""}
 BUFFER = {**ENTRY, "stride": 0, "count": 0, "fields": [{"name": "", "type": "", "offset": 0}]}
-STATE: Json = {"draw": 0, "state": {}, "samplers": {}, "uniforms": {}, "loose": {}, "streams": {}}
+STATE: Json = {"draw": 0, "state": {}, "samplers": {}, "uniforms": {}, "loose": {}, "laid": {}, "streams": {}}
 PASS = {"index": 0, "run": 0, "kind": "", "first": 0, "last": 0, "draws": 0, "where": [""], "counts": [[0]], "chosen": [0],
-        "left_out": [""], "clears": {}, "reads": {}, "shaders": [{"stage": "", "entry": "", "file": ""}], "states": [STATE],
+        "left_out": [""], "clears": {}, "region": [[0.0]], "reads": {},
+        "shaders": [{"stage": "", "entry": "", "file": ""}], "states": [STATE],
         "entries": [ENTRY], "inputs": [ENTRY]}
 FRAME = {"api": "", "renderdoc": "", "device": "", "samples": False, "bytes": 0, "notes": [""], "passes": [PASS]}
 TAKEN = {"passes": [{"inputs": [{"file": ""}]}]}  # by alone.py

@@ -220,7 +220,7 @@ class Matcher:
 
     def majority(self, pairs: list[Pair], across: bool) -> dict[str, bool]:
         """Of each kind of pass, whether the targets that are no window's have opposite rows: one that is alone stays a fault. So does
-        the only one of its kind, but across APIs."""
+        the only one of its kind, but across APIs, or where others are turned, too."""
         votes: dict[str, int] = {}
         for pair in pairs:
             kind = self.passes[0][pair.first]["kind"]
@@ -228,7 +228,8 @@ class Matcher:
                 same, turned = self.distances(entry, other)
                 if entry["kind"] == "image" and not entry["screen"] and not other["screen"] and abs(same - turned) > TURNED:
                     votes[kind] = votes.get(kind, 0) + (1 if turned < same else -1)
-        return {kind: count > (0 if across else 1) for kind, count in votes.items()}
+        least = 0 if across or sum(votes.values()) > 2 else 1
+        return {kind: count > least for kind, count in votes.items()}
 
     def fill(self, pairs: list[Pair]) -> list[Pair]:
         both = [pair for pair in pairs if pair.both]
@@ -244,17 +245,22 @@ class Matcher:
         return pairs
 
     def pair_inputs(self, pairs: list[Pair]) -> None:
-        """Of matched passes; an input that the other side reads first in another pass is found by its content."""
+        """Of matched passes: of a name that each has once; then of equal contents, also of another pass; then of any name of theirs."""
         inputs = [[entry for item in side for entry in item["inputs"]] for side in self.passes]
         partners: dict[int, int] = {}
         for pair in pairs:
             first = self.passes[0][pair.first]["inputs"]
             second = self.passes[1][pair.second]["inputs"]
+            names = [[bare(entry["resource"]) for entry in side if not entry.get("mip")] for side in (first, second)]
             for entry in first:
                 if entry.get("mip"):  # one of the texture whose first level is paired
                     found = [other for other in inputs[1] if other["id"] == partners.get(entry["id"]) and same_shape(entry, other)]
                 else:
-                    found = [other for other in inputs[1] if other["file"] in (entry["file"], entry["turned"]) and same_shape(entry, other)]
+                    name = bare(entry["resource"])
+                    found = [other for other in second if bare(other["resource"]) == name and same_shape(entry, other)
+                             and names[0].count(name) == 1 == names[1].count(name)]
+                    files = entry["file"], entry["turned"]
+                    found += [other for other in inputs[1] if other["file"] in files and same_shape(entry, other)]
                     found += [other for one, other in pair_up([entry], second)]
                 taken = next((other for other in found if any(other is item for item in inputs[1])), None)
                 if taken:

@@ -37,7 +37,7 @@ MOST_LOOKS = 64        # draws of a frame at which state is read, beside the las
 MOST_STOPS = 8         # with contents that are discarded
 SECONDS_OF_LOOKS = 4.0  # of a processor, above which a child looks
 LARGE = 64 << 20       # bytes of a capture, above which a child looks, too
-GL_COLOR = 0x1800
+GL_LINEAR, GL_COLOR, CLEARED = 0x2601, 0x1800, {"colour": 0x4000, "depth": 0x100, "stencil": 0x400}  # bits of glClear
 VK_CLEARS, VK_DEPTHS = 1, range(124, 131)  # VK_ATTACHMENT_LOAD_OP_CLEAR, formats
 NEVER, OPENED = 1 << 62, (1 << 62) - 1  # events: none; the end of the frame, as opening leaves it
 SECONDS_OF_PROGRESS = 5.0
@@ -77,6 +77,7 @@ class Pass:
         self.first = self.last = action.eventId
         self.draws: list[Any] = []
         self.clears: dict[str, list[float]] = {}
+        self.region: list[list[float]] = []
         self.keys: list[tuple[int, int]] = []
 
     def add(self, action: Any, keys: tuple[int, int]) -> None:
@@ -113,23 +114,35 @@ def bits(item: Any) -> Any:
     return tuple(bits(item.GetChild(at)) for at in range(count)) if count else item.data.basic.u
 
 
+def region_of(chunk: Any) -> list[list[float]]:
+    """Corners of what a blit reads and of what it writes, and whether it filters."""
+    words = child(chunk, "pBlitImageInfo") if chunk.name.startswith("vkCmdBlitImage2") else chunk
+    parts = children(child(words, "pRegions"))[:1] if chunk.name.startswith("vkCmdBlitImage") else []
+    corners = [sum((numbers(corner)[:2] for corner in children(child(part, name))), []) for part in parts for name in ("srcOffsets", "dstOffsets")]
+    if chunk.name.startswith("glBlit"):
+        corners = [[number(child(chunk, side + name)) for name in ("X0", "Y0", "X1", "Y1")] for side in ("src", "dst")]
+    return [*corners, [float(child(words, "filter").data.basic.u in (1, GL_LINEAR))]] if corners else []
+
+
 class Calls:
-    """What a frame's calls have set: draws of equal state are looked at once."""
+    """What a frame's calls have set: draws of equal state are looked at once. `region`: of the last blit."""
 
     def __init__(self, file: Any):
         self.file, self.unit, self.clears = file, 0, Clears(file)
+        self.region: list[list[float]] = []
         self.state: dict[Any, Any] = {}
         self.sampling: dict[Any, Any] = {}
 
     def add(self, action: Any) -> bool:
         """Whether the targets of OpenGL were set anew."""
-        bound, self.clears.now = False, {}
+        bound, self.clears.now, self.region = False, {}, []
         for event in action.events:
             if event.chunkIndex == rd.APIEvent.NoChunk:
                 continue
             chunk = self.file.chunks[event.chunkIndex]
             bound |= chunk.name.startswith(BINDS_FRAMEBUFFER)
             self.clears.add(chunk)
+            self.region = region_of(chunk) or self.region
             if chunk.name == "glActiveTexture":
                 self.unit = bits(chunk)
             elif not NO_STATE.search(chunk.name):
@@ -156,53 +169,72 @@ def child(chunk: Any, *names: str) -> Any:
     return chunk
 
 
-def floats(chunk: Any) -> list[float]:
-    return [item.data.basic.d for item in children(chunk) if item.type.basetype == rd.SDBasic.Float]
+def number(item: Any) -> float:
+    return float(item.data.basic.d if item.type.basetype == rd.SDBasic.Float else item.data.basic.u)
+
+
+def numbers(chunk: Any) -> list[float]:
+    return [number(item) for item in children(chunk) if item.type.basetype in (rd.SDBasic.Float, rd.SDBasic.UnsignedInteger, rd.SDBasic.SignedInteger)]
+
+
+def colour(at: int) -> str:
+    return f"colour {at}" if at else "colour"
 
 
 class Clears:
-    """What a frame's calls clear to, as far as they tell: of colours, that of the first."""
+    """What a frame's calls clear to, as far as they tell: `colour` of the first target, `colour 1` of the next."""
 
     def __init__(self, file: Any):
         self.own: dict[str, list[float]] = {}  # in OpenGL's state, first that before the frame
         for begin in [chunk.FindChild("state") for chunk in file.chunks if chunk.name == "Internal::Beginning of Capture"]:
-            for key, name in (("colour", "GL_COLOR_CLEAR_VALUE"), ("depth", "GL_DEPTH_CLEAR_VALUE")) if begin else ():
-                item = child(begin, name)
-                self.own[key] = floats(item) or [item.data.basic.d]
+            for key in CLEARED if begin else ():
+                item = begin.FindChild(f"GL_{key.replace('colour', 'color').upper()}_CLEAR_VALUE")
+                self.own.update({key: numbers(item) or [number(item)]} if item else {})
         self.now: dict[str, list[float]] = {}  # by the current action
-        self.attachments = {int(child(chunk, "RenderPass").AsResourceId()): child(chunk, "CreateInfo", "pAttachments")
+        self.attachments = {int(child(chunk, "RenderPass").AsResourceId()): child(chunk, "CreateInfo")
                             for chunk in file.chunks if chunk.name.startswith("vkCreateRenderPass")}
 
     def add(self, chunk: Any) -> None:
-        if chunk.name in ("glClearColor", "glClearDepth", "glClearDepthf"):
-            self.own["colour" if chunk.name == "glClearColor" else "depth"] = floats(chunk)
+        if re.fullmatch("glClear(Color|Depthf?|Stencil)", chunk.name):
+            self.own[chunk.name[7:].rstrip("f").lower().replace("color", "colour")] = numbers(chunk)
         elif chunk.name == "glClear":
             mask = child(chunk, "mask").data.basic.u
-            self.now |= {key: self.own[key] for key, bit in (("colour", 0x4000), ("depth", 0x100)) if mask & bit and key in self.own}
-        elif chunk.name in ("glClearBufferfv", "glClearNamedFramebufferfv", "glClearBufferfi", "glClearNamedFramebufferfi"):
-            if not child(chunk, "drawbuffer").data.basic.u:
-                values = chunk.FindChild("value")
-                found = floats(values) if values and values.NumChildren() else floats(chunk)
-                self.now["colour" if child(chunk, "buffer").data.basic.u == GL_COLOR else "depth"] = found
+            self.now |= {key: self.own[key] for key, bit in CLEARED.items() if mask & bit and key in self.own}
+        elif re.match("glClear(Buffer|NamedFramebuffer)[fiu]", chunk.name):
+            kind, values = child(chunk, "buffer").data.basic.u, chunk.FindChild("value")
+            key = {GL_COLOR: colour(child(chunk, "drawbuffer").data.basic.u), GL_COLOR + 2: "stencil"}.get(kind, "depth")
+            self.now |= {item.name: [number(item)] for item in children(chunk) if item.name in CLEARED}
+            self.now |= {key: numbers(values)} if values and values.NumChildren() else {}
         elif chunk.name.startswith("vkCmdBeginRendering"):
             begin = child(chunk, "pRenderingInfo")
-            for item in (child(begin, "pDepthAttachment"), *children(child(begin, "pColorAttachments"))[:1]):
+            places = [("depth", child(begin, "pDepthAttachment")), ("stencil", child(begin, "pStencilAttachment"))]
+            places += [(colour(at), item) for at, item in enumerate(children(child(begin, "pColorAttachments")))]
+            for key, item in places:
                 if item.NumChildren() and child(item, "loadOp").data.basic.u == VK_CLEARS:
-                    self.vulkan(item.name == "pDepthAttachment", child(item, "clearValue"))
+                    self.vulkan(key, child(item, "clearValue"))
         elif chunk.name.startswith("vkCmdBeginRenderPass"):
-            begin = child(chunk, "RenderPassBegin")
-            values, attachments = child(begin, "pClearValues"), self.attachments.get(int(child(begin, "renderPass").AsResourceId()))
-            for attachment, value in reversed(list(zip(children(attachments) if attachments else [], children(values)))):
-                if child(attachment, "loadOp").data.basic.u == VK_CLEARS:
-                    self.vulkan(child(attachment, "format").data.basic.u in VK_DEPTHS, value)
+            self.render_pass(child(chunk, "RenderPassBegin"))
         elif chunk.name == "vkCmdClearAttachments":
             for item in children(child(chunk, "pAttachments")):
-                if not child(item, "colorAttachment").data.basic.u:
-                    self.vulkan(child(item, "aspectMask").data.basic.u & 1 == 0, child(item, "clearValue"))
+                mask = child(item, "aspectMask").data.basic.u
+                for key, bit in ((colour(child(item, "colorAttachment").data.basic.u), 1), ("depth", 2), ("stencil", 4)):
+                    if mask & bit:
+                        self.vulkan(key, child(item, "clearValue"))
 
-    def vulkan(self, depth: bool, value: Any) -> None:
-        numbers = [child(value, "depthStencil", "depth")] if depth else children(child(value, "color", "float32"))
-        self.now["depth" if depth else "colour"] = [item.data.basic.d for item in numbers]
+    def render_pass(self, begin: Any) -> None:
+        info, values = self.attachments.get(int(child(begin, "renderPass").AsResourceId())), children(child(begin, "pClearValues"))
+        passes = children(child(info, "pSubpasses")) if info else []
+        attachments = children(child(info, "pAttachments")) if info else []
+        places = [child(item, "attachment").data.basic.u for item in children(child(passes[0], "pColorAttachments"))] if passes else []
+        for at, (attachment, value) in enumerate(zip(attachments, values)):
+            depth = child(attachment, "format").data.basic.u in VK_DEPTHS
+            for key, load in (("depth", "loadOp"), ("stencil", "stencilLoadOp")) if depth else ((colour(at), "loadOp"),):
+                key = key if depth else colour(places.index(at)) if at in places else ""
+                if key and child(attachment, load).data.basic.u == VK_CLEARS:
+                    self.vulkan(key, value)
+
+    def vulkan(self, key: str, value: Any) -> None:
+        self.now[key] = numbers(child(value, "color", "float32")) if key.startswith("colour") else [number(child(value, "depthStencil", key))]
 
 
 class Grouping:
@@ -262,6 +294,9 @@ class Grouping:
             self.current.add(action, self.calls.keys())
         else:
             self.alone(kind, (target, NULL), where, action)
+            if self.current and self.calls.region and kind in ("blit", "resolve"):
+                heights = [self.textures[item].height if item in self.textures else 0 for item in (source, target)]
+                self.current.region = [*self.calls.region, [float(height) for height in heights]]
 
     def add(self, action: Any, where: list[str]) -> None:
         flags = action.flags
@@ -382,9 +417,11 @@ class Frame:
                  "format": first.format, "turned": turned, "label": self.label(resource), "screen": screen, "id": resource}
         return {**entry, "samples": texture.msSamp} if texture.msSamp > 1 else entry
 
-    def buffer(self, resource: int, slot: str) -> Json | None:
-        buffer = self.buffers[resource]
-        data = bytes(self.control.GetBufferData(buffer.resourceId, 0, 0)) if buffer.length <= MOST_BYTES else b""
+    def buffer(self, resource: int, slot: str, span: list[int]) -> Json | None:
+        """The part that the shader sees."""
+        start, buffer = span[0], self.buffers[resource]
+        size = min(span[1] or buffer.length, buffer.length - start)
+        data = bytes(self.control.GetBufferData(buffer.resourceId, start, size)) if 0 < size <= MOST_BYTES else b""
         return self.words(data, resource, slot)
 
     def words(self, data: bytes, resource: int, slot: str) -> Json | None:
@@ -396,9 +433,9 @@ class Frame:
         return {"kind": "buffer", "resource": slot, "file": name, "turned": name, "stride": 4, "count": len(data) // 4,
                 "fields": [{"name": "", "type": "uint", "offset": 0}], "label": self.label(resource), "screen": False, "id": resource}
 
-    def content(self, resource: int, slot: str, mip: int = 0) -> Json | None:
+    def content(self, resource: int, slot: str, mip: int, span: list[int]) -> Json | None:
         slot = slot or self.label(resource) or "content"
-        return self.image(resource, slot, mip) if resource in self.textures else self.buffer(resource, slot)
+        return self.image(resource, slot, mip) if resource in self.textures else self.buffer(resource, slot, span)
 
     # ---- When ------------------------------------------------------------------------------------
 
@@ -451,7 +488,7 @@ class Frame:
             if event != at_event:
                 self.control.SetFrameEvent(event, False)
                 at_event = event
-            wanted[at] = self.content(wanted[at]["id"], wanted[at]["slot"], wanted[at]["mip"])
+            wanted[at] = self.content(*(wanted[at][key] for key in ("id", "slot", "mip", "span")))
         for item in looked:
             for key in ("entries", "inputs"):
                 item[key] = [content for content in item[key] if content]
@@ -475,6 +512,7 @@ class Frame:
         resources that passes before wrote or read."""
         states, wanted, inputs = [], {}, {}  # type: list[Json], dict[tuple[int, int], str], dict[int, str]
         levels: dict[int, int] = {}
+        spans: dict[int, set[tuple[int, int]]] = {}
         for at in sorted(set(chosen) - {-1}):
             self.control.SetFrameEvent(made.draws[at].eventId, False)
             if made.kind in ("draw", "dispatch"):
@@ -489,8 +527,11 @@ class Frame:
             for name, resource, stores in bindings:
                 if not stores and (resource in self.textures or resource in self.buffers):
                     inputs.setdefault(resource, name)
+            for resource, span in rdc_state.spans(self.control, made.kind, self.gl):
+                spans.setdefault(resource, set()).add(span)
             for resource, last in rdc_state.last_levels(self.control, state, made.kind, self.gl, self.textures):
                 levels[resource] = max(last, levels.get(resource, 0))
+        seen = {resource: list(*found) for resource, found in spans.items() if len(found) == 1}
         known |= {resource for resource, _ in wanted}
         reads = {name: resource for resource, name in inputs.items() if resource in known}
         inputs = {resource: name for resource, name in inputs.items() if resource not in known}
@@ -501,10 +542,11 @@ class Frame:
                   for action in made.draws]
         return {"index": index, "run": made.run, "kind": made.kind, "where": made.where, "first": made.first, "last": made.last,
                 "draws": len(made.draws), "counts": counts, "states": states, "chosen": chosen, "shaders": shaders, "left_out": [],
-                "clears": made.clears, "reads": reads,
-                "entries": [{"id": resource, "mip": mip, "slot": slot} for (resource, mip), slot in wanted.items()],
-                "inputs": [{"id": resource, "mip": mip, "slot": name} for resource, name in inputs.items()
-                           for mip in range(levels.get(resource, 0) + 1)]}
+                "clears": made.clears, "region": made.region, "reads": reads,
+                "entries": [{"id": resource, "mip": mip, "slot": slot, "span": seen.get(resource, [0, 0])}
+                            for (resource, mip), slot in wanted.items()],
+                "inputs": [{"id": resource, "mip": mip, "slot": name, "span": seen.get(resource, [0, 0])}
+                           for resource, name in inputs.items() for mip in range(levels.get(resource, 0) + 1)]}
 
     def look_at(self, passes: list[Pass], most: float = math.inf) -> list[Json]:
         """Nothing, if it takes too many seconds of a processor."""

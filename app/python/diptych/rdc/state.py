@@ -15,7 +15,8 @@ Json = dict[str, Any]
 STAGES = {"dispatch": [rd.ShaderStage.Compute], "draw": [rd.ShaderStage.Vertex, rd.ShaderStage.Geometry, rd.ShaderStage.Pixel]}
 CHANNELS = ["red", "green", "blue", "alpha"]
 MOST_UNIFORMS = 1024  # of a block
-ZINK = re.compile(r"(uniform_\d+)@\d+|(?:gfx|cs)_pushconst")  # blocks that Mesa makes
+MOST_BLOCKS = 32  # of a stage, on Zink
+ZINK = re.compile(r"(uniform_\d+|ubos)@\d+|(?:gfx|cs)_pushconst")  # blocks that Mesa makes
 MOST_VERTICES = 1 << 28  # bytes of an attribute
 
 
@@ -52,6 +53,16 @@ def bindings(control: Any, state: Any, kind: str, gl: bool) -> Iterator[tuple[st
                         yield from ((resource.name, int(item.resourceId), stores) for item in array.resources if int(item.resourceId))
 
 
+def spans(control: Any, kind: str, gl: bool) -> Iterator[tuple[int, tuple[int, int]]]:
+    """Start and size of each buffer that is bound for a shader; 0: all behind the start."""
+    own = control.GetGLPipelineState() if gl else control.GetVulkanPipelineState()
+    sets = () if gl else (own.compute if kind == "dispatch" else own.graphics).descriptorSets
+    for item in own.shaderStorageBuffers if gl else ():
+        yield int(item.resourceId), (item.byteOffset, item.byteSize)
+    for item in (bound for place in sets for binding in place.bindings for bound in binding.binds):
+        yield int(item.resourceResourceId), (item.byteOffset, item.byteSize)
+
+
 def shaders(state: Any, kind: str) -> Iterator[tuple[str, str, bytes, str]]:
     """Stage, entry point, code, and how a file of it ends."""
     for stage, reflection in stages(state, kind):
@@ -59,8 +70,14 @@ def shaders(state: Any, kind: str) -> Iterator[tuple[str, str, bytes, str]]:
         yield word(stage), reflection.entryPoint, bytes(reflection.rawBytes), f".{word(stage)}.{end}"
 
 
+def restarts(state: Any, indices: np.ndarray) -> np.ndarray:
+    """Which of them restart a primitive. RenderDoc tells that index as one of 32 bits."""
+    return (indices == state.GetRestartIndex() & np.iinfo(indices.dtype).max) & state.IsRestartEnabled()
+
+
 def streams(control: Any, action: Any) -> Iterator[tuple[str, np.ndarray]]:
-    """What a draw takes of index and vertex buffers: indices, and the numbers of each attribute, a row per vertex or instance."""
+    """What a draw takes of index and vertex buffers: indices, -1 for those that restart a primitive, and the numbers of each attribute, a
+    row per vertex or instance."""
     def read(bound: Any, start: int, count: int, stride: int) -> bytes:
         size = count * stride if count * stride <= MOST_VERTICES else 0
         data = bytes(control.GetBufferData(bound.resourceId, start, size)) if size > 0 <= start and int(bound.resourceId) else b""
@@ -71,8 +88,9 @@ def streams(control: Any, action: Any) -> Iterator[tuple[str, np.ndarray]]:
     size = index.byteStride
     if action.flags & rd.ActionFlags.Indexed and 0 < count * size <= MOST_VERTICES:
         indices = np.frombuffer(read(index, index.byteOffset + action.indexOffset * size, count, size), f"<u{size}")
-        yield "indices", indices[:, None]
-        indices = indices[indices != state.GetRestartIndex()] if state.IsRestartEnabled() else indices
+        restarted = restarts(state, indices)
+        yield "indices", np.where(restarted, -1, indices.astype("i8"))[:, None]
+        indices = indices[~restarted]
         first, count = (int(indices.min()) + action.baseVertex, int(np.ptp(indices)) + 1) if len(indices) else (0, 0)
     for item in state.GetVertexInputs():
         regular = item.format.type == rd.ResourceFormatType.Regular
@@ -101,9 +119,10 @@ def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[A
             return
         name = prefix + variable.name
         if len(variable.members):
-            array = variable.members[0].name.startswith("[")
+            first = variable.members[0].name
+            array = first in ("[0]", f"{variable.name}[0]")
             members = constant.type.members if constant and not array else []
-            flatten(variable.members, members, name + ("" if array else "."), found)
+            flatten(variable.members, members, name + "." if not array else name if first == "[0]" else prefix, found)
             continue
         count = max(1, variable.rows) * max(1, variable.columns)
         kind = word(variable.type)
@@ -111,6 +130,21 @@ def flatten(variables: Any, constants: Any, prefix: str, found: dict[str, list[A
         found[name] = list(values[:count])
         if variable.rows > 1 and variable.RowMajor():
             found[name] = [found[name], variable.columns]
+
+
+def offsets(constants: Any, start: int, prefix: str) -> Iterator[tuple[str, list[int]]]:
+    """Where the numbers of the variables of a block lie, in bytes, by the names and in the order of flatten()."""
+    for constant in constants:
+        kind, at = constant.type, start + constant.byteOffset
+        for element in range(max(1, kind.elements)):
+            name = prefix + constant.name + (f"[{element}]" if kind.elements > 1 else "")
+            first = at + element * kind.arrayByteStride
+            if len(kind.members):
+                yield from offsets(kind.members, first, name + ".")
+                continue
+            across, down = (4, kind.matrixByteStride) if kind.RowMajor() else (kind.matrixByteStride, 4)
+            yield name, [first + row * (down if kind.rows > 1 else 0) + column * (across if kind.rows > 1 else 4)
+                         for row in range(max(1, kind.rows)) for column in range(max(1, kind.columns))]
 
 
 def blocks(control: Any, state: Any, kind: str, stage: Any, reflection: Any) -> Iterator[tuple[Any, Any]]:
@@ -123,24 +157,50 @@ def blocks(control: Any, state: Any, kind: str, stage: Any, reflection: Any) -> 
                                                             bound.resourceId, bound.byteOffset, bound.byteSize)
 
 
+def zink_blocks(control: Any, state: Any, stage: Any, reflection: Any) -> Iterator[tuple[Any, list[np.ndarray]]]:
+    """Arrays of blocks that Zink makes of OpenGL's uniforms: of those without a block, and of a stage's blocks in their order. With the
+    words of each block."""
+    for index, block in enumerate(reflection.constantBlocks):
+        parts: list[np.ndarray] = []
+        while (ZINK.fullmatch(block.name) or [""] * 2)[1] and len(parts) < MOST_BLOCKS:
+            bound = state.GetConstantBuffer(stage, index, len(parts))
+            if not int(bound.resourceId):
+                break
+            size = min(block.byteSize, bound.byteSize or block.byteSize, 4 * MOST_UNIFORMS)
+            data = bytes(control.GetBufferData(bound.resourceId, bound.byteOffset, size)) if size else b""
+            parts.append(np.frombuffer(data[:len(data) & ~3], "u4"))
+        if parts:
+            yield block, parts
+
+
+def words_of(*shader: Any) -> dict[str, list[Any]]:
+    """The words of Zink's blocks, by names of our own."""
+    found = {}
+    for block, parts in zink_blocks(*shader):
+        for at, words in enumerate(parts, 1):
+            name = block.name.split("@")[0] + (f"_{at}" if block.name.startswith("ubos") else "")
+            found.update({f"{word(shader[2])} {name}[{place}]": [number] for place, number in enumerate(numbers(words))})
+    return found
+
+
 def uniforms(control: Any, state: Any, kind: str) -> Json:
-    """By name, without those of the blocks; `loose`: of each stage of OpenGL, those without a block, in the order of their locations.
-    Of OpenGL's, Zink keeps words, in that order and without gaps, but no names."""
+    """By name, without those of the blocks; `loose`: of each stage of OpenGL, those without a block, in the order of their locations;
+    `laid`: where the numbers of those in blocks lie. Of OpenGL's, Zink keeps words, in that order, but no names."""
     found: dict[str, list[Any]] = {}
     loose: dict[str, list[str]] = {}
+    laid: dict[str, list[Json]] = {}
     for stage, reflection in stages(state, kind):
         for block, values in blocks(control, state, kind, stage, reflection):
             own: dict[str, list[Any]] = {}
-            zink = ZINK.fullmatch(block.name)
-            if not block.compileConstants:
+            if not block.compileConstants and not ZINK.fullmatch(block.name):
                 flatten(values, block.variables, "", own)
-            if zink:
-                words = np.array([value[0] for value in own.values()], "u4")
-                own = {f"{word(stage)} {zink[1]}[{at}]": [number] for at, number in enumerate(numbers(words))} if zink[1] else {}
-            elif block.name == "$Globals" and not block.bufferBacked and not any(word(value.type) == "double" for value in values):
+            if block.name == "$Globals" and not block.bufferBacked and not any(word(value.type) == "double" for value in values):
                 loose[word(stage)] = [*own]
+            if block.bufferBacked and own:
+                laid.setdefault(word(stage), []).append({name: places for name, places in offsets(block.variables, 0, "") if name in own})
             found.update(own)
-    return {"uniforms": found, "loose": loose}
+        found.update(words_of(control, state, stage, reflection))
+    return {"uniforms": found, "loose": loose, "laid": laid}
 
 
 def numbers(words: np.ndarray) -> list[Any]:
@@ -158,7 +218,8 @@ def blend(item: Any, constant: Any) -> str:
         return f"{word(part.operation)}({word(part.source)}, {word(part.destination)})"
 
     mask = "".join(name for bit, name in enumerate("rgba") if item.writeMask >> bit & 1) or "nothing"
-    how = f"colour {equation(item.colorBlend)}, alpha {equation(item.alphaBlend)}" if item.enabled else "off"
+    equations = [equation(part) for part in (item.colorBlend, item.alphaBlend)]
+    how = f"colour {equations[0]}, alpha {equations[1]}" if item.enabled and equations != 2 * ["add(one, zero)"] else "off"
     how += f", constant {' '.join(f'{value:g}' for value in constant)}" if "factor" in how else ""
     how += f", logic {word(item.logicOperation)}" if item.logicOperationEnabled else ""
     return f"{how}; writes {mask}"
@@ -179,14 +240,14 @@ def order(seen: Any, form: Any) -> list[str]:
 def sampler(item: Any, seen: Any, addresses: list[str], texture: Any, form: Any) -> str:
     """Vulkan has no word for a sampler without mips: programs forbid all but the first level."""
     chosen, count = item.filter, texture.mips if texture else 1
-    mips = "nofilter" if item.maxLOD < 0.5 else word(chosen.mip)
-    filters = "/".join(word(item).replace("anisotropic", "linear") for item in (chosen.minify, chosen.magnify))
-    text = f"{filters}{f', mips {mips}' if count > 1 else ''}, {'/'.join(addresses)}"
+    minify, magnify, between = (word(way).replace("anisotropic", "linear") for way in (chosen.minify, chosen.magnify, chosen.mip))
+    mips = "nofilter" if item.maxLOD < 0.5 else between
+    text = f"{minify}/{magnify}{f', mips {mips}' if count > 1 else ''}, {'/'.join(addresses)}"
     text += f", border {' '.join(f'{value:g}' for value in item.borderColor)}" if "clampborder" in addresses else ""
     text += f", compare {word(item.compareFunction)}" if word(chosen.filter) == "comparison" else ""
     text += f", anisotropy {item.maxAnisotropy:g}" if item.maxAnisotropy > 1 else ""
     levels = seen.firstMip + max(0, item.minLOD), last_level(item, seen, count) if mips != "nofilter" else count - 1
-    text += f", levels {levels[0]:g} to {levels[1]:g}" if levels != (0, count - 1) else ""
+    text += f", levels {levels[0]:g} to {levels[1]:g}" if levels != (0, count - 1) or (mips != "nofilter" and count > 1) else ""
     bias = getattr(item, "mipBias", 0) or getattr(item, "mipLODBias", 0)
     text += f", bias {bias:g}" if bias and count > 1 else ""
     channels = order(seen, form)
@@ -261,16 +322,17 @@ def fixed(control: Any, gl: bool) -> Json:
         raster, depth = own.rasterizer.state, own.depthState
         tested, written, stenciled = depth.depthEnable, depth.depthWrites, own.stencilState.stencilEnable
         faces, biased = own.stencilState, True
-        clamps, clamp = raster.depthClamp, raster.offsetClamp
+        clamps, clamp, discards = raster.depthClamp, raster.offsetClamp, own.vertexProcessing.discard
     else:
         own = control.GetVulkanPipelineState()
         raster, depth = own.rasterizer, own.depthStencil
         tested, written, stenciled = depth.depthTestEnable, depth.depthWriteEnable, depth.stencilTestEnable
         faces, biased = depth, raster.depthBiasEnable
-        clamps, clamp = raster.depthClampEnable, raster.depthBiasClamp
+        clamps, clamp, discards = raster.depthClampEnable, raster.depthBiasClamp, raster.rasterizerDiscardEnable
     offset = [raster.depthBias, raster.slopeScaledDepthBias, clamp] if biased else [0, 0, 0]
     return {"depth test": word(depth.depthFunction) if tested else "off", "depth writes": "on" if tested and written else "off",
-            "depth clamp": "on" if clamps else "off", "cull": word(raster.cullMode), "front": "ccw" if raster.frontCCW else "cw",
+            "depth clamp": "on" if clamps else "off", "rasterizer discard": "on" if discards else "off",
+            "cull": word(raster.cullMode), "front": "ccw" if raster.frontCCW else "cw",
             "fill": word(raster.fillMode), "polygon offset": offset,
             "stencil front": stencil(faces.frontFace) if stenciled else "off",
             "stencil back": stencil(faces.backFace) if stenciled else "off"}
@@ -325,9 +387,9 @@ def state_of(control: Any, gl: bool, kind: str, textures: dict[int, Any]) -> Jso
 
 
 def device_of(file: Any) -> str:
-    """Where the program ran, if the capture tells."""
-    for chunk in file.chunks:
-        if chunk.name == "vkEnumeratePhysicalDevices":
-            found = chunk.FindChildRecursively("deviceName")
-            return str(found.AsString()) if found else ""
-    return ""
+    """Where the program ran, if the capture tells, and whether Zink drew its OpenGL."""
+    found = {chunk.name: item for chunk in file.chunks for name in ("deviceName", "EngineName")
+             if chunk.name in ("vkEnumeratePhysicalDevices", "vkCreateInstance") for item in [chunk.FindChildRecursively(name)] if item}
+    zink = "vkCreateInstance" in found and found["vkCreateInstance"].AsString() == "mesa zink"
+    device = str(found["vkEnumeratePhysicalDevices"].AsString()) if "vkEnumeratePhysicalDevices" in found else ""
+    return device + " by Zink" * zink

@@ -21,7 +21,8 @@ class Texels:
 TYPES = rd.ResourceFormatType
 KINDS = rd.CompType
 SUFFIXES = {KINDS.UNorm: "", KINDS.UNormSRGB: "", KINDS.Typeless: "", KINDS.SNorm: "_snorm", KINDS.Float: "f", KINDS.UInt: "ui",
-            KINDS.SInt: "i"}
+            KINDS.SInt: "i", KINDS.UScaled: "ui", KINDS.SScaled: "i"}
+ONE = 0x3f800000  # a float
 DEPTHS = {2: ("d16", "<u2"), 3: ("d24", "<u4"), 4: ("d32f", "<f4")}
 NUMBERS = {"": "u", "_snorm": "i", "f": "f", "ui": "u", "i": "i"}
 # Texels of 16 bits that a dump has no format of: bits of red, green, blue and alpha, from the lowest.
@@ -68,6 +69,8 @@ def texels_of(form: Any, raw: bytes, width: int, height: int, gl: bool) -> Texel
         return None
     if kind == TYPES.Regular and form.compType == KINDS.Depth:
         name, number = DEPTHS[form.compByteWidth]
+        if name == "d32f" and words().max() > ONE:  # OpenGL also has depth of 32 bits that is no float
+            return Texels("d24", words() >> 8)
         return Texels(name, np.frombuffer(raw, number, width * height).reshape(height, width, 1))
     if kind == TYPES.Regular:
         return regular(form, raw, width, height)
