@@ -194,13 +194,14 @@ static bool import_apart(FILE *result, void *user, const struct dt_log *log)
     (void)result;
     import->console->log = *log;
     child_opens(import->files[0]);
-    child_limit_time(2 * SPEC_SECONDS);
+    child_limit_time(SPEC_SECONDS);
     child_limit_memory((size_t)SPEC_GIBIBYTES << 30);
     size_t length = strlen(import->files[0]);
     bool preset = length > 7 && !strcasecmp(import->files[0] + length - 7, ".slangp");
-    return (preset ? import_preset(import, import->files[0])
-                   : import_shaders(import, import->files)) &&
-           check_spec(import);
+    bool good = preset ? import_preset(import, import->files[0])
+                       : import_shaders(import, import->files);
+    child_limit_time(SPEC_SECONDS);
+    return good && check_spec(import);
 }
 
 int verb_import(struct console *console, const struct options *options)

@@ -16,6 +16,7 @@
 #include "gen/spirv/compile.h"
 #include "gen/spirv/stages.h"
 #include "gen/spirv/whole.h"
+#include "scenes/child.h"
 
 struct reflecting {
     const struct spirv *module;
@@ -345,13 +346,16 @@ static char *prepare(const char *text, int stage)
 /* Gives constants of specialization the values that the spec will have: two of them may have one number. */
 static bool specialize(const struct reflection *reflection, struct spirv *module)
 {
+    char *why = NULL;
     struct pipeline pipeline = {.params = calloc(reflection->count + 1, sizeof *pipeline.params)};
     for (uint32_t i = 0; pipeline.params && i < reflection->count; i++)
-        pipeline.params[pipeline.param_count++] =
-            (struct param){.name = reflection->list[i].name,
-                           .components = 1,
-                           .value = {reflection->list[i].number}};
-    bool good = pipeline.params && whole_specialize(&pipeline, module);
+        if (*reflection->list[i].type)
+            pipeline.params[pipeline.param_count++] =
+                (struct param){.name = reflection->list[i].name,
+                               .components = 1,
+                               .value = {reflection->list[i].number}};
+    bool good = pipeline.params && whole_specialize(&pipeline, module, &why);
+    free(why);
     free(pipeline.params);
     return good;
 }
@@ -396,6 +400,8 @@ void reflect_initial(void *user, const char *name, const char *value)
     }
 }
 
+enum { STAGE_SECONDS = 20 };
+
 bool reflect(const char *text, int stage,
              bool (*include)(const void *user, const char *from, const char *name,
                              struct glslang_file *file),
@@ -407,6 +413,7 @@ bool reflect(const char *text, int stage,
     size_t count = 0;
     *why = NULL;
     *reflection = (struct reflection){0};
+    child_limit_time(STAGE_SECONDS); /* macros that double for ever */
     uint32_t *words = code && spirv_init(true) ? glsl_compile_whole(&job, &count, why) : NULL;
     bool good = words && reflect_words(words, count, reflection);
     if (good)

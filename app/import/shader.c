@@ -545,17 +545,28 @@ static void rename_resources(struct making *making, struct reflection *reflectio
     }
 }
 
-/* Whether the uniforms of one name have one type, since a spec gives them one value. */
+/* An initializer counts in both stages. */
+static void share_initials(struct reflection *from, struct reflection *to)
+{
+    for (uint32_t i = 0; i < from->count; i++)
+        for (uint32_t k = 0; from->list[i].initial && k < to->count; k++)
+            if (to->list[k].kind == REFLECTED_VALUE && !to->list[k].initial &&
+                !strcmp(from->list[i].name, to->list[k].name))
+                to->list[k].initial = strdup(from->list[i].initial);
+}
+
+/* Whether the uniforms of one name have one type and initializer, since a spec gives them one value. */
 static bool is_alike(struct making *making, const struct reflected *item)
 {
     for (int f = 0; f < making->count; f++)
         for (uint32_t i = 0; i < making->files[f].reflection.count; i++) {
             const struct reflected *other = &making->files[f].reflection.list[i];
             if (other->kind == REFLECTED_VALUE && !strcmp(other->name, item->name) &&
-                strcmp(other->type, item->type) != 0)
+                (strcmp(other->type, item->type) != 0 ||
+                 (other->initial && item->initial && strcmp(other->initial, item->initial) != 0)))
                 return REFUSE(making, item,
-                              "two uniforms have the name `%s`, and other types; a spec has one "
-                              "value for a name",
+                              "two uniforms have the name `%s`, and other types or initializers; a "
+                              "spec has one value for a name",
                               item->name);
         }
     return true;
@@ -617,8 +628,10 @@ static bool write_items(struct making *making)
     size_t count = making->files[0].reflection.count + making->files[1].reflection.count;
     bool good = (making->names =
                      calloc(count + DT_ARRAY_COUNT(making->sampler_names), sizeof *making->names));
-    for (int f = 0; f < making->count; f++)
+    for (int f = 0; f < making->count; f++) {
         rename_resources(making, &making->files[f].reflection);
+        share_initials(&making->files[!f].reflection, &making->files[f].reflection);
+    }
     for (int f = 0; good && f < making->count; f++) {
         const struct reflection *reflection = &making->files[f].reflection;
         making->now = &making->files[f];

@@ -58,8 +58,10 @@ static bool find_include(struct import_texts *texts, const char *name, char *pat
     const struct dt_log silent = {0};
     struct stat status;
     char *from = strdup(path);
-    size_t length = strlen(path) - strlen(name);
-    for (int above = 0; from && above < 4 && stat(from, &status) != 0; above++) {
+    size_t length = strlen(path), own = strlen(name);
+    bool inside = length >= own && !strcmp(path + length - own, name); /* without `..` */
+    length -= inside ? own : 0;
+    for (int above = inside ? 0 : 4; from && above < 4 && stat(from, &status) != 0; above++) {
         while (length && path[--length] == '/')
             continue;
         while (length && path[length - 1] != '/')
@@ -88,7 +90,7 @@ bool texts_include(const void *user, const char *from, const char *name, struct 
     free(path);
     while (plain && i < texts->count && strcmp(texts->list[i].path, plain) != 0)
         i++;
-    if (i < texts->count)
+    if (plain && i < texts->count)
         free(plain);
     else if (!plain || !find_include(texts, name, plain))
         return false;

@@ -54,21 +54,40 @@ static bool has_value(const struct glsl *glsl, const char *name)
            find_value(glsl->pipeline->values, glsl->pipeline->value_count, name);
 }
 
-/* The initializer of a uniform that has no other value. */
+/* The initializer of a uniform that has no other value. One stage may have it for both. */
 static void add_initial(void *user, const char *name, const char *value)
 {
     struct glsl *glsl = user;
-    if (!declared_find(glsl->pipeline, DECLARED_PARAM, name) && !has_value(glsl, name))
-        text_add(&glsl->parts[PART_VALUES], "%.*s diptych_value_%s() { return %s; }\n",
-                 (int)strcspn(value, "("), value, name, value);
+    struct text *out = &glsl->parts[PART_VALUES], function = {0};
+    if (declared_find(glsl->pipeline, DECLARED_PARAM, name) || has_value(glsl, name))
+        return;
+    text_add(&function, "diptych_value_%s() {", name);
+    const char *known = out->data && !function.failed ? strstr(out->data, function.data) : NULL;
+    text_add(&function, " return %s; }", value);
+    if (function.failed)
+        out->failed = true;
+    else if (!known)
+        text_add(out, "%.*s %s\n", (int)strcspn(value, "("), value, function.data);
+    else if (strncmp(known, function.data, function.length) != 0)
+        diag_error(glsl->diag, glsl->pass->shader_loc,
+                   "the stages of pass `%s` initialize the uniform `%s` with different values",
+                   glsl->pass->name, name);
+    text_free(&function);
 }
 
-static void add_initials(struct glsl *glsl)
+static void add_initials(struct glsl *glsl, enum stage stage)
 {
     struct text text = {0};
-    glsl_own_text(glsl, &text);
+    struct glsl own = *glsl;
+    bool any = false;
+    for (uint32_t i = 0; i < glsl->files->count; i++)
+        any |= !glsl->files->list[i].words && glsl_seems_to_initialize(glsl->files->list[i].text);
+    if (!any)
+        return;
+    own.stage = stage;
+    glsl_own_text(&own, &text);
     const struct glslang_job job = {
-        .code = text.data, .stage = glsl->stage, .include = glsl_include, .user = glsl->files};
+        .code = text.data, .stage = stage, .include = glsl_include, .user = glsl->files};
     if (!text.failed && glslang_start(true))
         glsl_initials(&job, add_initial, glsl);
     text_free(&text);
@@ -112,5 +131,7 @@ void glsl_values(struct glsl *glsl)
     add_values(glsl, glsl->pass->values, glsl->pass->value_count);
     add_values(glsl, glsl->pipeline->values, glsl->pipeline->value_count);
     add_names(glsl, &glsl->parts[PART_VALUES]);
-    add_initials(glsl);
+    add_initials(glsl, glsl->stage);
+    if (glsl->pass->own_vertices)
+        add_initials(glsl, glsl->stage == STAGE_IS_VERTEX ? STAGE_IS_FRAGMENT : STAGE_IS_VERTEX);
 }

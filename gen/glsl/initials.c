@@ -10,8 +10,7 @@
 #include "model/leaves.h"
 #include "read/body_files.h"
 
-/* Whether an `=` stands in a declaration of a uniform; a name of the macro kind counts as well. */
-static bool seems_to_have_some(const char *code)
+bool glsl_seems_to_initialize(const char *code)
 {
     for (const char *at = code; (at = find_word(at, "uniform")); at += strlen("uniform"))
         if (at[strcspn(at, ";={")] == '=')
@@ -157,7 +156,7 @@ void glsl_initials(const struct glslang_job *job, initial_taker *take, void *use
     struct spirv module = {0};
     size_t count = 0;
     char *log = NULL;
-    if (!job->hlsl && !seems_to_have_some(job->code))
+    if (!job->hlsl && !glsl_seems_to_initialize(job->code))
         return;
     char *globals = job->hlsl ? make_static(job->code) : NULL;
     own.code = globals ? globals : job->code;

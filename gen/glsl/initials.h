@@ -3,6 +3,8 @@
 
 #include "glslang.h"
 
+/* Whether an `=` stands in a declaration of a uniform; an #include and a name of the macro kind count as well. */
+bool glsl_seems_to_initialize(const char *code);
 /* Called for each uniform: `value` is a constructor, "vec2(0.5, 1)". */
 typedef void initial_taker(void *user, const char *name, const char *value);
 /* The initializers of uniforms: reads the job's text once more, as OpenGL's, if it seems to have some. What OpenGL does not take has none.

@@ -108,26 +108,39 @@ set_fault(struct stage_fault *fault, const char *name, const char *format, ...)
     return false;
 }
 
-/* Whether two types are the same. wider: the first may be a longer vector. */
+static bool same_name(const char *a, const char *b)
+{
+    return !a || !b || !strcmp(a, b);
+}
+
+/* Whether two types are the same. given: they match by location, and members may have other names. */
 static bool types_match(const struct spirv *from, uint32_t a, const struct spirv *to, uint32_t b,
-                        bool wider)
+                        bool given)
 {
     const uint32_t *x = spirv_definition(from, a), *y = spirv_definition(to, b);
-    uint32_t parts = spirv_parts(from, x), others = spirv_parts(to, y);
-    if (wider && spirv_is(x, SpvOpTypeVector) && !others)
-        return types_match(from, x[2], to, b, false);
-    if (spirv_opcode(x) != spirv_opcode(y) ||
-        (wider && spirv_is(x, SpvOpTypeVector) ? parts < others : parts != others))
+    uint32_t parts = spirv_parts(from, x);
+    if (spirv_opcode(x) != spirv_opcode(y) || parts != spirv_parts(to, y))
         return false;
     if (!parts)
         return spirv_length(x) == spirv_length(y) &&
                !memcmp(x + 2, y + 2, (spirv_length(x) - 2) * sizeof *x);
     if (!spirv_is(x, SpvOpTypeStruct))
-        return types_match(from, x[2], to, y[2], false);
-    for (uint32_t part = 0; part < parts; part++)
-        if (!types_match(from, x[2 + part], to, y[2 + part], false))
+        return types_match(from, x[2], to, y[2], given);
+    for (uint32_t m = 0; m < parts; m++)
+        if (!types_match(from, x[2 + m], to, y[2 + m], given) ||
+            !(given || same_name(spirv_member_name(from, a, m), spirv_member_name(to, b, m))))
             return false;
     return true;
+}
+
+/* Whether the first is a longer vector. */
+static bool is_wider(const struct spirv *from, uint32_t a, const struct spirv *to, uint32_t b)
+{
+    const uint32_t *x = spirv_definition(from, a), *y = spirv_definition(to, b);
+    bool vector = spirv_is(y, SpvOpTypeVector);
+    return spirv_is(x, SpvOpTypeVector) &&
+           spirv_parts(from, x) > (vector ? spirv_parts(to, y) : 1) &&
+           types_match(from, x[2], to, vector ? y[2] : b, true);
 }
 
 /* Whether it, or a member of its block, has the decoration. */
@@ -165,13 +178,15 @@ static bool check_interpolation(const struct side *reader, const struct between 
     return true;
 }
 
-/* By location, else by name. Of several at one location that with the same first component. */
+/* By location, else by name. Of several at one location that with the same first component. A location that the
+ * vertex shader did not give has the output's name, too. */
 static const struct between *find_writer(const struct side *writer, const struct between *input)
 {
     const struct between *found = NULL;
     EACH(output, writer->list, writer->count) {
         bool at = input->location >= output->location &&
-                  input->location < output->location + output->count;
+                  input->location < output->location + output->count &&
+                  (output->given || same_name(input->name, output->name));
         bool named = input->name && output->name && !strcmp(input->name, output->name);
         if ((input->given ? at : named) && (!found || output->component == input->component))
             found = output;
@@ -199,7 +214,8 @@ static bool match(struct side *reader, const struct side *writer, unsigned versi
         bool whole = !input->given ||
                      (input->location == output->location && input->component == output->component);
         if (whole &&
-            !types_match(writer->module, output->type, reader->module, input->type, input->given))
+            !types_match(writer->module, output->type, reader->module, input->type, input->given) &&
+            !(input->given && is_wider(writer->module, output->type, reader->module, input->type)))
             return set_fault(
                 fault, name,
                 "the fragment stage reads `%s` with another type than the vertex stage writes `%s`",
@@ -255,8 +271,10 @@ bool spirv_locate_inputs(struct spirv *module, const struct spirv *before, unsig
     *fault = (struct stage_fault){0};
     bool good = read_side(&reader, module, SpvStorageClassInput) &&
                 read_side(&writer, before, SpvStorageClassOutput);
-    if (good)
+    if (good) {
+        locate(&writer);
         good = match(&reader, &writer, version, fault) && write_side(module, &reader);
+    }
     free(reader.list);
     free(writer.list);
     return good;

@@ -11,9 +11,9 @@ struct stage_fault {
 
 /* Variables of the storage class, Input or Output, without a location get one. False: out of memory. */
 bool spirv_locate(struct spirv *module, uint32_t class);
-/* Inputs without a location get that of the output with their name; `before`: the vertex shader's module,
- * whose outputs have theirs. An input that is not written and not read is removed. version: of GLSL; below 440
- * both have the same interpolation. False: *fault says why. */
+/* Inputs without a location get that of the output with their name; `before`: the vertex shader's module. An
+ * input that is not written and not read is removed. version: of GLSL; below 440 both have the same
+ * interpolation. False: *fault says why. */
 bool spirv_locate_inputs(struct spirv *module, const struct spirv *before, unsigned version,
                          struct stage_fault *fault);
 

@@ -1,6 +1,7 @@
 /* See whole.h. */
 #include "whole.h"
 
+#include <math.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -21,10 +22,9 @@
 
 /* ---- Specialization -------------------------------------------------------------------------- */
 
-static const struct param *find_baked(const struct pipeline *pipeline, const char *name)
+static const struct param *find_param(const struct pipeline *pipeline, const char *name)
 {
-    const struct param *param = name ? declared_find(pipeline, DECLARED_PARAM, name) : NULL;
-    return param && !param->live && !param->uniform && param->components == 1 ? param : NULL;
+    return name ? declared_find(pipeline, DECLARED_PARAM, name) : NULL;
 }
 
 /* The parameter of a specialization constant: by its name, by that of another with its number, or by constant_NUMBER. */
@@ -33,31 +33,56 @@ static const struct param *find_special(const struct pipeline *pipeline, const s
 {
     char number[32];
     uint32_t special = spirv_decoration(module, id, SpvDecorationSpecId);
-    const struct param *param = find_baked(pipeline, spirv_own_name(spirv_name(module, id)));
+    const struct param *param = find_param(pipeline, spirv_own_name(spirv_name(module, id)));
     SPIRV_EACH(module, i, module->declarations, module->code) {
         uint32_t other = spirv_result(i);
         if (!param && special != UINT32_MAX && other &&
             spirv_decoration(module, other, SpvDecorationSpecId) == special)
-            param = find_baked(pipeline, spirv_own_name(spirv_name(module, other)));
+            param = find_param(pipeline, spirv_own_name(spirv_name(module, other)));
     }
     snprintf(number, sizeof number, "constant_%u", special);
-    return param ? param : find_baked(pipeline, number);
+    return param ? param : find_param(pipeline, number);
+}
+
+/* The words of a number of that type; false: it has no such value. */
+static bool number_words(const uint32_t *type, double number, uint32_t *words)
+{
+    float single = (float)number;
+    uint32_t bits = type[2];
+    double limit = ldexp(1, (int)bits),
+           least = spirv_is(type, SpvOpTypeInt) && type[3] ? -limit / 2 : 0;
+    if (spirv_is(type, SpvOpTypeFloat)) {
+        memcpy(words, bits == 64 ? (void *)&number : (void *)&single, bits == 64 ? 8 : 4);
+        return bits > 16;
+    }
+    if (number < least || number >= limit + least || number != floor(number))
+        return false;
+    uint64_t whole = number < 0 ? (uint64_t)(int64_t)number : (uint64_t)number;
+    memcpy(words, &whole, bits == 64 ? 8 : 4);
+    return true;
 }
 
 /* A specialization constant gets the value of its baked parameter, in place. */
-static void set_constant(const struct pipeline *pipeline, const struct spirv *module, uint32_t *i)
+static bool set_constant(const struct pipeline *pipeline, const struct spirv *module, uint32_t *i,
+                         char **log)
 {
     const struct param *param = find_special(pipeline, module, i[2]);
+    const uint32_t *type = spirv_definition(module, i[1]);
     if (!param)
-        return;
-    float number = (float)param->value[0];
-    char letter = spirv_letter(spirv_type(module, i[2]));
-    if (letter == 'b')
+        return true;
+    bool baked = !param->live && !param->uniform && param->components == 1;
+    if (baked && spirv_is(type, SpvOpTypeBool))
         i[0] = 3u << 16 | (param->value[0] != 0 ? SpvOpSpecConstantTrue : SpvOpSpecConstantFalse);
-    else if (letter == 'f')
-        memcpy(i + 3, &number, sizeof number);
-    else if (letter)
-        i[3] = (uint32_t)(int64_t)param->value[0];
+    else if (!baked || !number_words(type, param->value[0], i + 3)) {
+        free(*log);
+        *log =
+            format_string(baked ? "the specialization constant `%s` has a type without the value %g"
+                                : "the specialization constant `%s` needs a parameter of one "
+                                  "number that is neither live nor uniform",
+                          param->name, param->value[0]);
+        return false;
+    }
+    return true;
 }
 
 static uint32_t constant_number(const struct spirv *module, uint32_t id)
@@ -83,16 +108,16 @@ static void set_local(struct spirv *module)
     }
 }
 
-bool whole_specialize(const struct pipeline *pipeline, struct spirv *module)
+bool whole_specialize(const struct pipeline *pipeline, struct spirv *module, char **log)
 {
     bool any = false, good = true;
     SPIRV_CHANGE(module, i, module->declarations, module->code) {
         uint32_t opcode = spirv_opcode(i);
         any |= opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstantOp;
-        if (opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstant)
-            set_constant(pipeline, module, i);
+        if (good && opcode >= SpvOpSpecConstantTrue && opcode <= SpvOpSpecConstant)
+            good = set_constant(pipeline, module, i, log);
     }
-    if (any)
+    if (any && good)
         good = spirv_reread(module, SPIRV_FREEZE);
     if (good)
         set_local(module);
@@ -152,13 +177,11 @@ static void tell_fault(const struct shader *shader, const struct stage_fault *fa
     *log = *fault->text ? text.data : NULL;
 }
 
-/* A module whose outputs have locations. */
 static bool read_stage(const struct model *model, const struct pass *pass,
                        const struct shader *shader, bool lines, struct spirv *module, char **log)
 {
     return read_own(pass, shader, lines, module, log) &&
-           whole_specialize(&model->pipeline, module) &&
-           spirv_locate(module, SpvStorageClassOutput);
+           whole_specialize(&model->pipeline, module, log);
 }
 
 bool whole_read(const struct model *model, const struct pass *pass, const struct shader *shader,
@@ -166,7 +189,8 @@ bool whole_read(const struct model *model, const struct pass *pass, const struct
 {
     struct spirv before = {0};
     struct stage_fault fault;
-    bool good = read_stage(model, pass, shader, lines, module, log);
+    bool good = read_stage(model, pass, shader, lines, module, log) &&
+                spirv_locate(module, SpvStorageClassOutput);
     if (!good || !shader->before)
         return good;
     good = read_stage(model, pass, shader->before, false, &before, log);

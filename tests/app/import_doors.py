@@ -55,6 +55,8 @@ case("a shader with blanks in its name", {"my shader.frag": fragment("")}, 0, '"
 case("a file that is included, of an odd name", {"a.frag": fragment('#include "x y.inc"'), "x y.inc": "\n"}, 1, "is no name for a file")
 case("... of a folder that only looks like one", {"a.frag": fragment('#include ".../x.inc"'), ".../x.inc": "\n"}, 1, "is no name for a file")
 case("... of a folder above", {"sub/a.frag": fragment('#include "x.inc"', "X"), "include/x.inc": "#define X vec4(1)\n"}, 0, 'shader: "a.frag"')
+case("... of an absolute path", {"a.frag": fragment('#include "/etc/passwd"')}, 1, "a.frag:2:")
+case("... above all folders", {"sub/a.frag": fragment(f'#include "{"../" * 30}x.inc"')}, 1, "a.frag:2:")
 case("an address of a buffer", {"a.comp": "#version 450\n#extension GL_EXT_buffer_reference : require\nlayout(buffer_reference) buffer R { uint n; };\n"
      "layout(binding = 0) buffer B { R there; };\nvoid main() { there.n = 1u; }\n"}, 1, "the shader uses addresses of buffers, which OpenGL does not have")
 case("... of no file", {"a.frag": fragment('\n#include "x.inc"')}, 1, "a.frag:3:")
@@ -203,6 +205,8 @@ case("initializers of uniforms, beside what Vulkan alone has", {"a.frag": fragme
   b: {value: [0.25, 0.5, 1], type: vec3, live: true}
   c: {value: [3, 4000000000], type: uvec2, live: true}
 """)
+for value, status, words in ((";", 0, "  k: {value: 0.5"), ("= 1;", 1, "two uniforms have the name `k`, and other types or initializers")):
+    case(f"... of one stage, and k{value} in the other", {"a.vert": "#version 450\nuniform float k = 0.5;\nvoid main() { gl_Position = vec4(k); }\n", "b.frag": fragment(f"uniform float k{value}", "vec4(k)")}, status, words)
 case("... of those that no parameter can be", {"a.frag": fragment("uniform mat2 a = mat2(1, 0.5, 0.25, 2);\nuniform float b[2] = float[](1, 2);\nuniform bool c = true;",
      "vec4(a[1], b[1], c)")}, 0, "  c: {value: 1, type: uint, live: true}")
 case("... of the members of a struct", {"a.frag": fragment("struct T { int k; };\nstruct S { vec2 a; T b; };\nuniform S s = S(vec2(0.5, 2), T(7));", "vec4(s.a, s.b.k, 1)")}, 0,

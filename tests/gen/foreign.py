@@ -159,6 +159,15 @@ def stages(tap):
     tap.result("... but not in arrays of both", told("a texture is in arrays of arrays of structs"))
     draw(near, FRAGMENT.format("layout(location = 3) in vec2 near;", "near.xyxy"))
     tap.result("... or elsewhere", told("reads location 3, which the vertex stage does not write"))
+    draw(VERTEX.format("out vec2 near; out vec2 far;", "near = far = vec2(1);"),
+         FRAGMENT.format("layout(location = 1) in vec2 near; layout(location = 0) in vec2 far;", "vec4(near, far)"))
+    tap.result("... or where the fragment stage alone says", told("reads location 1, which the vertex stage does not write"))
+    for kind in ("struct S { vec2 a; vec2 b; }; %s S s;", "%s S { vec2 a; vec2 b; } s;"):
+        draw(VERTEX.format(kind % "out", "s.a = s.b = vec2(1);"), FRAGMENT.format((kind % "in").replace("vec2 a; vec2 b", "vec2 b; vec2 a"), "vec4(s.a, s.b)"))
+        tap.result("... or with members in another order", told("another type than the vertex stage writes"))
+    for other, check in ((";", lambda: agrees([0.5, 0.5, 0.5, 1])), ("= 1;", lambda: told("initialize the uniform `k` with different values"))):
+        draw(VERTEX.format("uniform float k = 0.5; out vec2 near;", "near = vec2(k);"), FRAGMENT.format("in vec2 near; uniform float k" + other, "vec4(near, k, 1)"))
+        tap.result(f"an initializer of one stage, and k{other} in the other", check())
 
 
 def sanitized(tap):
@@ -187,10 +196,10 @@ def sanitized(tap):
 
 def modules(tap):
     """Of the shader as GLSL, as a module, and as one without names."""
-    compute("#pragma use_vulkan_memory_model\nlayout(local_size_x_id = 5, local_size_y = 2) in;\nlayout(constant_id = 3) const float scale = 2.5;\n"
+    compute("#pragma use_vulkan_memory_model\nlayout(local_size_x_id = 5, local_size_y = 2) in;\nlayout(constant_id = 3) const double scale = 2.5LF;\n"
             "layout(constant_id = 5) const uint width = 1;\nshared uint part[gl_WorkGroupSize.x * gl_WorkGroupSize.y];\n"
             "layout(std430, binding = 1) buffer Sums { float sums[]; };\nvoid main()\n{\n    part[gl_LocalInvocationIndex] = gl_WorkGroupSize.x;\n"
-            "    barrier();\n    sums[gl_LocalInvocationIndex] = scale + part[gl_WorkGroupSize.x * gl_WorkGroupSize.y - 1u] + part.length() * 16\n        + float(double(gl_LocalInvocationIndex) * 0.0);\n}\n",
+            "    barrier();\n    sums[gl_LocalInvocationIndex] = float(scale) + part[gl_WorkGroupSize.x * gl_WorkGroupSize.y - 1u] + part.length() * 16\n        + float(double(gl_LocalInvocationIndex) * 0.0);\n}\n",
             "[2, 2, 1]", "params: {scale: {value: 0.5}, width: {value: 2, type: uint}}", "float")
     bodies.run("glslangValidator", "-V", "a.comp", "-o", "named.spv")
     bodies.run("spirv-opt", "--strip-debug", "named.spv", "-o", "bare.spv")
@@ -203,6 +212,9 @@ def modules(tap):
             text = text.replace(old, new)
         put("a.yaml", text)
         tap.result(f"constants and sizes of specialization, {file}", agrees([66.5] * 4))
+    for value, words in (("2.5, type: float", "has a type without the value 2.5"), ("-1", "has a type without the value -1"), ("2, live: true", "that is neither live nor uniform")):
+        put("a.yaml", spec.replace("a.comp", "named.spv").replace("{value: 2, type: uint}", f"{{value: {value}}}"))
+        tap.result(f"a constant without a value of its type: {value}", told(words))
     put("a.yaml", spec.replace("a.comp", "named.spv").replace("count: 4", "count: 2"))
     with open("named.txt", "w", encoding="utf-8") as out:
         subprocess.run(["spirv-dis", "named.spv"], stdout=out, check=True)
