@@ -3,8 +3,9 @@
  * pointer to a function. A read whose value is used, not just copied, is reported if one of its bits is not set. A read of a whole
  * struct or array is reported if none of its bits is set.
  *
- * Outputs are variables, too: a fragment shader must write what its targets store, a vertex shader its position. Bits of its other
- * outputs go to the fragment shader, in flat outputs of their own. */
+ * Outputs are variables, too: a fragment shader must write what its targets store, a vertex shader its position and clip distances.
+ * Which bits its other outputs lack goes to the fragment shader, in outputs of their own: a number for each scalar, interpolated as the
+ * scalar is, so that it is above 0 where a vertex counts that did not write it. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +25,7 @@ struct assigned {        /* of an id */
     uint32_t parts;      /* mask of the components that are used */
     uint32_t file, line; /* of the first store to a variable */
     uint32_t
-        flag; /* inputs, and outputs of a vertex shader: the variable that holds the bits between the stages */
+        flag; /* inputs, and outputs of a vertex shader: the first variable that says which bits they lack */
 };
 
 bool assigned_begin(struct sanitizer *s)
@@ -32,6 +33,8 @@ bool assigned_begin(struct sanitizer *s)
     s->ids = calloc(s->from->words[3], sizeof *s->ids);
     return s->ids;
 }
+
+enum { FIRST_FLAG = 15 }; /* the location: 128 components are what devices have */
 
 static bool in_stage(const struct sanitizer *s, uint32_t model)
 {
@@ -48,16 +51,63 @@ static uint32_t location_of(const struct sanitizer *s, const uint32_t *variable)
                              : own;
 }
 
-/* What stages hand on at a location. */
+/* Variables that say which bits one lacks; four bits each. */
+static uint32_t flags_of(const struct sanitizer *s, const uint32_t *variable)
+{
+    return (spirv_scalars(s->from, spirv_pointee(s->from, variable)) + 3) / 4;
+}
+
+/* What stages hand on at a location, where all stay below those of the bits. */
 static bool is_handed_on(const struct sanitizer *s, const uint32_t *variable)
 {
-    enum { MOST_LOCATIONS = 16 }; /* the next ones hold bits */
     uint32_t component = spirv_decoration(s->from, variable[2], SpvDecorationComponent);
     bool input = in_stage(s, SpvExecutionModelFragment) && variable[3] == SpvStorageClassInput;
     bool output = in_stage(s, SpvExecutionModelVertex) && variable[3] == SpvStorageClassOutput;
-    return (input || output) && s->request->pass->own_vertices &&
-           spirv_scalars(s->from, spirv_pointee(s->from, variable)) <= 32 &&
-           location_of(s, variable) < MOST_LOCATIONS && (component == UINT32_MAX || component == 0);
+    if (!(input || output) || !s->request->pass->own_vertices ||
+        spirv_scalars(s->from, spirv_pointee(s->from, variable)) > 32 ||
+        location_of(s, variable) == UINT32_MAX || (component != UINT32_MAX && component != 0))
+        return false;
+    SPIRV_EACH(s->from, i, s->from->declarations, s->from->code) {
+        bool alike = spirv_is(i, SpvOpVariable) && i[3] == variable[3];
+        uint32_t location = alike ? location_of(s, i) : UINT32_MAX;
+        if (location != UINT32_MAX &&
+            location + spirv_locations(s->from, spirv_pointee(s->from, i)) > FIRST_FLAG)
+            return false;
+    }
+    return true;
+}
+
+static uint32_t mask_of(uint32_t first, uint32_t count)
+{
+    if (first > 31 || !count)
+        return 0;
+    return (count > 31 ? UINT32_MAX : (1u << count) - 1) << first;
+}
+
+/* Whether the code has a pointer to the member. */
+static bool names_member(const struct sanitizer *s, const uint32_t *variable, uint32_t member)
+{
+    SPIRV_EACH(s->from, i, s->from->code, s->from->count)
+        if (spirv_is(i, SpvOpAccessChain) && i[3] == variable[2] &&
+            spirv_definition(s->from, i[4])[3] == member)
+            return true;
+    return false;
+}
+
+/* Of a vertex shader's block: the position, and distances if some are written. */
+static uint32_t built_in_bits(const struct sanitizer *s, const uint32_t *variable,
+                              const uint32_t *type)
+{
+    uint32_t mask = 0, before = 0;
+    for (uint32_t m = 0; m < spirv_parts(s->from, type); m++) {
+        uint32_t built_in = spirv_member_decoration(s->from, type[1], m, SpvDecorationBuiltIn);
+        uint32_t count = spirv_scalars(s->from, spirv_part(type, m));
+        bool distance = built_in == SpvBuiltInClipDistance || built_in == SpvBuiltInCullDistance;
+        if (built_in == SpvBuiltInPosition || (distance && names_member(s, variable, m)))
+            mask |= mask_of(before, count);
+        before += count;
+    }
+    return mask;
 }
 
 /* Bits that an output must have in the end: channels of a target, depth, gl_Position. 0: it may be left. */
@@ -70,15 +120,13 @@ static uint32_t final_bits(const struct sanitizer *s, const uint32_t *variable)
     if (variable[3] != SpvStorageClassOutput)
         return 0;
     if (in_stage(s, SpvExecutionModelVertex))
-        return spirv_is(type, SpvOpTypeStruct) &&
-                       spirv_member_decoration(from, type[1], 0, SpvDecorationBuiltIn) ==
-                           SpvBuiltInPosition &&
-                       spirv_scalars(from, type[1]) <= 32
-                   ? 0xf
+        return spirv_is(type, SpvOpTypeStruct) && spirv_scalars(from, type[1]) <= 32
+                   ? built_in_bits(s, variable, type)
                    : 0;
     if (!in_stage(s, SpvExecutionModelFragment))
         return 0;
-    if (spirv_decoration(from, variable[2], SpvDecorationBuiltIn) == SpvBuiltInFragDepth)
+    uint32_t built_in = spirv_decoration(from, variable[2], SpvDecorationBuiltIn);
+    if (built_in == SpvBuiltInFragDepth || built_in == SpvBuiltInSampleMask)
         return 1;
     EACH(access, pass->accesses, pass->access_count) {
         if (access->kind & DT_WRITE_COLOR && access->attachment == (int)location &&
@@ -158,22 +206,59 @@ void assigned_find(struct sanitizer *s, const struct spirv_function *function)
     }
 }
 
-/* The variable that holds the bits of one that stages hand on. */
+/* Whether it, or a member of its block, is not interpolated. */
+static bool is_flat(const struct sanitizer *s, const uint32_t *variable)
+{
+    uint32_t type = spirv_element_type(s->from, spirv_pointee(s->from, variable));
+    bool flat = spirv_decoration(s->from, variable[2], SpvDecorationFlat) != UINT32_MAX;
+    for (uint32_t m = 0; m < spirv_parts(s->from, spirv_definition(s->from, type)); m++)
+        flat |= spirv_member_decoration(s->from, type, m, SpvDecorationFlat) != UINT32_MAX;
+    return flat;
+}
+
+/* A variable for each four bits of one that stages hand on; the first id. */
 static uint32_t flag_of(struct sanitizer *s, const uint32_t *variable)
 {
     struct spirv_edit *edit = &s->edit;
     struct assigned *of = &s->ids[variable[2]];
-    if (of->flag)
-        return of->flag;
-    uint32_t type =
-        spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){variable[3], sanitizer_uint(s)}, 2);
-    of->flag = edit->bound++;
-    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, of->flag, variable[3]);
-    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, of->flag, SpvDecorationLocation,
-              location_of(s, variable) + 16);
-    SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, of->flag, SpvDecorationFlat);
-    spirv_append(edit, &s->handed_on, &of->flag, 1);
+    uint32_t count = of->flag ? 0 : flags_of(s, variable);
+    uint32_t number = spirv_declare(edit, SpvOpTypeFloat, 0, (uint32_t[]){32}, 1);
+    uint32_t four = sanitizer_vector(s, number, 4);
+    uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){variable[3], four}, 2);
+    of->flag = of->flag ? of->flag : edit->bound;
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t id = edit->bound++;
+        SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, id, variable[3]);
+        SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationLocation,
+                  location_of(s, variable) + FIRST_FLAG + k);
+        if (variable[3] == SpvStorageClassInput && is_flat(s, variable))
+            SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationFlat);
+        spirv_append(edit, &s->handed_on, &id, 1);
+    }
     return of->flag;
+}
+
+/* An input has what its flags leave; the flags of an output say what it lacks. */
+static void put_handed_on(struct sanitizer *s, const uint32_t *variable)
+{
+    bool input = variable[3] == SpvStorageClassInput;
+    uint32_t flag = flag_of(s, variable), own = bits_of(s, variable[2]), bits = 0;
+    uint32_t number = spirv_declare(&s->edit, SpvOpTypeFloat, 0, (uint32_t[]){32}, 1);
+    for (uint32_t k = 0; k < flags_of(s, variable); k++) {
+        uint32_t by = sanitizer_number(s, 4 * k);
+        if (input) {
+            uint32_t value = PUT_VALUE(s, SpvOpLoad, sanitizer_vector(s, number, 4), flag + k);
+            uint32_t four = sanitizer_call(s, "diptych_taken(vf4;", &(struct values){{value}, 1});
+            four = sanitizer_two(s, SpvOpShiftLeftLogical, four, by);
+            bits = bits ? sanitizer_two(s, SpvOpBitwiseOr, bits, four) : four;
+        } else {
+            uint32_t four = sanitizer_two(s, SpvOpShiftRightLogical, sanitizer_load(s, own), by);
+            PUT(s, SpvOpStore, flag + k,
+                sanitizer_call(s, "diptych_given(u1;", &(struct values){{four}, 1}));
+        }
+    }
+    if (input)
+        PUT(s, SpvOpStore, own, bits);
 }
 
 /* Bits come with inputs; a call begins with no values. */
@@ -183,7 +268,7 @@ void assigned_reset(struct sanitizer *s, const struct spirv_function *function)
     SPIRV_EACH(s->from, i, entry ? s->from->declarations : s->from->code, s->from->code)
         if (spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassInput && is_handed_on(s, i) &&
             bits_of(s, i[2]))
-            PUT(s, SpvOpStore, bits_of(s, i[2]), sanitizer_load(s, flag_of(s, i)));
+            put_handed_on(s, i);
     SPIRV_EACH(s->from, i, function->begin, function->end)
         if (spirv_is(i, SpvOpVariable) && bits_of(s, i[2]))
             PUT(s, SpvOpStore, s->ids[i[2]].bits, sanitizer_number(s, 0));
@@ -213,13 +298,6 @@ static uint32_t bits_before(const struct sanitizer *s, const uint32_t *whole, co
     for (uint32_t k = 0; k < part && k < spirv_parts(s->from, type) && bits < 32; k++)
         bits += bit_count(s, whole, part_type(s, type, k));
     return bits;
-}
-
-static uint32_t mask_of(uint32_t first, uint32_t count)
-{
-    if (first > 31 || !count)
-        return 0;
-    return (count > 31 ? UINT32_MAX : (1u << count) - 1) << first;
 }
 
 /* What a pointer leads to: bits of a variable. */
@@ -470,27 +548,34 @@ static void put_pointers(struct sanitizer *s, const uint32_t *call, bool back)
     }
 }
 
-/* At the end of the entry point: outputs that nothing has written, at the first store to each. */
+/* At the end of the entry point: bits of an output that nothing has written, at the first store to it. */
+static void put_unwritten(struct sanitizer *s, uint32_t variable, uint32_t wanted, const char *name)
+{
+    const struct assigned *of = &s->ids[variable];
+    char text[128];
+    s->file = of->file ? of->file : s->file;
+    s->line = of->file ? of->line : s->line;
+    snprintf(text, sizeof text, "`%.60s` is not written", name ? name : "an output");
+    uint32_t bits = sanitizer_load(s, bits_of(s, variable)), all = sanitizer_number(s, wanted);
+    put_assigned(s, bits, all, sanitizer_site(s, NULL, name ? name : "", text));
+}
+
 static void put_outputs(struct sanitizer *s)
 {
+    enum { POSITION = 0xf };
     const struct spirv *from = s->from;
     uint32_t file = s->file, line = s->line;
+    bool vertex = in_stage(s, SpvExecutionModelVertex);
     SPIRV_EACH(from, i, from->declarations, from->code) {
         uint32_t wanted = spirv_is(i, SpvOpVariable) && bits_of(s, i[2]) ? final_bits(s, i) : 0;
         bool output = spirv_is(i, SpvOpVariable) && i[3] == SpvStorageClassOutput;
         if (output && is_handed_on(s, i) && bits_of(s, i[2]))
-            PUT(s, SpvOpStore, flag_of(s, i), sanitizer_load(s, bits_of(s, i[2])));
-        if (!wanted)
-            continue;
-        const struct assigned *of = &s->ids[i[2]];
-        bool position = in_stage(s, SpvExecutionModelVertex);
-        const char *name = position ? "gl_Position" : spirv_name(from, i[2]);
-        char text[128];
-        s->file = of->file ? of->file : file;
-        s->line = of->file ? of->line : line;
-        snprintf(text, sizeof text, "`%.60s` is not written", name ? name : "an output");
-        uint32_t bits = sanitizer_load(s, bits_of(s, i[2])), all = sanitizer_number(s, wanted);
-        put_assigned(s, bits, all, sanitizer_site(s, NULL, name ? name : "", text));
+            put_handed_on(s, i);
+        if (wanted)
+            put_unwritten(s, i[2], vertex ? POSITION : wanted,
+                          vertex ? "gl_Position" : spirv_name(from, i[2]));
+        if (vertex && wanted & ~POSITION)
+            put_unwritten(s, i[2], wanted & ~POSITION, "gl_ClipDistance");
     }
     s->file = file;
     s->line = line;

@@ -234,6 +234,7 @@ static const struct check operations[] = {
     {SpvOpBitFieldUExtract, "bits", "bitfieldExtract", "@1i bits from bit @0i of 32", 1, 2, false},
     {SpvOpConvertFToS, "to_int", "int", "@0f as an int", 0, 1, false},
     {SpvOpConvertFToU, "to_uint", "uint", "@0f as a uint", 0, 1, false},
+    {SpvOpFConvert, "half", "float16_t", "float16_t makes infinity of @0f", 0, 1, false},
 };
 
 static const struct check functions[] = {
@@ -254,6 +255,11 @@ static const struct check functions[] = {
     {GLSLstd450FMix, "mix", "mix", "mix of a NaN", 0, 3, false},
     {GLSLstd450PackHalf2x16, "half", "packHalf2x16", "packHalf2x16 makes infinity of @0f", 0, 1,
      false},
+    {GLSLstd450PackUnorm4x8, "packed", "packUnorm4x8", "packUnorm4x8 of a NaN", 0, 1, false},
+    {GLSLstd450PackSnorm4x8, "packed", "packSnorm4x8", "packSnorm4x8 of a NaN", 0, 1, false},
+    {GLSLstd450PackUnorm2x16, "packed", "packUnorm2x16", "packUnorm2x16 of a NaN", 0, 1, false},
+    {GLSLstd450PackSnorm2x16, "packed", "packSnorm2x16", "packSnorm2x16 of a NaN", 0, 1, false},
+    {GLSLstd450FrexpStruct, "frexp", "frexp", "frexp(@0f)", 0, 1, false},
     {GLSLstd450Normalize, "normalize", "normalize", "normalize of zero", 0, 1, true},
 };
 
@@ -275,9 +281,9 @@ static bool find_check(const struct sanitizer *s, const uint32_t *instruction, s
     *check = (struct check){.word = prove_word(instruction, s->glsl)};
     for (size_t i = 0; i < count; i++)
         if (list[i].number == number) {
+            const uint32_t *scalar = spirv_scalar(s->from, spirv_type(s->from, instruction[2]));
             *check = list[i];
-            return extended ||
-                   spirv_letter(spirv_scalar(s->from, spirv_type(s->from, instruction[2])));
+            return extended || spirv_letter(scalar) || (number == SpvOpFConvert && scalar[2] == 16);
         }
     for (size_t i = 0; extended && i < DT_ARRAY_COUNT(finite_functions); i++)
         if (finite_functions[i] == number)

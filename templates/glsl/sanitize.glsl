@@ -240,6 +240,7 @@ DIPTYCH_FLOAT(unit, abs(x) > 1.0)
 DIPTYCH_FLOAT(acosh, x < 1.0)
 DIPTYCH_FLOAT(atanh, abs(x) >= 1.0)
 DIPTYCH_FLOAT(half, all(bvec2(abs(x) >= 65520.0, diptych_finite(x)))) /* finite numbers that are infinite as halves */
+DIPTYCH_FLOAT(frexp, !diptych_finite(x))
 DIPTYCH_FLOATS(pow, any(bvec2(x < 0.0, all(bvec2(x == 0.0, y <= 0.0)))))
 DIPTYCH_FLOATS(atan, vec2(y, x) == vec2(0.0))
 DIPTYCH_FLOATS(smoothstep, x >= y)
@@ -249,6 +250,7 @@ DIPTYCH_FLOATS(clamp, x > y)
 #define DIPTYCH_UNTOLD(check, T, wrong) \
 bool diptych_##check(const T x, const uint site, const uint what) { return diptych_told(wrong, 0u, 0u, site, what); }
 
+DIPTYCH_UNTOLD(packed, float, diptych_nan(x))
 DIPTYCH_UNTOLD(normalize, float, x == 0.0)
 DIPTYCH_UNTOLD(normalize, vec2, x == vec2(0.0))
 DIPTYCH_UNTOLD(normalize, vec3, x == vec3(0.0))
@@ -282,6 +284,18 @@ void diptych_assigned(const uint bits, const uint wanted, const uint site, const
 uint diptych_none(const uint bits)
 {
     return mix(0u, 0xffffffffu, bits == 0u);
+}
+
+/* What four bits lack, between the stages, and back: interpolated, it is above 0 where one of the vertices lacks it. */
+vec4 diptych_given(const uint bits)
+{
+    return vec4(~(uvec4(bits) >> uvec4(0u, 1u, 2u, 3u)) & 1u);
+}
+
+uint diptych_taken(const vec4 missing)
+{
+    uvec4 bits = uvec4(lessThanEqual(missing, vec4(0.0))) << uvec4(0u, 1u, 2u, 3u);
+    return bits.x | bits.y | bits.z | bits.w;
 }
 
 /* ---- Loops ----------------------------------------------------------------------------------- */

@@ -184,6 +184,11 @@ def sanitized(tap):
     found = diptych("compare", "--spec", "a.yaml", "--sanitize=arithmetic").stdout
     good = found.count("undefined: ") == 5 and "\n3 findings of other operations had no room" in found
     tap.result("lines that look alike take no room from each other; what had none is counted", [] if good else [found])
+    for index, word in ((0, ""), (1, "`near` is read before it has a value"), (2, "`gl_ClipDistance` is not written")):
+        draw(VERTEX.format("out vec2 near; out float gl_ClipDistance[2];", f"gl_ClipDistance[0] = 1; if (gl_VertexIndex != {index} || {index} == 0) near = vec2(1); if ({index} < 2) gl_ClipDistance[1] = 1;".replace("!= 2", "!= 9")),
+             FRAGMENT.format("in vec2 near;", "near.xyxy"))
+        found = diptych("compare", "--spec", "a.yaml", "--sanitize").stdout
+        tap.result(f"what one vertex does not write: {word or 'nothing'}", [] if found.count("undefined: ") == bool(word) and word in found else [found])
     for members, word in (("pair[1].a = pair[1].b = ", ""), ("pair[1].a = ", "`pair` is read before it has a value")):
         draw(VERTEX.format("out Pair { vec2 a; vec2 b; } pair[2]; layout(location = 9, component = 0) out vec2 low; layout(location = 9, component = 2) out float high;",
                            f"low = pair[0].a = pair[0].b = {members}vec2(high = 1);"),
@@ -293,6 +298,9 @@ def widths(tap):
     tap.result("halves of words", agrees([0x20001, 0x40003, 0x60005, 0x80007], "I"))
     done = diptych("compare", "--spec", "a.yaml", "--sanitize=race")
     tap.result("... are no race", [] if not done.returncode else [done.stdout])
+    compute("#extension GL_EXT_shader_explicit_arithmetic_types : require\nlayout(local_size_x = 8) in; buffer Sums { uint sums[]; };\n"
+            "void main() { uint i = gl_GlobalInvocationID.x; sums[i] = packFloat2x16(f16vec2(vec2(1, float(i) * 2e4))); }\n")
+    tap.result("... are halves that are infinite", told("float16_t makes infinity of 80000", "--sanitize"))
     compute("layout(local_size_x = 8) in; layout(binding = 0, offset = 4) uniform atomic_uint n; void main() { atomicCounterIncrement(n); }\n")
     put("a.yaml", COMPUTE.format(local=8, head="", kind="uint", file="a.comp").replace("count: 8", "count: 8, history: true")
         .replace("writes: [Sums]", "updates: [{name: Sums, as: gl_AtomicCounterBlock_0}]"))

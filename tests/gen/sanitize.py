@@ -136,6 +136,8 @@ WRONG = [
     ("r = min(vec2(x, i < 7 ? x : nan), 1.0).y;", "min", "nan goes into `min`, which drops it", 7, NAN),
     ("r = clamp(i < 9 ? x : nan, 0.0, 1.0);", "clamp", "nan goes into `clamp`, which drops it", 9, NAN),
     ("r = unpackHalf2x16(packHalf2x16(vec2(1.0, x * 2e3))).y;", "packHalf2x16", "packHalf2x16 makes infinity of 66000", 33),
+    ("r = unpackUnorm4x8(packUnorm4x8(vec4(i < 9 ? x : nan))).x;", "packUnorm4x8", "packUnorm4x8 of a NaN", 9, NAN),
+    ("int e; r = frexp(i < 4 ? x : uintBitsToFloat(0x7f800000u), e) + float(e);", "frexp", "frexp(inf", 4),
     # what ends a CPU's driver
     ("int least = null - 2147483647 - 1; r = float(least / -(i + 1));", "/ -(", "-2147483648 / -1", 0),
     ("ivec2 k = ivec2(1, i - 5), n = ivec2(null - 2147483647 - 1); r = float((n % k).y);", "% k", "-2147483648 % 1", 0),
@@ -219,6 +221,7 @@ WRONG_DRAW = [
     ("if (p.x == 3) r = pyramid_sample(uv).x;", "pyramid_sample", PARTED, 3),
     ("r = sqrt(4.0 - x);", "sqrt", "sqrt(-0.5)", 4),
     ("if (p.x != 3) result = vec4(x); return;", "result", "`result` is not written", 3),
+    ("result = vec4(x); if (p.x != 3) gl_SampleMask[0] = 1; return;", "gl_SampleMask", "`gl_SampleMask` is not written", 3),
     ("result.rg = vec2(x); if (p.y > 2) return;", "result", "`result` is not written", 0),
 ]
 FINE_DRAW = [
