@@ -198,8 +198,8 @@ static bool import_apart(FILE *result, void *user, const struct dt_log *log)
     child_limit_memory((size_t)SPEC_GIBIBYTES << 30);
     size_t length = strlen(import->files[0]);
     bool preset = length > 7 && !strcasecmp(import->files[0] + length - 7, ".slangp");
-    bool good = preset ? import_preset(import, import->files[0])
-                       : import_shaders(import, import->files);
+    bool good =
+        preset ? import_preset(import, import->files[0]) : import_shaders(import, import->files);
     child_limit_time(SPEC_SECONDS);
     return good && check_spec(import);
 }
