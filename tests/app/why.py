@@ -33,9 +33,9 @@ def padded(a, pad):
     return np.pad(rows, ((0, 0), (0, pad))).ravel()[:a.size].reshape(a.shape)
 
 
-def sampled(a, scale, anchor):
-    """The nearest texel of a picture at that scale about a place."""
-    y, x = (np.floor((np.arange(n) + 0.5 - anchor * n) / scale + anchor * n).astype(int) for n in a.shape[:2])
+def sampled(a, scale, anchor, *axes):
+    """The nearest texel of a picture at that scale about a place, in both axes or one."""
+    y, x = (np.floor((np.arange(n) + 0.5 - anchor * n) / (scale if axis in (axes or (0, 1)) else 1) + anchor * n + 1e-9).astype(int) for axis, n in enumerate(a.shape[:2]))
     b = np.full_like(a, 0.25)
     inside = np.ix_((y >= 0) & (y < len(a)), (x >= 0) & (x < a.shape[1]))
     b[inside] = a[np.ix_(y[(y >= 0) & (y < len(a))], x[(x >= 0) & (x < a.shape[1])])]
@@ -133,12 +133,12 @@ FAULTS = [
     ("srgb_gamma", lambda s: (srgb(s.picture).astype(f32), s.picture ** f32(1 / 2.2))), ("depth_range", lambda s: (s.depth, s.depth * 2 - 1)), ("depth_reversed", lambda s: (s.depth, 1 - s.depth)),
     ("depth_linear", lambda s: (s.depth + f32(0.5), 1 / (3 - (1.5, 2, 1.1)[s.k] * (s.depth + f32(0.5))))), ("negated", lambda s: (-s.depth, s.depth)),
     ("half!", lambda s: (s.light, s.light.astype(f16).astype(f32))), ("unorm8!", lambda s: (s.rgba, np.rint(s.rgba * 255) / f32(255))), ("unorm8!", lambda s: (s.rgba, np.floor(s.rgba * 255) / f32(255))),
-    ("unorm10!", lambda s: (s.rgba, np.rint(s.rgba * 1023) / f32(1023))), ("unorm16!", lambda s: (s.rgba, np.rint(s.rgba * 65535) / f32(65535))), ("bfloat16!", lambda s: (s.light, bfloat(s.light))),
+    ("unorm10!", lambda s: (s.rgba, np.rint(s.rgba * 1023) / f32(1023))), ("unorm4!", lambda s: (s.display, code(np.rint(s.display / 17) / 15))), ("unorm5!", lambda s: (s.display, code(np.rint(s.display / 255 * 31) / 31))), ("unorm565!", lambda s: (s.picture, np.rint(s.picture * (31, 63, 31)) / f32((31, 63, 31)))), ("unorm16!", lambda s: (s.rgba, np.rint(s.rgba * 65535) / f32(65535))), ("bfloat16!", lambda s: (s.light, bfloat(s.light))),
     ("clamped!", lambda s: (s.light, np.minimum(s.light, 1))), ("clamped!", lambda s: (s.normal, np.maximum(s.normal, 0))), ("absolute!", lambda s: (s.normal, np.abs(s.normal))),
     ("factor", lambda s: (s.light, s.light * f32(s.p))), ("factor", lambda s: (s.display, code(s.display / 255 * (0.31, 0.7, 0.9)[s.k]))), ("offset", lambda s: (s.light, s.light + f32(s.p / 10))),
     ("tone", lambda s: (s.light, s.light / (1 + s.light))), ("integer!", lambda s: (s.light * 9, np.rint(s.light * 9))), ("half_rate", lambda s: (s.light, blocks(s.light, 2, 2))),
     ("half_rate!", lambda s: (s.light, np.repeat(s.light[:, ::2], 2, 1))), ("nearest", lambda s: linear_twice(s.light)), ("byte_order!", lambda s: (s.cells, s.cells.byteswap())), ("wrapped!", lambda s: (s.ids * 3, s.ids * 3 % 256)),
-    ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0))), ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0.5))), ("smear", lambda s: (s.light, np.where(s.x[:, :, None] > (40, 51, 60)[s.k], s.light[:, (40, 51, 60)[s.k], None], s.light))),
+    ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0))), ("scale", lambda s: (s.light, sampled(s.light, (0.5, 2, 1.5)[s.k], 0.5))), ("scale", lambda s: (s.display, sampled(s.display, (4 / 3, 0.5, 2)[s.k], (0, 0.5)[s.k % 2], s.k % 2))), ("smear", lambda s: (s.light, np.where(s.x[:, :, None] > (40, 51, 60)[s.k], s.light[:, (40, 51, 60)[s.k], None], s.light))),
     ("smear", lambda s: (s.light, np.where(s.y[:, :, None] > (30, 37, 44)[s.k], s.light[None, (30, 37, 44)[s.k]], s.light))),
     ("matrix", lambda s: (s.picture, (s.picture @ MATRICES[s.k][1].T).astype(f32))), ("limited_range", lambda s: (s.picture, s.picture * f32(219 / 255) + f32(16 / 255))), ("depth_bias", lambda s: (plane(s), (plane(s) + (0.5, 1, 2)[s.k] * slope(plane(s)) + 1e-4).astype(f32))),
     ("dither!", lambda s: (dither(s.picture, bayer()), dither(s.picture, bayer()[::-1]))), ("blurred", lambda s: (s.light, blurred(s.light))),

@@ -100,11 +100,14 @@ def varied_in_blocks(pair: Any, p: Any, value: Array, target: Array) -> bool:
 
 def scaled(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
     """p: the factor; where the picture stands still, 0 to 1 of width and height; 0: the nearest texel by its corner, 1: by its
-    middle, 2: linear."""
-    scale, mode = p[0], int(p[3])
+    middle, 2: linear; 0: both axes, 1: x, 2: y."""
+    scale, mode, axis = p[0], int(p[3]), p[4]
     middle = 0. if mode == 0 else 0.5
-    u = (x + middle - p[1] * pair.w) / scale + p[1] * pair.w
-    v = (y + middle - p[2] * pair.h) / scale + p[2] * pair.h
+    u, v = x + middle, y + middle
+    if axis != 2:
+        u = (u - p[1] * pair.w) / scale + p[1] * pair.w
+    if axis != 1:
+        v = (v - p[2] * pair.h) / scale + p[2] * pair.h
     if mode < 2:
         return pair.get(z, np.floor(v + 1e-9).astype(int), np.floor(u + 1e-9).astype(int))
     return linear(lambda j, i: pair.get(z, j, i), v, u)
@@ -116,12 +119,12 @@ def scales(pair: Any, points: Any, target: Any) -> list[tuple[float, ...]]:
     places, sought = [axis[few] for axis in points], target[few].mean(1)
     found = []
     for scale in (2, 0.5, 1.5, 2 / 3, 3, 1 / 3, 4, 0.25, 1.25, 0.8, 4 / 3, 0.75):
-        for anchor in ((0., 0.), (0., 1.), (0.5, 0.5)):
-            value = scaled(pair, (scale, *anchor, 1.), *places).mean(1)
+        for *anchor, axis in ((0., 0., 0), (0., 1., 0), (0.5, 0.5, 0), (0., 0., 1), (0.5, 0., 1), (0., 0., 2), (0., 1., 2), (0., 0.5, 2)):
+            value = scaled(pair, (scale, *anchor, 1., axis), *places).mean(1)
             known = np.isfinite(value) & np.isfinite(sought)
             if known.sum() > 16:
-                found.append((-abs(float(np.corrcoef(value[known], sought[known])[0, 1])), (scale, *anchor)))
-    return [(*p, float(mode)) for _, p in sorted(found)[:3] for mode in range(3)]
+                found.append((-abs(float(np.corrcoef(value[known], sought[known])[0, 1])), (scale, *anchor), axis))
+    return [(*p, float(mode), axis) for _, p, axis in sorted(found)[:3] for mode in range(3)]
 
 
 def of_relative(pair: Any, p: Any, z: Array, y: Array, x: Array) -> Array:
@@ -231,10 +234,11 @@ def line(p: Any, v: Array) -> Array:
 
 
 def stored(p: Any, v: Array) -> Array:
-    """In codes of p[0] steps, or floats of p[0] bits of fraction and p[2] as the least exponent; p[1]: cut off."""
+    """In codes of p[0] steps (565: of its bits), or floats of p[0] bits of fraction and p[2] as the least exponent; p[1]: cut off."""
     to_whole: Any = np.trunc if p[1] else np.rint
     if len(p) < 3:
-        return to_whole(v * p[0]) / p[0]
+        steps = np.array((31, 63, 31, 255))[:v.shape[-1]] if p[0] == 565 else p[0]
+        return to_whole(v * steps) / steps
     unit = ulp(v, *p[::2])
     return to_whole(v / unit) * unit
 
@@ -246,7 +250,8 @@ def out_of_range(pair: Any, p: Any, value: Array, target: Array) -> bool:
 
 def on_grid(pair: Any, p: Any, value: Array, target: Array) -> bool:
     """All numbers of `to` are on the coarser grid, and few of `from` are."""
-    exact, other = (np.abs(stored((p[0], 0, *p[2:]), v) - v) <= 2e-7 * np.abs(v) for v in (target, value))
+    code = 0.502 / 255 if pair.kind == "unorm8" else 0
+    exact, other = (np.abs(stored((p[0], 0, *p[2:]), v) - v) <= 2e-7 * np.abs(v) + code for v in (target, value))
     changed = ~(value == target)
     return bool(exact.mean() > 0.995 and other[changed].mean() < 0.5 and len(np.unique(target[changed])) > 8)
 
@@ -505,7 +510,7 @@ def channels(name: str, words: str, terms: str, applies: str = "", sided: bool =
 
 
 def grid(name: str, words: str, *p: float) -> Fault:
-    return Fault(name, "if {from} is " + words, map=stored, p=p, applies="reals", loses=on_grid)
+    return Fault(name, "if {from} is " + words, map=stored, p=p, applies="colour" if p[0] == 565 else "reals", loses=on_grid)
 
 
 BLOCKS = {**{(side, side): f"{side}x{side} texels" for side in (2, 4, 3, 6)}, (2, 1): "2 columns", (1, 2): "2 rows"}
@@ -611,7 +616,7 @@ CHANNELS = [
 GRIDS: list[tuple[Any, ...]] = [
     ("integer", "whole numbers", 1), ("half", "half floats", 10, -14), ("float11", "floats of 11 bits (r11g11b10f)", 6, -14),
     ("bfloat16", "bfloat16", 7, -126), ("float19", "10 bits of fraction (TF32)", 10, -126), ("snorm16", "16-bit signed codes", 32767),
-    *((f"unorm{bits}", f"{bits}-bit codes", 2. ** bits - 1) for bits in (8, 10, 16))]
+    *((f"unorm{bits}", f"{bits}-bit codes", 2. ** bits - 1) for bits in (4, 5, 8, 10, 16)), ("unorm565", "codes of 5, 6 and 5 bits", 565)]
 
 MAPS = [
     Fault("srgb", "if {to} is decoded from sRGB once: {from} has one encoding less", map=to_srgb, applies="reals"),
@@ -699,5 +704,7 @@ def phrase(fault: Fault, p: Any, labels: dict[str, str]) -> str:
         return "after a shift of " + " and ".join(steps)
     numbers: list[Any] = [f"{number:.6g}" if isinstance(number, (int, float)) else number for number in p]
     if fault.name == "scale":
-        numbers[1] = "the centre" if p[1] else "the corner of " + ("the last row" if p[2] else "row 0")
+        row = "the last row" if p[2] else "row 0"
+        numbers[1] = "the centre" if 0.5 in p[1:3] else ("the corner of " + row, "the left edge", row)[p[4]]
+        return fault.words.format(*numbers, **labels).replace("the scale of", "the scale " + ("of", "in x of", "in y of")[p[4]])
     return fault.words.format(*numbers, **labels)
