@@ -401,7 +401,7 @@ static bool is_of_vendor(const char *extension)
                                         "AMD_shader_image_load_store_lod"};
     const char *name = extension + strlen("SPV_");
     bool found = false;
-    for (size_t i = 0; i < DT_ARRAY_COUNT(vendors); i++)
+    for (size_t i = 0; i < DT_ARRAY_COUNT(vendors) && !strncmp(extension, "SPV_", 4); i++)
         found |= !strncmp(name, vendors[i], strlen(vendors[i])) && name[strlen(vendors[i])] == '_';
     for (size_t i = 0; i < DT_ARRAY_COUNT(known); i++)
         found &= strncmp(name, known[i], strlen(known[i])) != 0;
@@ -434,9 +434,10 @@ static bool check_capabilities(struct binder *binder)
             if (spirv_is(i, SpvOpCapability) && i[1] == missing[k].capability)
                 return refuse(binder, "the shader uses %s, which %s not have", missing[k].what,
                               missing[k].who);
-        if (spirv_is(i, SpvOpExtension) && is_of_vendor((const char *)(i + 1)))
-            return refuse(binder, "the shader uses %s, which OpenGL does not have",
-                          (const char *)(i + 1));
+        bool set = spirv_is(i, SpvOpExtInstImport); /* glslang 15 names no more */
+        const char *name = (const char *)(i + (set ? 2 : 1));
+        if ((set || spirv_is(i, SpvOpExtension)) && is_of_vendor(name))
+            return refuse(binder, "the shader uses %s, which OpenGL does not have", name);
         bool subgroups = spirv_is(i, SpvOpCapability) && i[1] >= SpvCapabilityGroupNonUniform &&
                          i[1] <= SpvCapabilityGroupNonUniformQuad;
         if (subgroups && (binder->request->exact || !binder->request->local))
