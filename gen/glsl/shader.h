@@ -18,6 +18,7 @@ struct shader { /* one compiled stage of one pass for one backend */
     bool own;         /* does something else than the other backend's, not only by other names */
     struct text code; /* OpenGL's if `own`: for glslang, so in Vulkan's GLSL */
     const struct body_files *files; /* that the text may include; NULL: none */
+    uint32_t turn;                  /* from 1: its place among shaders that compile in parallel */
     uint32_t *words;                /* SPIR-V; free() */
     size_t word_count;
     /* glsl_adapt: names that the body declares although the generator or GLSL has them, and names

@@ -12,6 +12,8 @@
 
 struct sanitize_sites {
     pthread_mutex_t lock;       /* of what follows */
+    pthread_cond_t ended;       /* a turn */
+    uint32_t turn;              /* of the shader that adds its sites */
     struct sanitize_site *list; /* site 0 is no place */
     uint32_t count, room;
     bool failed;
@@ -32,6 +34,8 @@ bool sanitize_begin(struct model *model)
                                                            sizeof *model->sites->silenced);
     model->sites->failed = !model->sites->silenced;
     pthread_mutex_init(&model->sites->lock, NULL);
+    pthread_cond_init(&model->sites->ended, NULL);
+    model->sites->turn = 1;
     sanitize_add(model, NULL, &(struct sanitize_site){0});
     return !model->sites->failed;
 }
@@ -40,6 +44,7 @@ void sanitize_end(struct model *model)
 {
     if (model->sites) {
         pthread_mutex_destroy(&model->sites->lock);
+        pthread_cond_destroy(&model->sites->ended);
         free(model->sites->list);
     }
     free(model->sites);
@@ -68,6 +73,25 @@ uint32_t sanitize_add(const struct model *model, const struct pass *pass,
     }
     pthread_mutex_unlock(&sites->lock);
     return index;
+}
+
+void sanitize_begin_turn(const struct model *model, uint32_t turn)
+{
+    pthread_mutex_lock(&model->sites->lock);
+    while (model->sites->turn < turn)
+        pthread_cond_wait(&model->sites->ended, &model->sites->lock);
+    pthread_mutex_unlock(&model->sites->lock);
+}
+
+void sanitize_end_turn(const struct model *model, uint32_t turn)
+{
+    sanitize_begin_turn(model, turn);
+    pthread_mutex_lock(&model->sites->lock);
+    if (model->sites->turn == turn) {
+        model->sites->turn++;
+        pthread_cond_broadcast(&model->sites->ended);
+    }
+    pthread_mutex_unlock(&model->sites->lock);
 }
 
 bool sanitize_failed(const struct model *model)

@@ -41,6 +41,10 @@ void sanitize_end(struct model *model);
 /* Returns the index of the first; with `more`, the others follow it. */
 uint32_t sanitize_add(const struct model *model, const struct pass *pass,
                       const struct sanitize_site *site);
+/* Sites are numbered in the order of the shaders, so that the same spec gives the same bytes. Waits until all shaders before `turn`
+ * have theirs; sanitize_end_turn() lets the next one go, and a shader that fails must do so, too. */
+void sanitize_begin_turn(const struct model *model, uint32_t turn);
+void sanitize_end_turn(const struct model *model, uint32_t turn);
 bool sanitize_failed(const struct model *model); /* out of memory while sites were added */
 
 /* In the order of the plan: gives every pass the buffer, before bindings; sets its count, after all shaders are compiled. */

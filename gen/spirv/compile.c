@@ -58,13 +58,17 @@ static uint32_t add_site(void *user, const struct sanitize_site *site)
     return sanitize_add(adding->model, adding->pass, site);
 }
 
-static bool sanitize(const struct model *model, const struct pass *pass, struct spirv *module)
+static bool sanitize(const struct model *model, const struct pass *pass, uint32_t turn,
+                     struct spirv *module)
 {
     struct adding adding = {model, pass};
-    return !model->sanitize ||
-           (spirv_sanitize(module,
-                           &(struct sanitize_request){model->sanitize, pass, add_site, &adding}) &&
-            !sanitize_failed(model));
+    if (!model->sanitize)
+        return true;
+    sanitize_begin_turn(model, turn);
+    bool good = spirv_sanitize(
+        module, &(struct sanitize_request){model->sanitize, pass, add_site, &adding});
+    sanitize_end_turn(model, turn);
+    return good && !sanitize_failed(model);
 }
 
 struct proving {
@@ -97,8 +101,8 @@ static void tell_form(void *user, uint32_t file, uint32_t line, const char *word
 static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
                         struct shader *shader, struct proving *proving, char **log)
 {
-    bool good = sanitize(model, pass, &module) && (pass->fast || spirv_settle_globals(&module)) &&
-                spirv_end_entry(&module);
+    bool good = sanitize(model, pass, shader->turn, &module) &&
+                (pass->fast || spirv_settle_globals(&module)) && spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))
             good = spirv_texels(&module, pass->accesses[i].name);

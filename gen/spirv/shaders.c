@@ -5,6 +5,7 @@
 #include "shader_cache.h"
 #include "compile.h"
 #include "model/cross.h"
+#include "plan/sanitize.h"
 #include "values.h"
 #include "watchdog.h"
 
@@ -70,6 +71,8 @@ static void *compile_some(void *user)
             jobs->texts
                 ? spirv_cross(shader->words, shader->word_count, &shader->glsl, &job->why)
                 : spirv_compile(job->plan->model, job->pass, job->backend, shader, NULL, NULL);
+        if (job->plan->model->sanitize && !jobs->texts)
+            sanitize_end_turn(job->plan->model, shader->turn);
         watchdog_end(label);
     }
     return memory_was_lost() ? jobs : NULL;
@@ -91,6 +94,7 @@ static bool add_job(struct jobs *jobs, struct job job)
                           "the GLSL compiler could not be started: out of memory");
     pthread_mutex_lock(&jobs->lock);
     jobs->list[jobs->count++] = job;
+    job.shader->turn = jobs->count;
     pthread_cond_signal(&jobs->more);
     pthread_mutex_unlock(&jobs->lock);
     if (jobs->count == 1)

@@ -80,6 +80,10 @@ touch "$work/stamp"
 sleep 0.05
 check "generates again" "$gen" $spec -o "$work/out" --depfile "$work/out/gen.d"
 check "... the same bytes" diff -r "$work/out" "$work/first"
+same_sanitized() {
+    "$gen" templates/rsm.yaml --sanitize -o "$work/one" && "$gen" templates/rsm.yaml --sanitize -o "$work/two" && diff -r "$work/one" "$work/two"
+}
+check "... sanitized, too, whichever thread compiles first" same_sanitized
 check "... and touches nothing" bash -c "[ -z \"\$(find '$work/out' -type f -newer '$work/stamp')\" ]"
 check "no temporary file is left" bash -c "! find '$work/out' | grep -E '\.[A-Za-z0-9]{6}\$'"
 check "the depfile names spec and shader" grep -q "tests/bad/fill.glsl" "$work/out/gen.d"
