@@ -1,5 +1,5 @@
-/* What your renderer leaves after each pass, as a folder that `diptych compare A B` reads. This header and
- * formats.def beside it, C99 and C++11, no library. Include it once per backend:
+/* What your renderer leaves after each pass, as a folder that `diptych compare A B` reads. One header, C99
+ * and C++11, no library. Include it once per backend:
  *
  *     struct tap *tap = tap_open("vk", "vulkan", NULL);       (folder, label, device)
  *     struct tap_texels texels = {0};
@@ -231,17 +231,19 @@ TAP_FUNCTION void tap_frame(struct tap *tap, unsigned frame)
 /* Bytes of a texel; 0: no such format. */
 TAP_FUNCTION size_t tap_texel_size(const char *format)
 {
-    static const struct {
-        const char *name;
-        size_t bytes;
-    } sizes[] = {
-#define DT_FORMAT(ENUMERATOR, name, channels, bytes, ...) {name, bytes},
-#include "formats.def"
-        {"d16", 2},   {"d24", 4},        {"d24s8", 4}, {"d32fs8", 8},   {"r11g11b10", 4},
-        {"bgra8", 4}, {"bgra8_srgb", 4}, {"rgb8", 3},  {"rgb8_srgb", 3}};
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-        if (strcmp(sizes[i].name, format) == 0)
-            return sizes[i].bytes;
+    static const char *const names[] = {
+        " r8 r8ui r8i ", " rg8 rg8ui rg8i r16 r16_snorm r16f r16ui r16i d16 ",
+        " rgba8 rgba8_srgb rgba8ui rgba8i rg16 rg16_snorm rg16f rg16ui rg16i r32f r32ui r32i d32f "
+        "r11g11b10f r11g11b10 rgb10a2 bgra8 bgra8_srgb d24 d24s8 ",
+        " rgba16 rgba16_snorm rgba16f rgba16ui rgba16i rg32f rg32ui rg32i d32fs8 ",
+        " rgba32f rgba32ui rgba32i "};
+    char word[24];
+    if (strcmp(format, "rgb8") == 0 || strcmp(format, "rgb8_srgb") == 0)
+        return 3;
+    snprintf(word, sizeof word, " %.20s ", format);
+    for (int i = 0; i < 5; i++)
+        if (strstr(names[i], word))
+            return (size_t)1 << i;
     return 0;
 }
 

@@ -15,6 +15,14 @@ for header in "diptych_tap.h stdio.h" "diptych_tap_gl.h GL/glcorearb.h" "diptych
     check "${names[0]} is C99" check_header "${names[@]}" cc -std=c99 -x c
     check "... and C++11" check_header "${names[@]}" c++ -std=c++11 -Wshadow -x c++
 done
+# The header stands alone in other programs, so it has a list of its own.
+knows_all_formats() {
+    printf '%s\n' '#include "diptych_tap.h"' '#include "formats.h"' 'int main(void) { int bad = 0;' \
+        '#define DT_FORMAT(e, name, channels, bytes, ...) if (tap_texel_size(name) != (bytes)) { bad = 1; puts(name); }' \
+        '#include "formats.def"' 'return bad; }' |
+        cc -std=c11 -D_GNU_SOURCE -Itemplates/c -x c - -o "$work/formats" && "$work/formats"
+}
+check "the tap knows all formats of specs" knows_all_formats
 for header in diptych_tap_gl.h diptych_tap_vk.h; do
     check "$header has less than 400 lines" test "$(wc -l <templates/c/$header)" -lt 400
 done
