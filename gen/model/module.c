@@ -388,14 +388,14 @@ uint32_t spirv_part(const uint32_t *type, uint32_t part)
 uint32_t spirv_scalars(const struct spirv *module, uint32_t id)
 {
     const uint32_t *type = spirv_definition(module, id);
-    uint32_t parts = spirv_parts(module, type), count = 0;
+    uint64_t parts = spirv_parts(module, type), count = 0;
     if (!parts)
         return 1;
     if (!spirv_is(type, SpvOpTypeStruct))
-        return parts * spirv_scalars(module, type[2]);
-    for (uint32_t k = 0; k < parts; k++)
+        count = parts * spirv_scalars(module, type[2]);
+    for (uint32_t k = 0; k < parts && spirv_is(type, SpvOpTypeStruct); k++)
         count += spirv_scalars(module, spirv_part(type, k));
-    return count;
+    return count < UINT32_MAX ? (uint32_t)count : UINT32_MAX;
 }
 
 uint64_t spirv_locations(const struct spirv *module, uint32_t id)

@@ -97,11 +97,27 @@ static void tell_form(void *user, uint32_t file, uint32_t line, const char *word
         diag_remark(proving->model->prove, loc, "%s: %s", word, form);
 }
 
+/* Numbers that an invocation has of its own: NVIDIA gives it 512 KiB, and LLVM takes hours for more. */
+enum { MOST_OWN_NUMBERS = 1 << 17 };
+
+static bool variables_fit(const struct spirv *module, char **log)
+{
+    uint64_t count = 0;
+    SPIRV_EACH(module, i, module->declarations, module->count)
+        if (spirv_is(i, SpvOpVariable) &&
+            (i[3] == SpvStorageClassFunction || i[3] == SpvStorageClassPrivate))
+            count += spirv_scalars(module, spirv_pointee(module, i));
+    if (count > MOST_OWN_NUMBERS && !*log)
+        *log = format_string("the variables of an invocation hold %llu numbers; drivers take %d",
+                             (unsigned long long)count, MOST_OWN_NUMBERS);
+    return count <= MOST_OWN_NUMBERS;
+}
+
 /* The passes; takes over the module. proving: gets the forms of operations; may be NULL. */
 static bool pass_module(const struct model *model, const struct pass *pass, struct spirv module,
                         struct shader *shader, struct proving *proving, char **log)
 {
-    bool good = sanitize(model, pass, shader->turn, &module) &&
+    bool good = variables_fit(&module, log) && sanitize(model, pass, shader->turn, &module) &&
                 (pass->fast || spirv_settle_globals(&module)) && spirv_end_entry(&module);
     for (uint32_t i = 0; good && i < pass->access_count; i++)
         if (access_is_texels(&pass->accesses[i]))

@@ -106,6 +106,7 @@ case("a buffer of 8 GB", {"a.comp": "#version 450\nlayout(local_size_x = 64) in;
 case("... of structs of arrays", {"a.comp": "#version 450\nlayout(local_size_x = 64) in;\nstruct S { vec4 a[65536]; };\nlayout(binding = 0) buffer B { S w[65536]; };\nvoid main() { w[3].a[0].x = 1; }\n"}, 1,
      "the buffer `B` has more than 1 GiB")
 case("a buffer of a million vectors", {"a.comp": "#version 450\nlayout(local_size_x = 64) in;\nlayout(binding = 0) buffer B { vec4 w[1000000]; };\nvoid main() { w[3].x = 1; }\n"}, 0, "count: 1000000,")
+case("an array of an invocation's own of 1 GB", {"a.frag": fragment("float own[268435456];", "vec4(own[int(gl_FragCoord.x)])")}, 1, "the variables of an invocation hold 268435456 numbers")
 case("600 uniforms in both stages", {"a.vert": "#version 450\n" + "".join(f"uniform float u{i};\n" for i in range(600)) + "void main() { gl_Position = vec4(" +
      "+".join(f"u{i}" for i in range(600)) + "); }\n", "b.frag": fragment("".join(f"uniform float u{i};\n" for i in range(600)), "vec4(" + "+".join(f"u{i}" for i in range(600)) + ")")}, 0, "u599:")
 doubling: Files = {f"x{i}.inc": f'#include "x{i + 1}.inc"\n' * 2 for i in range(26)} | {"x26.inc": "\n"}
