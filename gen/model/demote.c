@@ -44,19 +44,6 @@ static void copy_front_without(struct spirv_edit *edit, uint32_t mark)
     }
 }
 
-/* Discards a marked invocation, in front of a return. */
-static void put_end(struct spirv_edit *edit, uint32_t mark, uint32_t truth)
-{
-    struct spirv_words *code = &edit->code;
-    uint32_t marked = SPIRV_VALUE(edit, code, SpvOpLoad, truth, mark);
-    uint32_t then = edit->bound++, end = edit->bound++;
-    SPIRV_PUT(edit, code, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
-    SPIRV_PUT(edit, code, SpvOpBranchConditional, marked, then, end);
-    SPIRV_PUT(edit, code, SpvOpLabel, then);
-    spirv_put(edit, code, SpvOpKill, NULL, 0);
-    SPIRV_PUT(edit, code, SpvOpLabel, end);
-}
-
 static bool is_entry(const struct spirv *module, uint32_t function)
 {
     bool found = false;
@@ -85,7 +72,7 @@ static void put_marks(struct spirv_edit *edit, uint32_t mark, uint32_t truth)
         }
         labels += spirv_is(i, SpvOpLabel);
         if (entry && spirv_is(i, SpvOpReturn))
-            put_end(edit, mark, truth);
+            spirv_put_discard(edit, SPIRV_VALUE(edit, &edit->code, SpvOpLoad, truth, mark));
         if (spirv_is(i, SpvOpDemoteToHelperInvocation))
             SPIRV_PUT(edit, &edit->code, SpvOpStore, mark, yes);
         else

@@ -482,6 +482,17 @@ void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t 
     spirv_append(edit, to, instruction, spirv_length(instruction));
 }
 
+void spirv_put_discard(struct spirv_edit *edit, uint32_t condition)
+{
+    struct spirv_words *code = &edit->code;
+    uint32_t discard = edit->bound++, behind = edit->bound++;
+    SPIRV_PUT(edit, code, SpvOpSelectionMerge, behind, SpvSelectionControlMaskNone);
+    SPIRV_PUT(edit, code, SpvOpBranchConditional, condition, discard, behind);
+    SPIRV_PUT(edit, code, SpvOpLabel, discard);
+    spirv_put(edit, code, SpvOpKill, NULL, 0);
+    SPIRV_PUT(edit, code, SpvOpLabel, behind);
+}
+
 void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name)
 {
     size_t bytes = strlen(name) + 1, words = (bytes + 3) / 4;

@@ -173,6 +173,8 @@ uint32_t spirv_put_value(struct spirv_edit *edit, struct spirv_words *to, uint32
 /* Appends words. */
 void spirv_append(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *words,
                   size_t count);
+/* Ends the invocation of a fragment if the condition holds. */
+void spirv_put_discard(struct spirv_edit *edit, uint32_t condition);
 /* Names an id. */
 void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name);
 

@@ -44,12 +44,7 @@ static void put_sample_mask(struct spirv_edit *edit, const uint32_t *mask)
     uint32_t bits = SPIRV_VALUE(edit, code, SpvOpLoad, type, first);
     uint32_t bit = SPIRV_VALUE(edit, code, SpvOpBitwiseAnd, type, bits, one);
     uint32_t none = SPIRV_VALUE(edit, code, SpvOpIEqual, truth, bit, zero);
-    uint32_t kill = edit->bound++, behind = edit->bound++;
-    SPIRV_PUT(edit, code, SpvOpSelectionMerge, behind, SpvSelectionControlMaskNone);
-    SPIRV_PUT(edit, code, SpvOpBranchConditional, none, kill, behind);
-    SPIRV_PUT(edit, code, SpvOpLabel, kill);
-    spirv_put(edit, code, SpvOpKill, NULL, 0);
-    SPIRV_PUT(edit, code, SpvOpLabel, behind);
+    spirv_put_discard(edit, none);
 }
 
 bool spirv_end_entry(struct spirv *module)
