@@ -333,7 +333,7 @@ class Report:
         for scene in self.scenes:
             for motion in self.motions(scene):
                 rows = [row(scene, motion, run["name"], run["title"]) for run in self.motion["runs"]]
-                rows.append(row(scene, motion, "noise", "The reference once more, with other noise"))
+                rows.append(row(scene, motion, "noise", "The reference, other noise"))
                 found.append({"scene": scene.name, "motion_title": motion["title"], "rows": rows,
                               "plot_change": self.plot_motion(scene, motion, "change"),
                               "plot_flicker": self.plot_motion(scene, motion, "flicker")})
