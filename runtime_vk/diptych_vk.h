@@ -51,12 +51,11 @@
  * Synchronisation. The commands of record, record_passes and write begin and end with a full memory
  * barrier (all stages, all accesses). So
  *   - the host needs no barrier before: its earlier work on the queue is finished and visible. Work
- *     of other queues needs a semaphore. `queue_family` owns exclusive resources, or acquires them:
- *     see dt_vk_exchange;
+ *     of other queues needs a semaphore. A resource of another queue family must be acquired before
+ *     record, in layout_before, and may be released after it, in the layout of dt_vk_get_resource;
  *   - the host needs no barrier after: later commands of the queue see all results. Reading on the
  *     CPU needs a fence, as always; the barrier includes VK_PIPELINE_STAGE_2_HOST_BIT.
- * After dt_vk_narrow they are only as wide as what the host does. struct dt_vk_image gives the
- * layouts of images.
+ * struct dt_vk_image gives the layouts of images.
  *
  * Frames in flight. A pipeline has one set of resources. Commands write even its uniform blocks, so
  * that each frame has its own live parameters. The host may record any number of frames while earlier
@@ -243,14 +242,6 @@ struct dt_vk_image {
      * of the last pass, see dt_vk_get_resource. */
     VkImageLayout layout_after;
 };
-/* Fills what vkCreateImage needs for an image to import: the usage is that of the passes alone, to which
- * the host adds its own. False: the resource is no image. */
-bool dt_vk_describe(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
-                    uint32_t height, VkImageCreateInfo *info);
-/* The same of a buffer. */
-bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
-                           uint32_t height, VkBufferCreateInfo *info);
-
 /* `resource` is NAME_RESOURCE_...; call after create, before resize. An image of VK_NULL_HANDLE
  * cancels the import. */
 bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
@@ -264,15 +255,6 @@ bool dt_vk_import_image(struct dt_vk_runtime *rt, uint32_t resource,
  * import. diptych never writes an imported input; the host may write it between frames. */
 bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
                          const struct dt_vk_range *range);
-
-/* The imported image or buffer belongs to another queue family between frames: the commands of a frame
- * begin with acquiring it from `family`, and end with releasing it to it. The host records the other
- * halves on a queue of `family`, with the same families, and puts semaphores between:
- *   - a release before, in layout_before, or of the range that was imported. None for an image with
- *     layout_before UNDEFINED, whose content is lost;
- *   - an acquire after, in the layout that dt_vk_get_resource then tells, or of the range.
- * Call after the import, before a frame. VK_QUEUE_FAMILY_IGNORED cancels it. */
-bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family);
 
 /* Creates the resource with this usage, too, for commands of the host: COLOR_ATTACHMENT to draw into
  * it, VERTEX_BUFFER to draw from it. Replaces an earlier call for the resource; no effect on an
@@ -294,23 +276,6 @@ bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height);
  * in every frame, an import is faster. */
 bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t resource,
                  uint32_t mip, const struct dt_bytes *bytes);
-
-/* What other commands on the queue, of the host and of its other runtimes, do with resources that the
- * pipeline uses, too: imports, the scene, and those of dt_vk_get_resource. Stages of semaphores around
- * the commands count, too. */
-struct dt_vk_sync {
-    /* in commands before, also after the frame before: stages that read or write; accesses that write.
-     * 0: none */
-    VkPipelineStageFlags2 stages_before;
-    VkAccessFlags2 writes_before;
-    /* in commands after, or HOST for the CPU: stages that read or write, and their accesses */
-    VkPipelineStageFlags2 stages_after;
-    VkAccessFlags2 accesses_after;
-};
-/* From now on, commands of record, record_passes and write begin and end with barriers for these
- * stages and accesses instead of full ones: diptych waits only for them and for its own stages, and
- * only they wait for diptych. NULL: full barriers again. */
-void dt_vk_narrow(struct dt_vk_runtime *rt, const struct dt_vk_sync *sync);
 
 /* Records all passes of one frame. `commands` is a primary command buffer of `queue_family` in the
  * recording state, outside of a render pass; earlier bindings and dynamic state are lost. Ignores

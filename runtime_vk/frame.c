@@ -43,15 +43,14 @@ void vk_full_barrier(const struct dt_vk_runtime *rt, VkCommandBuffer commands)
     rt->vk.CmdPipelineBarrier2(commands, &info);
 }
 
-VkImageMemoryBarrier2 vk_image_barrier(const struct dt_vk_runtime *rt, const struct vk_image *image,
-                                       VkImageLayout layout)
+void vk_transition(const struct dt_vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
+                   VkImageLayout layout)
 {
-    VkPipelineStageFlags2 stages = rt->narrow ? rt->stages : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    return (VkImageMemoryBarrier2){
+    VkImageMemoryBarrier2 barrier = {
         .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-        .srcStageMask = stages,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
         .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-        .dstStageMask = stages,
+        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
         .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
         .oldLayout = image->layout,
         .newLayout = layout,
@@ -60,12 +59,6 @@ VkImageMemoryBarrier2 vk_image_barrier(const struct dt_vk_runtime *rt, const str
         .image = image->handle,
         .subresourceRange = {image->aspect, 0, image->mips, 0, image->layers},
     };
-}
-
-void vk_transition(const struct dt_vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
-                   VkImageLayout layout)
-{
-    VkImageMemoryBarrier2 barrier = vk_image_barrier(rt, image, layout);
     VkDependencyInfo info = {
         .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
         .imageMemoryBarrierCount = 1,

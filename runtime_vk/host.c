@@ -233,18 +233,6 @@ bool dt_vk_import_buffer(struct dt_vk_runtime *rt, uint32_t resource,
     return true;
 }
 
-bool dt_vk_exchange(struct dt_vk_runtime *rt, uint32_t resource, uint32_t family)
-{
-    const struct dt_core *core = core_of(rt);
-    if (!core)
-        return false;
-    if (!core->pipeline || resource >= core->pipeline->resource_count || !core->imported[resource])
-        return dt_error(core, "exchange: resource %u is not imported; import it first", resource);
-    vk_choice_at(rt, resource)->exchanged = family != VK_QUEUE_FAMILY_IGNORED;
-    vk_choice_at(rt, resource)->family = family;
-    return true;
-}
-
 bool dt_vk_add_image_usage(struct dt_vk_runtime *rt, uint32_t resource, VkImageUsageFlags usage)
 {
     if (!rt || !dt_front_choose(&rt->core, "add_image_usage", DT_IMAGE, resource))
@@ -307,80 +295,6 @@ bool dt_vk_resize(struct dt_vk_runtime *rt, uint32_t width, uint32_t height)
     return rt->core.sized;
 }
 
-/* ---- Barriers to the host -------------------------------------------------------------------- */
-
-void dt_vk_narrow(struct dt_vk_runtime *rt, const struct dt_vk_sync *sync)
-{
-    if (rt)
-        rt->narrow = sync;
-    if (rt && sync)
-        rt->sync = *sync;
-}
-
-static VkMemoryBarrier2 memory_barrier(VkPipelineStageFlags2 from, VkAccessFlags2 writes,
-                                       VkPipelineStageFlags2 to, VkAccessFlags2 accesses)
-{
-    return (VkMemoryBarrier2){.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                              .srcStageMask = from,
-                              .srcAccessMask = writes,
-                              .dstStageMask = to,
-                              .dstAccessMask = accesses};
-}
-
-enum when { BEFORE, WITHIN, AFTER };
-
-/* BEFORE: our commands wait for our earlier ones and for the host's. WITHIN: for our earlier ones.
- * AFTER: the host's wait for ours. */
-static void wait_for(const struct dt_vk_runtime *rt, VkCommandBuffer commands, enum when when)
-{
-    const VkAccessFlags2 all = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
-    const struct dt_vk_sync *sync = &rt->sync;
-    VkMemoryBarrier2 memory[] = {
-        memory_barrier(rt->stages, VK_ACCESS_2_MEMORY_WRITE_BIT, rt->stages, all),
-        memory_barrier(sync->stages_before, sync->writes_before, rt->stages, all)};
-    VkDependencyInfo info = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                             .memoryBarrierCount = when == BEFORE ? 2 : 1,
-                             .pMemoryBarriers = memory};
-    if (when == AFTER)
-        memory[0] = memory_barrier(rt->stages, VK_ACCESS_2_MEMORY_WRITE_BIT, sync->stages_after,
-                                   sync->accesses_after);
-    if (rt->narrow)
-        rt->vk.CmdPipelineBarrier2(commands, &info);
-    else
-        vk_full_barrier(rt, commands);
-}
-
-/* Moves an import between queue families, in its layout. The stages meet those of the semaphores that
- * the host waits for before, and signals after; HOST is not allowed here. */
-static void exchange(const struct dt_vk_runtime *rt, uint32_t resource, uint32_t from, uint32_t to)
-{
-    const struct dt_vk_range *range = &vk_choice_at(rt, resource)->buffer;
-    const struct vk_image *image = &vk_resource_at(rt, resource)->image;
-    VkImageMemoryBarrier2 moved = vk_image_barrier(rt, image, image->layout);
-    if (rt->narrow) {
-        moved.srcStageMask |= rt->sync.stages_before & ~VK_PIPELINE_STAGE_2_HOST_BIT;
-        moved.dstStageMask |= rt->sync.stages_after & ~VK_PIPELINE_STAGE_2_HOST_BIT;
-    }
-    moved.srcQueueFamilyIndex = from;
-    moved.dstQueueFamilyIndex = to;
-    VkBufferMemoryBarrier2 buffer = {.sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
-                                     .srcStageMask = moved.srcStageMask,
-                                     .srcAccessMask = moved.srcAccessMask,
-                                     .dstStageMask = moved.dstStageMask,
-                                     .dstAccessMask = moved.dstAccessMask,
-                                     .srcQueueFamilyIndex = from,
-                                     .dstQueueFamilyIndex = to,
-                                     .buffer = range->buffer,
-                                     .offset = range->offset,
-                                     .size = range->size};
-    VkDependencyInfo info = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                             .bufferMemoryBarrierCount = range->buffer != VK_NULL_HANDLE,
-                             .pBufferMemoryBarriers = &buffer,
-                             .imageMemoryBarrierCount = image->handle != VK_NULL_HANDLE,
-                             .pImageMemoryBarriers = &moved};
-    rt->vk.CmdPipelineBarrier2(rt->frame_commands, &info);
-}
-
 /* ---- Frames ---------------------------------------------------------------------------------- */
 
 /* The bytes travel in the commands, so that earlier frames in flight keep their content. The buffer
@@ -408,7 +322,7 @@ static void write_host_image(const struct dt_vk_runtime *rt, VkCommandBuffer com
     VkImageLayout layout =
         image->layout == VK_IMAGE_LAYOUT_UNDEFINED ? VK_IMAGE_LAYOUT_GENERAL : image->layout;
     update(rt, commands, &rt->upload, 0, bytes->data, bytes->size);
-    wait_for(rt, commands, WITHIN);
+    vk_full_barrier(rt, commands);
     vk_transition(rt, commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
     rt->vk.CmdCopyBufferToImage(commands, rt->upload.handle, image->handle, image->layout, 1,
                                 &region);
@@ -422,12 +336,12 @@ bool dt_vk_write(struct dt_vk_runtime *rt, VkCommandBuffer commands, uint32_t re
         !dt_front_given(&rt->core, commands, "write: the command buffer"))
         return false;
     struct vk_resource *input = vk_resource_at(rt, resource);
-    wait_for(rt, commands, BEFORE);
+    vk_full_barrier(rt, commands);
     if (input->image.handle)
         write_host_image(rt, commands, &input->image, mip, bytes);
     else
         update(rt, commands, &input->buffer, 0, bytes->data, bytes->size);
-    wait_for(rt, commands, AFTER);
+    vk_full_barrier(rt, commands);
     rt->core.written[resource] |= 1u << mip;
     return true;
 }
@@ -489,9 +403,6 @@ static void take_imports(struct dt_vk_runtime *rt)
         if (!rt->core.imported[i])
             continue;
         image->layout = choice->image.layout_before;
-        if (choice->exchanged &&
-            (choice->buffer.buffer || image->layout != VK_IMAGE_LAYOUT_UNDEFINED))
-            exchange(rt, i, choice->family, rt->queue_family);
         if (image->handle && rt->core.pipeline->resources[i].history &&
             image->layout != VK_IMAGE_LAYOUT_GENERAL)
             vk_transition(rt, rt->frame_commands, image, VK_IMAGE_LAYOUT_GENERAL);
@@ -506,7 +417,7 @@ static void begin_frame(struct dt_vk_runtime *rt, const struct dt_frame *frame, 
     fill_now(rt);
     if (rt->core.timing)
         vk_reset_queries(rt);
-    wait_for(rt, rt->frame_commands, WITHIN);
+    vk_full_barrier(rt, rt->frame_commands);
 }
 
 static void return_imports(struct dt_vk_runtime *rt)
@@ -516,8 +427,6 @@ static void return_imports(struct dt_vk_runtime *rt)
         if (choice->image.image && choice->image.layout_after != VK_IMAGE_LAYOUT_UNDEFINED)
             vk_transition(rt, rt->frame_commands, &vk_resource_at(rt, i)->image,
                           choice->image.layout_after);
-        if (choice->exchanged && rt->core.imported[i])
-            exchange(rt, i, rt->queue_family, choice->family);
     }
 }
 
@@ -528,14 +437,14 @@ static bool render(struct dt_core *core, const struct dt_frame *frame, const voi
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     if (!dt_front_given(core, rt->frame_commands, "record: the command buffer"))
         return false;
-    wait_for(rt, rt->frame_commands, BEFORE);
+    vk_full_barrier(rt, rt->frame_commands);
     if (!core->first_pass)
         begin_frame(rt, frame, live);
     rt->bound = (struct vk_bound){0};
     bool good = dt_front_record(core, live);
     if (core->end_pass == core->pipeline->pass_count)
         return_imports(rt);
-    wait_for(rt, rt->frame_commands, AFTER);
+    vk_full_barrier(rt, rt->frame_commands);
     return good;
 }
 
@@ -617,46 +526,6 @@ bool dt_vk_get_resource(struct dt_vk_runtime *rt, uint32_t resource, struct dt_v
     const struct write last = last_write(rt, resource);
     out->stages = vk_stages(last.stage);
     out->accesses = vk_accesses(last.access);
-    return true;
-}
-
-bool dt_vk_describe(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
-                    uint32_t height, VkImageCreateInfo *info)
-{
-    const struct dt_pipeline *pipeline = shaders ? shaders->panel->pipeline : NULL;
-    uint32_t extent[3];
-    if (!pipeline || !info || resource >= pipeline->resource_count ||
-        pipeline->resources[resource].kind != DT_IMAGE)
-        return false;
-    const struct dt_resource *image = &pipeline->resources[resource];
-    pipeline->extent(pipeline, resource, width, height, extent);
-    *info = vk_image_create_info(
-        &(struct vk_image_info){.format = image->format,
-                                .usage = vk_image_usage(shaders->panel->storage[resource].usage),
-                                .width = extent[0],
-                                .height = extent[1],
-                                .layers = extent[2],
-                                .mips = image->mips,
-                                .shape = image->shape});
-    return true;
-}
-
-bool dt_vk_describe_buffer(const struct dt_shaders *shaders, uint32_t resource, uint32_t width,
-                           uint32_t height, VkBufferCreateInfo *info)
-{
-    const struct dt_pipeline *pipeline = shaders ? shaders->panel->pipeline : NULL;
-    uint32_t extent[3];
-    if (!pipeline || !info || resource >= pipeline->resource_count ||
-        pipeline->resources[resource].kind != DT_BUFFER)
-        return false;
-    const struct dt_storage *storage = &shaders->panel->storage[resource];
-    const struct dt_panel *gpu = shaders->panel->gpu ? shaders->panel->gpu : shaders->panel;
-    pipeline->extent(pipeline, resource, width, height, extent);
-    VkDeviceSize size = (VkDeviceSize)extent[0] * pipeline->resources[resource].stride;
-    *info = (VkBufferCreateInfo){
-        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-        .size = size > storage->block ? size : storage->block,
-        .usage = vk_buffer_usage(storage->usage | gpu->storage[resource].usage)};
     return true;
 }
 

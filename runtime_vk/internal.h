@@ -54,9 +54,7 @@ struct vk_resource {
 struct vk_choice {
     struct dt_vk_image image;
     struct dt_vk_range buffer;
-    VkFlags usage;  /* in addition, if not imported */
-    bool exchanged; /* an import that belongs to `family` between frames */
-    uint32_t family;
+    VkFlags usage; /* in addition, if not imported */
 };
 
 /* What runtimes may share of a program. */
@@ -142,9 +140,6 @@ struct dt_vk_runtime {
     struct vk_bound bound;
     double record_ms; /* CPU time of recording the last frame; NAN with an observer */
     bool fills;       /* host: the next frame first fills resources with history */
-    bool narrow;      /* host: `sync` holds; else full barriers */
-    struct dt_vk_sync sync;
-    VkPipelineStageFlags2 stages; /* of all that a frame does */
 };
 
 static inline struct dt_vk_runtime *vk_runtime_of(struct dt_core *core)
@@ -259,7 +254,6 @@ struct vk_image_info {
     bool by_layer;                    /* makes views of single layers */
     const struct dt_vk_image *import; /* the host's image to use instead; NULL: none */
 };
-VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info);
 /* Without memory and views. Adds usage SAMPLED, TRANSFER_SRC and TRANSFER_DST. */
 bool vk_image_create(struct dt_vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info);
@@ -343,10 +337,7 @@ bool vk_immediate_end(struct dt_vk_runtime *rt, const char *name);
 
 /* Orders all earlier commands before all later ones; makes writes visible, also to the host. */
 void vk_full_barrier(const struct dt_vk_runtime *rt, VkCommandBuffer commands);
-/* The same for one image, with a change to `layout`, among all commands or, if narrow, the runtime's
- * own. An old layout of UNDEFINED loses the content. */
-VkImageMemoryBarrier2 vk_image_barrier(const struct dt_vk_runtime *rt, const struct vk_image *image,
-                                       VkImageLayout layout);
+/* The same for one image, with a change to `layout`. An old layout of UNDEFINED loses the content. */
 void vk_transition(const struct dt_vk_runtime *rt, VkCommandBuffer commands, struct vk_image *image,
                    VkImageLayout layout);
 

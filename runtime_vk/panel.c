@@ -56,17 +56,6 @@ static bool rest(struct dt_core *core, const char *verb)
     return core->hosted || VK(rt, rt->vk.DeviceWaitIdle(rt->device), verb);
 }
 
-static VkPipelineStageFlags2 stages_of(const struct dt_panel *panel)
-{
-    VkPipelineStageFlags2 stages = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT; /* uniforms and clears */
-    for (uint32_t i = 0; i < panel->pipeline->pass_count; i++)
-        stages |=
-            panel->pipeline->passes[i].kind == DT_PASS_DISPATCH
-                ? VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT
-                : VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT;
-    return stages;
-}
-
 static bool begin_panel(struct dt_core *core)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
@@ -76,7 +65,6 @@ static bool begin_panel(struct dt_core *core)
         .queryType = VK_QUERY_TYPE_TIMESTAMP,
         .queryCount = 2 * dt_run(core, core->frames, 0),
     };
-    rt->stages = stages_of(core->panel);
     rt->slots = calloc(core->panel->slot_count + 1, sizeof *rt->slots);
     if (!rt->slots)
         return dt_error(core, "pipeline %s: out of memory; free some", pipeline->name);

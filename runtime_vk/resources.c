@@ -282,7 +282,7 @@ bool vk_is_cube(enum dt_shape shape)
 }
 
 /* Those of sRGB may have views without it. */
-VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info)
+static VkImageCreateInfo image_create_info(const struct vk_image_info *info)
 {
     static const VkFormat formats[] = {VK_FORMAT_R8G8B8A8_SRGB, VK_FORMAT_R8G8B8A8_UNORM};
     static const VkImageFormatListCreateInfo views = {
@@ -310,7 +310,7 @@ VkImageCreateInfo vk_image_create_info(const struct vk_image_info *info)
 bool vk_image_create(struct dt_vk_runtime *rt, struct vk_image *image,
                      const struct vk_image_info *info)
 {
-    VkImageCreateInfo create = vk_image_create_info(info);
+    VkImageCreateInfo create = image_create_info(info);
     *image = (struct vk_image){
         .name = info->name,
         .format = create.format,

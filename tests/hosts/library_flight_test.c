@@ -187,68 +187,10 @@ TEST_WITH(vulkan_tells_frames_in_flight_apart, NULL, is_silent)
     dt_vk_close(rt);
 }
 
-/* In every frame the host copies weights into an imported buffer, and copies the picture out,
- * without a barrier of its own. */
-static void copy_around(const struct dt_vk_sync *sync)
-{
-    enum { WEIGHTS = GEOMETRY_BYTES / 4, SOURCE = WEIGHTS + 4096, PICTURE = GEOMETRY_BYTES / 2 };
-    const VkDeviceSize size = sizeof graded_alone;
-    const struct dt_vk_range weights = {geometry.handle, WEIGHTS, size};
-    memcpy((char *)geometry.bytes + SOURCE, nothing, size);
-    memcpy((char *)geometry.bytes + SOURCE + size, graded_alone, size);
-    outside.rt = open_vk_runtime(own_host(), NULL);
-    assert_true(dt_vk_create(outside.rt, &outside_vk) &&
-                dt_vk_import_buffer(outside.rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
-                dt_vk_resize(outside.rt, WIDTH, HEIGHT));
-    dt_vk_narrow(outside.rt, sync);
-    for (uint32_t frame = 0; frame < CYCLES; frame++) {
-        const VkBufferCopy copy = {SOURCE + frame % 2 * size, WEIGHTS, size};
-        begin_frame(&vk, frame);
-        VkCommandBuffer commands = outside.commands = begin_commands(&vk, frame, 0);
-        if (frame == 0) {
-            write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
-            write_grade(vulkan_writes, first_color);
-        }
-        vkCmdCopyBuffer(commands, geometry.handle, geometry.handle, 1, &copy);
-        record_picture(PICTURE + frame % 2 * 4 * WIDTH * HEIGHT);
-        end_frame(&vk, frame, 1);
-    }
-    wait_for_frames(&vk);
-    dt_vk_close(outside.rt);
-    is_painted((const uint8_t *)geometry.bytes + PICTURE, black);
-    is_painted((const uint8_t *)geometry.bytes + PICTURE + 4 * (size_t)WIDTH * HEIGHT, first_color);
-}
-
-/* Validation sees the runtime's barriers and no others. It reports a hazard if `sync` lacks some of
- * the host's work. */
-TEST_WITH(vulkan_waits_only_for_what_the_host_does, NULL, is_silent)
-{
-    const struct dt_vk_sync copies = {
-        VK_PIPELINE_STAGE_2_COPY_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT, VK_PIPELINE_STAGE_2_COPY_BIT,
-        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
-    struct dt_vk_sync wrong = copies;
-    own.stages = 0;
-    copy_around(&copies);
-    assert_int_equal(heard.validation, 0);
-    assert_int_equal(
-        own.stages & (VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_2_ALL_GRAPHICS_BIT |
-                      VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT),
-        0);
-    wrong.stages_after = VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT;
-    wrong.accesses_after = VK_ACCESS_2_SHADER_READ_BIT;
-    copy_around(&wrong);
-    assert_true(heard.validation > 0);
-    assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
-    heard.validation = 0;
-    copy_around(NULL);
-    assert_int_equal(heard.validation, 0);
-    assert_true(own.stages & VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT);
-}
-
 /* Between two passes the host clears the image that the first writes and the second reads, without
  * a barrier of its own. `drop`: the barrier to leave out. *seam: number of the last barrier before
  * the host's command. Returns whether validation reports a hazard. */
-static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned *seam)
+static bool clear_at_seam(unsigned drop, unsigned *seam)
 {
     const VkImageSubresourceRange all = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
     const VkClearColorValue one = {.float32 = {1, 1, 1, 1}};
@@ -257,7 +199,6 @@ static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned
     outside.rt = open_vk_runtime(own_host(), &outside_vk);
     outside.commands = new_commands();
     write_for_blurred(vulkan_writes);
-    dt_vk_narrow(outside.rt, sync);
     own.barriers = 0;
     own.drop = drop;
     assert_true(vulkan_records_passes(0, OUTSIDE_PASS_GRADE_PICTURE) &&
@@ -276,71 +217,13 @@ static bool clear_at_seam(const struct dt_vk_sync *sync, unsigned drop, unsigned
  * host's command, or without the first one after it. */
 TEST_WITH(vulkan_waits_at_seams, NULL, is_silent)
 {
-    const struct dt_vk_sync clears = {VK_PIPELINE_STAGE_2_CLEAR_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT,
-                                      VK_PIPELINE_STAGE_2_CLEAR_BIT,
-                                      VK_ACCESS_2_TRANSFER_WRITE_BIT};
-    const struct dt_vk_sync *syncs[] = {&clears, NULL};
-    for (int i = 0; i < 2; i++) {
-        unsigned seam, ignored;
-        assert_false(clear_at_seam(syncs[i], 0, &seam));
-        assert_true(clear_at_seam(syncs[i], seam, &ignored));
-        assert_non_null(strstr(heard.hazard, "SYNC-HAZARD-WRITE-AFTER-WRITE"));
-        assert_true(clear_at_seam(syncs[i], seam + 1, &ignored));
-        assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
-    }
+    unsigned seam, ignored;
+    assert_false(clear_at_seam(0, &seam));
+    assert_true(clear_at_seam(seam, &ignored));
+    assert_non_null(strstr(heard.hazard, "SYNC-HAZARD-WRITE-AFTER-WRITE"));
+    assert_true(clear_at_seam(seam + 1, &ignored));
+    assert_non_null(strstr(heard.hazard, "SYNC-HAZARD"));
     heard.validation = 0;
-}
-
-/* A buffer and an image that another queue family owns. EXTERNAL is such a family on every
- * device. */
-TEST_WITH(vulkan_exchanges_imports, NULL, is_silent)
-{
-    const uint32_t external = VK_QUEUE_FAMILY_EXTERNAL;
-    const struct dt_vk_range weights = {geometry.handle, GEOMETRY_BYTES / 4, sizeof graded_alone};
-    const struct own_image output =
-        make_image(VK_FORMAT_R8G8B8A8_UNORM, (VkExtent3D){WIDTH, HEIGHT, 1}, 1,
-                   VK_IMAGE_USAGE_STORAGE_BIT | VK_IMAGE_USAGE_TRANSFER_SRC_BIT);
-    struct dt_vk_image import =
-        import_of(&output, VK_FORMAT_R8G8B8A8_UNORM, VK_IMAGE_USAGE_STORAGE_BIT, WIDTH);
-    struct dt_vk_runtime *rt = outside.rt = open_vk_runtime(own_host(), NULL);
-    assert_true(dt_vk_create(rt, &outside_vk));
-    REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external), "is not imported");
-    REFUSED(dt_vk_exchange(rt, OUTSIDE_RESOURCES, external), "is not imported");
-    assert_true(dt_vk_import_buffer(rt, OUTSIDE_RESOURCE_WEIGHTS, &weights) &&
-                dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
-                dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, external) &&
-                dt_vk_exchange(rt, OUTSIDE_RESOURCE_PICTURE, external) &&
-                dt_vk_resize(rt, WIDTH, HEIGHT));
-    memcpy((char *)geometry.bytes + weights.offset, graded_alone, sizeof graded_alone);
-    dt_vk_narrow(rt, &(struct dt_vk_sync){.stages_after = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT |
-                                                          VK_PIPELINE_STAGE_2_HOST_BIT,
-                                          .accesses_after = VK_ACCESS_2_TRANSFER_READ_BIT |
-                                                            VK_ACCESS_2_HOST_READ_BIT});
-    outside.commands = new_commands();
-    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
-    write_grade(vulkan_writes, first_color);
-    own.acquired = own.released = 0;
-    assert_true(vulkan_records_passes(0, 1));
-    assert_int_equal(own.acquired, 1); /* only the weights; the picture has no content yet */
-    assert_int_equal(own.released, 0);
-    assert_true(vulkan_records_passes(1, OUTSIDE_PASSES));
-    assert_int_equal(own.acquired, 1);
-    assert_int_equal(own.released, 2);
-    import.layout_before = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
-    finish_commands(outside.commands);
-    assert_true(dt_vk_import_image(rt, OUTSIDE_RESOURCE_PICTURE, &import) &&
-                dt_vk_exchange(rt, OUTSIDE_RESOURCE_WEIGHTS, VK_QUEUE_FAMILY_IGNORED) &&
-                dt_vk_resize(rt, WIDTH, HEIGHT));
-    outside.commands = new_commands();
-    write_inputs(vulkan_writes, OUTSIDE_RESOURCE_WEIGHTS);
-    write_grade(vulkan_writes, second_color);
-    record_picture(GEOMETRY_BYTES / 2);
-    finish_commands(outside.commands);
-    assert_int_equal(own.acquired, 2);
-    assert_int_equal(own.released, 3);
-    is_painted((const uint8_t *)geometry.bytes + GEOMETRY_BYTES / 2, second_color);
-    dt_vk_close(rt);
-    destroy_image(&output);
 }
 
 /* Two pipelines, each with two frames in flight. The host writes an image of the first pipeline

@@ -58,32 +58,11 @@ static VKAPI_ATTR VkResult VKAPI_CALL own_graphics(VkDevice device, VkPipelineCa
                : result;
 }
 
-static void count_owners(uint32_t from, uint32_t to, VkPipelineStageFlags2 stages)
-{
-    own.stages |= stages;
-    assert_true(from == to || !(stages & VK_PIPELINE_STAGE_2_HOST_BIT)); /* as Vulkan demands */
-    own.acquired += from == VK_QUEUE_FAMILY_EXTERNAL && to == 0;
-    own.released += from == 0 && to == VK_QUEUE_FAMILY_EXTERNAL;
-}
-
 static VKAPI_ATTR void VKAPI_CALL own_barrier(VkCommandBuffer commands,
                                               const VkDependencyInfo *info)
 {
-    if (++own.barriers == own.drop)
-        return;
-    for (uint32_t i = 0; i < info->memoryBarrierCount; i++)
-        own.stages |= info->pMemoryBarriers[i].srcStageMask | info->pMemoryBarriers[i].dstStageMask;
-    for (uint32_t i = 0; i < info->bufferMemoryBarrierCount; i++) {
-        const VkBufferMemoryBarrier2 *barrier = &info->pBufferMemoryBarriers[i];
-        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex,
-                     barrier->srcStageMask | barrier->dstStageMask);
-    }
-    for (uint32_t i = 0; i < info->imageMemoryBarrierCount; i++) {
-        const VkImageMemoryBarrier2 *barrier = &info->pImageMemoryBarriers[i];
-        count_owners(barrier->srcQueueFamilyIndex, barrier->dstQueueFamilyIndex,
-                     barrier->srcStageMask | barrier->dstStageMask);
-    }
-    vkCmdPipelineBarrier2(commands, info);
+    if (++own.barriers != own.drop)
+        vkCmdPipelineBarrier2(commands, info);
 }
 
 static PFN_vkVoidFunction VKAPI_PTR own_device_functions(VkDevice device, const char *name)

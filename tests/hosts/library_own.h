@@ -12,9 +12,7 @@ extern struct own {
     atomic_int pipelines; /* created so far, all with the cache */
     atomic_int strangers; /* created without */
     atomic_bool fail_pipelines;
-    VkPipelineStageFlags2 stages; /* of all barriers */
-    int acquired, released;       /* from and to EXTERNAL */
-    unsigned barriers, drop;      /* recorded; the one to leave out, from 1; 0: none */
+    unsigned barriers, drop; /* recorded; the one to leave out, from 1; 0: none */
 } own;
 
 /* Allocates at an offset, never from the start of the memory. */

@@ -18,21 +18,12 @@ namespace
 {
 constexpr uint32_t views_count = 2, others = VK_QUEUE_FAMILY_EXTERNAL;
 constexpr VkImageLayout drawn = VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL;
-constexpr VkPipelineStageFlags2 drawing = VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT;
 constexpr VkImageSubresourceRange whole = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
 constexpr VkFormat formats[TARGETS] = {VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_R16G16B16A16_SFLOAT,
                                        VK_FORMAT_R8G8B8A8_UNORM};
 constexpr VkImageLayout layouts[TARGETS] = {drawn, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, drawn};
 constexpr uint32_t inputs[TARGETS] = {LIT_RESOURCE_GBUFFER_POSITION, LIT_RESOURCE_GBUFFER_NORMAL,
                                       LIT_RESOURCE_GBUFFER_ALBEDO};
-
-/* All that the renderer does with what it shares: it draws and copies. */
-constexpr dt_vk_sync sync = {
-    drawing | VK_PIPELINE_STAGE_2_COPY_BIT,
-    VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT,
-    drawing | VK_PIPELINE_STAGE_2_COPY_BIT,
-    VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT | VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT |
-        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT};
 
 /* What the renderer copies in. */
 struct Upload {
@@ -122,8 +113,8 @@ void move_target(VkCommandBuffer commands, VkImage image, VkImageLayout from, Vk
 {
     VkImageMemoryBarrier2 barrier = {};
     barrier.sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2;
-    barrier.srcStageMask = barrier.dstStageMask = sync.stages_before;
-    barrier.srcAccessMask = barrier.dstAccessMask = sync.writes_before;
+    barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT;
     barrier.oldLayout = from;
     barrier.newLayout = to;
     barrier.srcQueueFamilyIndex = from_family;
@@ -165,7 +156,6 @@ void draw_gbuffer(const Host &host, VkCommandBuffer commands, const View &view, 
         draw_tile(commands, 1, column, row, colors.targets[ALBEDO]);
     }
     vkCmdEndRendering(commands);
-    move_target(commands, albedo, drawn, drawn, 0, others);
     copy_in(commands, view.uploads[host.frame % IN_FLIGHT].handle, 0, view.gbuffer[NORMAL].image,
             layouts[NORMAL], {{}, {host.base.width, host.base.height}});
 }
@@ -236,14 +226,12 @@ void open_view(Host &host, uint32_t lane)
         view.pixels[i] = make_buffer(&base, VkDeviceSize(4) * base.width * base.height,
                                      VK_BUFFER_USAGE_TRANSFER_DST_BIT);
     }
-    check(dt_vk_exchange(view.rt, LIT_RESOURCE_GBUFFER_ALBEDO, others) &&
-              dt_vk_add_image_usage(view.rt, LIT_RESOURCE_IRRADIANCE,
-                                    VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &&
+    check(dt_vk_add_image_usage(view.rt, LIT_RESOURCE_IRRADIANCE,
+                                VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT) &&
               dt_vk_add_buffer_usage(view.rt, LIT_RESOURCE_LAMPS,
                                      VK_BUFFER_USAGE_VERTEX_BUFFER_BIT) &&
               dt_vk_resize(view.rt, base.width, base.height),
           "making a view's resources");
-    dt_vk_narrow(view.rt, &sync);
 }
 
 void check_pixels(Host &host, uint32_t frame)
@@ -284,6 +272,7 @@ void record_view(void *data, uint32_t lane)
     draw_marks(host, commands, view);
     check(dt_vk_record_passes(view.rt, commands, nullptr, nullptr, LIT_PASS_SHADE, LIT_PASSES),
           "the rest of a frame");
+    move_target(commands, view.gbuffer[ALBEDO].image, drawn, drawn, 0, others);
     copy_out(host, commands, view);
 }
 

@@ -137,15 +137,6 @@ static struct buffer make_scene(const struct renderer *renderer, const struct dt
 
 /* ---- Views ----------------------------------------------------------------------------------- */
 
-/* The renderer copies and reads on the CPU what it shares with pipelines; nothing else. */
-static const struct dt_vk_sync copies = {
-    .stages_before = VK_PIPELINE_STAGE_2_COPY_BIT,
-    .writes_before = VK_ACCESS_2_TRANSFER_WRITE_BIT,
-    .stages_after = VK_PIPELINE_STAGE_2_COPY_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
-    .accesses_after =
-        VK_ACCESS_2_TRANSFER_READ_BIT | VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_HOST_READ_BIT,
-};
-
 static void open_view(void *data, uint32_t lane)
 {
     struct host *host = data;
@@ -176,7 +167,6 @@ static void open_view(void *data, uint32_t lane)
               dt_vk_import_buffer(view->rt, pipeline->exposure, &exposure) &&
               dt_vk_resize(view->rt, renderer->width, renderer->height),
           "opening a pipeline");
-    dt_vk_narrow(view->rt, &copies);
 }
 
 /* Takes the exposure, which the pass before wrote, and gives it to the pass after. Both commands rely
