@@ -697,7 +697,7 @@ int verb_compare(struct console *console, const struct options *options)
         console->result = compare_json(&compare);
     console_status(console, "%s", "");
     if (compare.complete) {
-        compare_print(&compare);
+        good &= compare_print(&compare);
         golden_print(&compare);
         print_undefined(&compare);
         differ = golden_differs(&compare) || compare.undefined.count ||

@@ -84,7 +84,7 @@ bool golden_differs(const struct compare *compare);
 void golden_print(const struct compare *compare); /* on stdout */
 void golden_free(struct golden *golden);          /* takes a zeroed one */
 
-void compare_print(const struct compare *compare);         /* on stdout */
+bool compare_print(const struct compare *compare);         /* on stdout; false: told */
 struct cJSON *compare_json(const struct compare *compare); /* for --json */
 
 bool compare_write_pages(const struct compare *compare); /* --html and --junit; logs its errors */

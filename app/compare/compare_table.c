@@ -103,8 +103,9 @@ static void print_clues(const struct compare *compare, const struct pair *pair)
            compare->pipeline.spec);
 }
 
-static void print_pair(const struct compare *compare, const struct pair *pair)
+static bool print_pair(const struct compare *compare, const struct pair *pair)
 {
+    bool good = true;
     if (compare->pair_count > 1)
         printf("\n%s against %s\n", pair->sides[1]->label, pair->sides[0]->label);
     if (pair->sheet.on_equal_inputs)
@@ -113,19 +114,20 @@ static void print_pair(const struct compare *compare, const struct pair *pair)
     printf("\n");
     sheet_print(&pair->sheet);
     if (pair->sheet.runs)
-        measured_print(&pair->sheet);
+        good = measured_print(&pair->sheet, compare->console);
     measured_grown(&pair->sheet);
+    return good;
 }
 
-void compare_print(const struct compare *compare)
+bool compare_print(const struct compare *compare)
 {
-    bool several = compare->pair_count > 1;
+    bool several = compare->pair_count > 1, good = true;
     const struct pair *told = &compare->pairs[0]; /* the first that differs, or leaves NaN */
     for (uint32_t i = 0; i < compare->sides.count; i++)
         printf("%s: %s\n", compare->sides.list[i].label, compare->devices[i]);
     for (uint32_t i = 0; i < compare->pair_count; i++) {
         const struct pair *pair = &compare->pairs[i];
-        print_pair(compare, pair);
+        good &= print_pair(compare, pair);
         printf("\n");
         if (several)
             print_outcome(compare, pair);
@@ -152,4 +154,5 @@ void compare_print(const struct compare *compare)
     if (far)
         printf("too far from exact: pass %s (shader %s): resource %s on %s\n", far->broken->pass,
                far->broken->body, far->broken->name, far->sheet.labels[0]);
+    return good;
 }

@@ -6,7 +6,8 @@
 #include "result/sheet.h"
 
 /* Of rows with errors. */
-void measured_print(const struct sheet *sheet); /* on stdout */
+bool measured_print(const struct sheet *sheet,
+                    struct console *console); /* on stdout; false: told */
 struct cJSON *measured_json(const struct sheet *sheet);
 
 /* Fills the errors of a row from all pairs of runs of a side, and of both sides. `add` adds those of two runs, sides 0 or 1,

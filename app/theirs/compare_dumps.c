@@ -284,7 +284,7 @@ int compare_dumps(struct console *console, const struct options *options)
         differ |= !comparison.pairs[i].sheet.agree;
     }
     for (uint32_t i = 0; i < comparison.pair_count && good; i++)
-        dumps_print(&comparison.pairs[i]);
+        good = dumps_print(&comparison.pairs[i]);
     good = good && write_files(&comparison);
     release(&comparison);
     return !good ? EXIT_USAGE : differ ? EXIT_DIFFER : EXIT_FINE;

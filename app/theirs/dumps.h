@@ -48,4 +48,4 @@ void dumps_free(struct dumps *dumps); /* takes a zeroed one */
 
 /* Fills what the sheet tells when all is known. */
 void dumps_conclude(struct dumps *dumps);
-void dumps_print(const struct dumps *dumps); /* on stdout */
+bool dumps_print(const struct dumps *dumps); /* on stdout; false: told */

@@ -70,8 +70,9 @@ static void print_reasons(const struct match *match)
         why_print(match->row->why, match->sides[0]->resource);
 }
 
-void dumps_print(const struct dumps *dumps)
+bool dumps_print(const struct dumps *dumps)
 {
+    bool good = true;
     const struct sheet *sheet = &dumps->sheet;
     uint32_t both = dumps->sides[1]->count - sheet->alone;
     if (dumps->several)
@@ -81,7 +82,7 @@ void dumps_print(const struct dumps *dumps)
     printf("\n");
     sheet_print(sheet);
     if (sheet->runs)
-        measured_print(sheet);
+        good = measured_print(sheet, dumps->console);
     printf("\n");
     for (uint32_t i = 0; i < dumps->count; i++)
         print_reasons(&dumps->matches[i]);
@@ -90,4 +91,5 @@ void dumps_print(const struct dumps *dumps)
         printf("without a partner: %u in the first dump, %u in the second\n", dumps->count - both,
                sheet->alone);
     print_outcome(dumps);
+    return good;
 }

@@ -22,6 +22,7 @@ VERBS: dict[str, tuple[str, int]] = {
     "cost": ("cost", 2),
     "flicker": ("flicker", 1),
     "list": ("listing", 1),
+    "measured": ("measured", 2),  # for compare
     "metrics": ("metrics", 1),
     "replay": ("sandbox", 2),
     "report": ("report", 2),
