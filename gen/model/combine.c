@@ -59,47 +59,29 @@ static uint32_t plain_type(struct combining *c, uint32_t id)
         return id;
     if (spirv_is(type, SpvOpTypeSampledImage)) {
         uint32_t image = plain_type(c, type[2]);
-        return spirv_declare(&c->edit, SpvOpTypeSampledImage, 0, &image, 1);
+        return SPIRV_DECLARE(&c->edit, SpvOpTypeSampledImage, 0, image);
     }
-    return spirv_declare(&c->edit, SpvOpTypeImage, 0,
-                         (uint32_t[]){type[2], is_attachment(type) ? SpvDim2D : type[3], 0, type[5],
-                                      0, 1, SpvImageFormatUnknown},
-                         7);
+    return SPIRV_DECLARE(&c->edit, SpvOpTypeImage, 0, type[2],
+                         is_attachment(type) ? SpvDim2D : type[3], 0, type[5], 0, 1,
+                         SpvImageFormatUnknown);
 }
 
-/* Of numbers of this type, as many. */
-static uint32_t vector_of(struct combining *c, uint32_t opcode, uint32_t sign, uint32_t count)
+/* As many numbers. */
+static uint32_t vector_of(struct combining *c, char letter, uint32_t count)
 {
-    uint32_t words[] = {32, sign};
-    uint32_t scalar = spirv_declare(&c->edit, opcode, 0, words, opcode == SpvOpTypeInt ? 2 : 1);
-    return count < 2 ? scalar
-                     : spirv_declare(&c->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
+    return spirv_declare_vector(&c->edit, spirv_declare_scalar(&c->edit, letter), count);
 }
 
 /* gl_FragCoord, which is added to the inputs if the shader has it not. */
 static void add_frag_coord(struct combining *c)
 {
     struct spirv_edit *edit = &c->edit;
-    const struct spirv *from = c->from;
-    if (c->place || (c->place = spirv_builtin(from, SpvBuiltInFragCoord)))
+    if (c->place || (c->place = spirv_builtin(c->from, SpvBuiltInFragCoord)))
         return;
-    uint32_t type = vector_of(c, SpvOpTypeFloat, 0, 4);
-    uint32_t pointer =
-        spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassInput, type}, 2);
-    c->place = edit->bound++;
-    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, c->place, SpvStorageClassInput);
+    c->place = spirv_add_variable(edit, SpvStorageClassInput, vector_of(c, 'f', 4));
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, c->place, SpvDecorationBuiltIn,
               SpvBuiltInFragCoord);
-    edit->front.count = SPIRV_HEADER;
-    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations) {
-        size_t start = edit->front.count;
-        spirv_copy(edit, &edit->front, i);
-        if (!spirv_is(i, SpvOpEntryPoint) || i[1] != SpvExecutionModelFragment)
-            continue;
-        spirv_append(edit, &edit->front, &c->place, 1);
-        if (!edit->failed)
-            edit->front.data[start] += 1 << 16;
-    }
+    spirv_edit_list(edit, SpvExecutionModelFragment, &c->place, 1);
 }
 
 /* A fetch at coordinates relative to the fragment's. */
@@ -107,9 +89,8 @@ static void put_attachment(struct combining *c, const uint32_t *read)
 {
     struct spirv_edit *edit = &c->edit;
     struct spirv_words *to = &edit->code;
-    uint32_t ints = vector_of(c, SpvOpTypeInt, 1, 2), floats = vector_of(c, SpvOpTypeFloat, 0, 2);
-    uint32_t all = vector_of(c, SpvOpTypeFloat, 0, 4), none = 0;
-    uint32_t zero = spirv_declare(edit, SpvOpConstant, vector_of(c, SpvOpTypeInt, 1, 1), &none, 1);
+    uint32_t ints = vector_of(c, 'i', 2), floats = vector_of(c, 'f', 2), all = vector_of(c, 'f', 4);
+    uint32_t zero = SPIRV_DECLARE(edit, SpvOpConstant, vector_of(c, 'i', 1), 0);
     uint32_t place = SPIRV_VALUE(edit, to, SpvOpLoad, all, c->place);
     place = SPIRV_VALUE(edit, to, SpvOpVectorShuffle, floats, place, place, 0, 1);
     place = SPIRV_VALUE(edit, to, SpvOpConvertFToS, ints, place);
@@ -127,7 +108,7 @@ static bool put_special(struct combining *c, const uint32_t *i)
                  opcode == SpvOpImageQuerySize || number;
     if (!reads || !is_special(c, spirv_type(c->from, i[3])))
         return false;
-    number = spirv_declare(edit, SpvOpConstant, vector_of(c, SpvOpTypeInt, 1, 1), &number, 1);
+    number = SPIRV_DECLARE(edit, SpvOpConstant, vector_of(c, 'i', 1), number);
     if (is_attachment(spirv_type(c->from, i[3])) && opcode == SpvOpImageRead)
         put_attachment(c, i);
     else if (opcode == SpvOpImageFetch || opcode == SpvOpImageRead)
@@ -179,12 +160,8 @@ static void add_combined(struct combining *c, uint32_t texture, uint32_t sampler
         return;
     const uint32_t *declared = spirv_definition(c->from, type);
     uint32_t image = plain_type(c, spirv_is(declared, SpvOpTypeSampledImage) ? declared[2] : type);
-    type = spirv_declare(edit, SpvOpTypeSampledImage, 0, &image, 1);
-    uint32_t pointer = spirv_declare(edit, SpvOpTypePointer, 0,
-                                     (uint32_t[]){SpvStorageClassUniformConstant, type}, 2);
-    uint32_t variable = edit->bound++;
-    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, variable,
-              SpvStorageClassUniformConstant);
+    type = SPIRV_DECLARE(edit, SpvOpTypeSampledImage, 0, image);
+    uint32_t variable = spirv_add_variable(edit, SpvStorageClassUniformConstant, type);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, variable, SpvDecorationDescriptorSet, 0);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, variable, SpvDecorationBinding, c->count);
     c->pairs[c->count++] = (struct combined){texture, sampler, variable, type, image};
@@ -238,16 +215,15 @@ static void put_code(struct combining *c)
             : load && is_texture(c, i[2]) ? find_combined(c, i[3], 0)
                                           : NULL;
         bool whole = pair && load && spirv_is(spirv_type(from, i[2]), SpvOpTypeSampledImage);
-        size_t start = edit->code.count;
         if (pair && (sampled || whole)) {
             SPIRV_PUT(edit, &edit->code, SpvOpLoad, pair->type, i[2], pair->variable);
         } else if (pair) {
             uint32_t both = SPIRV_VALUE(edit, &edit->code, SpvOpLoad, pair->type, pair->variable);
             SPIRV_PUT(edit, &edit->code, SpvOpImage, pair->image, i[2], both);
+        } else if (spirv_is(i, SpvOpImage)) {
+            spirv_copy_with(edit, &edit->code, i, 1, plain_type(c, i[1]));
         } else if (!(load && loaded_from(from, i[2], SpvOpTypeSampler)) && !put_special(c, i)) {
             spirv_copy(edit, &edit->code, i);
-            if (spirv_is(i, SpvOpImage) && !edit->failed)
-                edit->code.data[start + 1] = plain_type(c, i[1]);
         }
     }
 }

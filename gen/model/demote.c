@@ -32,16 +32,11 @@ static void copy_front_without(struct spirv_edit *edit, uint32_t mark)
 {
     const struct spirv *from = edit->from;
     edit->front.count = SPIRV_HEADER;
-    SPIRV_EACH(from, i, SPIRV_HEADER, edit->failed ? 0 : from->annotations) {
-        size_t start = edit->front.count;
+    SPIRV_EACH(from, i, SPIRV_HEADER, edit->failed ? 0 : from->annotations)
         if (!is_demotion(i))
             spirv_copy(edit, &edit->front, i);
-        if (!spirv_is(i, SpvOpEntryPoint) || from->words[1] < 0x10400)
-            continue;
-        spirv_append(edit, &edit->front, &mark, 1);
-        if (!edit->failed)
-            edit->front.data[start] += 1 << 16;
-    }
+    if (from->words[1] >= 0x10400)
+        spirv_edit_list(edit, UINT32_MAX, &mark, 1);
 }
 
 static bool is_entry(const struct spirv *module, uint32_t function)
@@ -89,11 +84,8 @@ bool spirv_demote(struct spirv *module)
     if (!found || !spirv_can_demote(module))
         return true; /* bind.c refuses the module */
     spirv_edit_begin(&edit, module);
-    uint32_t truth = spirv_declare(&edit, SpvOpTypeBool, 0, NULL, 0);
-    uint32_t pointer =
-        spirv_declare(&edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassPrivate, truth}, 2);
-    uint32_t mark = edit.bound++;
-    SPIRV_PUT(&edit, &edit.declarations, SpvOpVariable, pointer, mark, SpvStorageClassPrivate);
+    uint32_t truth = spirv_declare_scalar(&edit, 'b');
+    uint32_t mark = spirv_add_variable(&edit, SpvStorageClassPrivate, truth);
     copy_front_without(&edit, mark);
     spirv_edit_annotations(&edit);
     put_marks(&edit, mark, truth);

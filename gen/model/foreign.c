@@ -285,12 +285,8 @@ static uint32_t put_place(struct spirv_edit *edit, uint32_t id, uint32_t width)
     uint32_t own = spirv_is(type, SpvOpTypeVector) ? type[3] : 1;
     if (!spirv_is(part, SpvOpTypeInt) || part[2] != 32 || own < width || (own == width && part[3]))
         return id;
-    uint32_t whole = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
-    uint32_t cut = part[1];
-    if (width > 1) {
-        whole = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){whole, width}, 2);
-        cut = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){cut, width}, 2);
-    }
+    uint32_t whole = spirv_declare_vector(edit, spirv_declare_scalar(edit, 'i'), width);
+    uint32_t cut = spirv_declare_vector(edit, part[1], width);
     if (own > width) {
         uint32_t words[] = {cut, edit->bound++, id, width > 1 ? id : 0, 0, 1, 2};
         spirv_put(edit, &edit->code, width > 1 ? SpvOpVectorShuffle : SpvOpCompositeExtract, words,
@@ -570,8 +566,7 @@ static void put_variables(struct spirv_edit *edit, const struct spirv_function *
     SPIRV_EACH(from, i, function->begin, function->end) {
         if (!is_phi(from, i))
             continue;
-        uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0,
-                                      (uint32_t[]){SpvStorageClassFunction, i[1]}, 2);
+        uint32_t type = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, SpvStorageClassFunction, i[1]);
         variables[i[2]] =
             SPIRV_VALUE(edit, &edit->code, SpvOpVariable, type, SpvStorageClassFunction);
     }

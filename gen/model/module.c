@@ -482,6 +482,25 @@ void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t 
     spirv_append(edit, to, instruction, spirv_length(instruction));
 }
 
+void spirv_copy_with(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction,
+                     uint32_t word, uint32_t value)
+{
+    size_t start = to->count;
+    spirv_copy(edit, to, instruction);
+    if (!edit->failed)
+        to->data[start + word] = value;
+}
+
+void spirv_copy_mapped(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction,
+                       const uint32_t *ids)
+{
+    size_t start = to->count;
+    spirv_copy(edit, to, instruction);
+    for (uint32_t word = 1; word < spirv_length(instruction) && !edit->failed; word++)
+        if (!spirv_is_literal(instruction, word) && ids[instruction[word]])
+            to->data[start + word] = ids[instruction[word]];
+}
+
 void spirv_put_discard(struct spirv_edit *edit, uint32_t condition)
 {
     struct spirv_words *code = &edit->code;
@@ -574,6 +593,22 @@ void spirv_edit_keep(struct spirv_edit *edit)
     spirv_append(edit, &edit->code, from->words + from->code, from->count - from->code);
 }
 
+void spirv_edit_list(struct spirv_edit *edit, uint32_t model, const uint32_t *ids, size_t count)
+{
+    struct spirv_words *front = &edit->front;
+    for (size_t at = SPIRV_HEADER; !edit->failed && at < front->count;
+         at += spirv_length(front->data + at)) {
+        const uint32_t *i = front->data + at;
+        size_t end = at + spirv_length(i), behind = front->count - end;
+        if (!spirv_is(i, SpvOpEntryPoint) || (model != UINT32_MAX && i[1] != model) || !count ||
+            !make_room(edit, front, count))
+            continue;
+        memmove(front->data + end + count, front->data + end, behind * sizeof *ids);
+        memcpy(front->data + end, ids, count * sizeof *ids);
+        front->data[at] += (uint32_t)count << 16;
+    }
+}
+
 void spirv_edit_interface(struct spirv_edit *edit, uint32_t (*keep)(const void *user, uint32_t id),
                           const void *user)
 {
@@ -638,6 +673,26 @@ uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,
     spirv_append(edit, &edit->declarations, instruction, length + 1);
     edit->declared++;
     return instruction[result];
+}
+
+uint32_t spirv_declare_scalar(struct spirv_edit *edit, char letter)
+{
+    if (letter == 'b')
+        return spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
+    return letter == 'f' ? SPIRV_DECLARE(edit, SpvOpTypeFloat, 0, 32)
+                         : SPIRV_DECLARE(edit, SpvOpTypeInt, 0, 32, letter == 'i');
+}
+
+uint32_t spirv_declare_vector(struct spirv_edit *edit, uint32_t scalar, uint32_t count)
+{
+    return count == 1 ? scalar : SPIRV_DECLARE(edit, SpvOpTypeVector, 0, scalar, count);
+}
+
+uint32_t spirv_add_variable(struct spirv_edit *edit, uint32_t class, uint32_t type)
+{
+    uint32_t pointer = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, class, type), id = edit->bound++;
+    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, id, class);
+    return id;
 }
 
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)

@@ -151,6 +151,8 @@ void spirv_edit_begin(struct spirv_edit *edit, const struct spirv *from);
 /* Copies annotations; the second code, too. */
 void spirv_edit_annotations(struct spirv_edit *edit);
 void spirv_edit_keep(struct spirv_edit *edit);
+/* The entry points of the edit's front list more variables. model: those of this execution model alone; UINT32_MAX: all. */
+void spirv_edit_list(struct spirv_edit *edit, uint32_t model, const uint32_t *ids, size_t count);
 /* Each variable that the entry points of the edit's front list becomes what `keep` gives for it; 0: it goes. */
 void spirv_edit_interface(struct spirv_edit *edit, uint32_t (*keep)(const void *user, uint32_t id),
                           const void *user);
@@ -161,6 +163,11 @@ bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module);
 void spirv_put(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,
                const uint32_t *operands, size_t count);
 void spirv_copy(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction);
+/* A copy with another value in one word; one in which each id becomes ids[id], where that is not 0. */
+void spirv_copy_with(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction,
+                     uint32_t word, uint32_t value);
+void spirv_copy_mapped(struct spirv_edit *edit, struct spirv_words *to, const uint32_t *instruction,
+                       const uint32_t *ids);
 #define SPIRV_PUT(edit, to, opcode, ...)                                                           \
     spirv_put(edit, to, opcode, (const uint32_t[]){__VA_ARGS__},                                   \
               sizeof((const uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t))
@@ -184,3 +191,11 @@ bool spirv_is_shared(uint32_t opcode);
  * module has none. Not for structs, whose decorations differ. */
 uint32_t spirv_declare(struct spirv_edit *edit, uint32_t opcode, uint32_t type,
                        const uint32_t *operands, size_t count);
+#define SPIRV_DECLARE(edit, opcode, type, ...)                                                     \
+    spirv_declare(edit, opcode, type, (const uint32_t[]){__VA_ARGS__},                             \
+                  sizeof((const uint32_t[]){__VA_ARGS__}) / sizeof(uint32_t))
+/* Types of 32 bits, 'f', 'i', 'u', and 'b'; a vector of them, for a count of 1 the scalar. */
+uint32_t spirv_declare_scalar(struct spirv_edit *edit, char letter);
+uint32_t spirv_declare_vector(struct spirv_edit *edit, uint32_t scalar, uint32_t count);
+/* A new variable of the module that holds the type. */
+uint32_t spirv_add_variable(struct spirv_edit *edit, uint32_t class, uint32_t type);

@@ -91,12 +91,9 @@ static uint32_t variable_of(struct splitting *s, const char *name, uint32_t type
     if (!more)
         return 0;
     s->textures = more;
-    uint32_t pointer = spirv_declare(edit, SpvOpTypePointer, 0,
-                                     (uint32_t[]){SpvStorageClassUniformConstant, type}, 2);
-    uint32_t id = more[s->count].id = edit->bound++;
+    uint32_t id = spirv_add_variable(edit, SpvStorageClassUniformConstant, type);
+    more[s->count].id = id;
     snprintf(more[s->count].name, NAME_SIZE, "%s", name);
-    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, id,
-              SpvStorageClassUniformConstant);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationDescriptorSet, 0);
     SPIRV_PUT(edit, &edit->annotations, SpvOpDecorate, id, SpvDecorationBinding,
               FIRST_BINDING + s->count);
@@ -129,13 +126,12 @@ static void put_split(struct splitting *s)
     const struct spirv *from = s->from;
     struct spirv_edit *edit = &s->edit;
     SPIRV_EACH(from, i, from->code, from->count) {
-        size_t start = edit->code.count;
         bool chain = spirv_is(i, SpvOpAccessChain) && split_variable(from, i);
         char name[NAME_SIZE];
         uint32_t type, around[2], words = chain ? lead(s, i, name, &type, around) : 0;
         if (words && around[0])
-            type = spirv_declare(edit, SpvOpTypeArray, 0,
-                                 (uint32_t[]){type, spirv_definition(from, around[0])[3]}, 2);
+            type =
+                SPIRV_DECLARE(edit, SpvOpTypeArray, 0, type, spirv_definition(from, around[0])[3]);
         uint32_t variable = words ? variable_of(s, name, type) : 0;
         if (variable && around[0]) {
             SPIRV_PUT(edit, &edit->code, SpvOpAccessChain, i[1], i[2], variable, around[1]);
@@ -151,10 +147,7 @@ static void put_split(struct splitting *s)
             spirv_append(edit, &edit->code, i + words, spirv_length(i) - words);
             continue;
         }
-        spirv_copy(edit, &edit->code, i);
-        for (uint32_t word = 1; word < spirv_length(i) && !edit->failed; word++)
-            if (!spirv_is_literal(i, word) && s->known[i[word]])
-                edit->code.data[start + word] = s->known[i[word]];
+        spirv_copy_mapped(edit, &edit->code, i, s->known);
     }
 }
 

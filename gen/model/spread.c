@@ -18,7 +18,7 @@ struct spreading {
     uint32_t count, elements[MOST_ELEMENTS];
     bool used, chooses;
     uint32_t numbers; /* array in the function that is written; 0: not yet */
-    uint32_t *known;  /* by id: 1 + element that the pointer is of, by a constant index */
+    uint32_t *known;  /* by id: the element that the pointer is of, by a constant index */
     uint32_t *chain;  /* by id: the pointer by another index that it is, or is read by */
 };
 
@@ -72,7 +72,7 @@ static bool follow_array(struct spreading *s)
         bool own = is_chain(s, i), fixed = own && constant_element(s, i) < s->count;
         s->used |= own;
         if (fixed && spirv_length(i) == 5)
-            s->known[result] = 1 + constant_element(s, i);
+            s->known[result] = s->elements[constant_element(s, i)];
         else if (own && !fixed && spirv_length(i) == 5)
             s->chain[result] = result, s->chooses = true;
         else if ((own && !fixed) || (chain && !is_handle(from, i) && !is_choice(from, i)))
@@ -89,8 +89,7 @@ static void declare_elements(struct spreading *s)
 {
     const struct spirv *from = s->from;
     uint32_t type = spirv_definition(from, spirv_pointee(from, s->array))[2];
-    uint32_t pointer =
-        spirv_declare(&s->edit, SpvOpTypePointer, 0, (uint32_t[]){s->array[3], type}, 2);
+    uint32_t pointer = SPIRV_DECLARE(&s->edit, SpvOpTypePointer, 0, s->array[3], type);
     for (uint32_t k = 0; k < s->count; k++) {
         char name[300];
         snprintf(name, sizeof name, "%s_%u", spirv_variable_name(from, s->array), k);
@@ -121,12 +120,9 @@ static void copy_sections(struct spreading *s)
             spirv_copy(&s->edit, to, i);
         for (uint32_t k = 0; spirv_is(i, SpvOpDecorate) && i[1] == s->array[2] && k < s->count;
              k++) {
-            size_t start = to->count;
-            spirv_copy(&s->edit, to, i);
-            if (!s->edit.failed)
-                to->data[start + 1] = s->elements[k];
+            spirv_copy_with(&s->edit, to, i, 1, s->elements[k]);
             if (!s->edit.failed && i[2] == SpvDecorationBinding)
-                to->data[start + 3] += k << 20; /* another resource than its neighbours */
+                to->data[to->count - 1] += k << 20; /* another resource than its neighbours */
         }
     }
 }
@@ -153,10 +149,10 @@ static uint32_t put_for(struct spreading *s, const uint32_t *i, uint32_t k)
 static void put_numbers(struct spreading *s)
 {
     struct spirv_edit *edit = &s->edit;
-    uint32_t type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
-    uint32_t length = spirv_declare(edit, SpvOpConstant, type, &s->count, 1);
-    type = spirv_declare(edit, SpvOpTypeArray, 0, (uint32_t[]){type, length}, 2);
-    type = spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassFunction, type}, 2);
+    uint32_t type = spirv_declare_scalar(edit, 'u');
+    uint32_t length = SPIRV_DECLARE(edit, SpvOpConstant, type, s->count);
+    type = SPIRV_DECLARE(edit, SpvOpTypeArray, 0, type, length);
+    type = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, SpvStorageClassFunction, type);
     s->numbers = SPIRV_VALUE(edit, &edit->code, SpvOpVariable, type, SpvStorageClassFunction);
     spirv_put_name(edit, s->numbers, spirv_variable_name(s->from, s->array));
 }
@@ -164,8 +160,8 @@ static void put_numbers(struct spreading *s)
 static void put_index(struct spreading *s, uint32_t index)
 {
     struct spirv_edit *edit = &s->edit;
-    uint32_t type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
-    type = spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassFunction, type}, 2);
+    uint32_t type = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, SpvStorageClassFunction,
+                                  spirv_declare_scalar(edit, 'u'));
     SPIRV_VALUE(edit, &edit->code, SpvOpAccessChain, type, s->numbers, index);
 }
 
@@ -176,14 +172,13 @@ static void put_choice(struct spreading *s, const uint32_t *i, uint32_t chain)
     uint32_t index = spirv_definition(s->from, chain)[4],
              index_type = spirv_definition(s->from, index)[1];
     put_index(s, index);
-    uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0), value = put_for(s, i, 0);
+    uint32_t truth = spirv_declare_scalar(edit, 'b'), value = put_for(s, i, 0);
     for (uint32_t k = 1; k < s->count; k++) {
         uint32_t other = put_for(s, i, k);
-        uint32_t number = spirv_declare(edit, SpvOpConstant, index_type, &k, 1);
+        uint32_t number = SPIRV_DECLARE(edit, SpvOpConstant, index_type, k);
         uint32_t is = SPIRV_VALUE(edit, &edit->code, SpvOpIEqual, truth, index, number);
         if (spirv_is(type, SpvOpTypeVector)) {
-            uint32_t many =
-                spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){truth, type[3]}, 2);
+            uint32_t many = spirv_declare_vector(edit, truth, type[3]);
             const uint32_t each[] = {is, is, is, is};
             is = spirv_put_value(edit, &edit->code, SpvOpCompositeConstruct, many, each, type[3]);
         }
@@ -198,7 +193,6 @@ static void put_code(struct spreading *s)
     struct spirv_edit *edit = &s->edit;
     SPIRV_EACH(from, i, from->code, from->count) {
         uint32_t result = spirv_result(i), chain = 0;
-        size_t start = edit->code.count;
         if (result && (s->chain[result] || s->known[result]))
             continue;
         for (uint32_t word = 1; word < spirv_length(i); word++)
@@ -214,14 +208,11 @@ static void put_code(struct spreading *s)
             spirv_append(edit, &edit->code, i + 5, spirv_length(i) - 5);
             continue;
         }
-        spirv_copy(edit, &edit->code, i);
+        spirv_copy_mapped(edit, &edit->code, i, s->known);
         if (spirv_is(i, SpvOpFunction))
             s->numbers = 0;
         else if (spirv_is(i, SpvOpLabel) && s->chooses && !s->numbers)
             put_numbers(s);
-        for (uint32_t word = 1; word < spirv_length(i) && !edit->failed; word++)
-            if (!spirv_is_literal(i, word) && s->known[i[word]])
-                edit->code.data[start + word] = s->elements[s->known[i[word]] - 1];
     }
 }
 
@@ -250,12 +241,13 @@ static bool spread_one(struct spirv *module, const uint32_t *variable, bool *don
                           .known = calloc(bound, sizeof *s.known),
                           .chain = calloc(bound, sizeof *s.chain)};
     bool good = s.known && s.chain;
+    for (uint32_t k = 0; k < MOST_ELEMENTS; k++)
+        s.elements[k] = bound + k;
     *done = good && s.count <= MOST_ELEMENTS && follow_array(&s);
     if (*done) {
         spirv_edit_begin(&s.edit, module);
         s.edit.front.count = SPIRV_HEADER;
-        for (uint32_t k = 0; k < s.count; k++)
-            s.elements[k] = s.edit.bound++;
+        s.edit.bound += s.count;
         copy_sections(&s);
         declare_elements(&s);
         put_code(&s);

@@ -31,30 +31,12 @@ static uint32_t texel_channels(const struct spirv *from, const uint32_t *variabl
     return !*format ? 4 : strncmp(format + letters, "32", 2) ? 0 : letters;
 }
 
-/* A type of so many numbers. */
-static uint32_t texel_type(struct texel_buffers *t, uint32_t scalar, uint32_t channels)
-{
-    return channels == 1
-               ? scalar
-               : spirv_declare(&t->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, channels}, 2);
-}
-
-static uint32_t pointer_type(struct texel_buffers *t, uint32_t class, uint32_t type)
-{
-    return spirv_declare(&t->edit, SpvOpTypePointer, 0, (uint32_t[]){class, type}, 2);
-}
-
 /* What is said of the old variable is said of the new one. */
 static void copy_decorations(struct texel_buffers *t, uint32_t from, uint32_t to)
 {
-    SPIRV_EACH(t->from, i, t->from->annotations, t->edit.failed ? 0 : t->from->declarations) {
-        if (!spirv_is(i, SpvOpDecorate) || i[1] != from)
-            continue;
-        size_t start = t->edit.annotations.count;
-        spirv_copy(&t->edit, &t->edit.annotations, i);
-        if (!t->edit.failed)
-            t->edit.annotations.data[start + 1] = to;
-    }
+    SPIRV_EACH(t->from, i, t->from->annotations, t->edit.failed ? 0 : t->from->declarations)
+        if (spirv_is(i, SpvOpDecorate) && i[1] == from)
+            spirv_copy_with(&t->edit, &t->edit.annotations, i, 1, to);
 }
 
 static void add_buffer_of(struct texel_buffers *t, const uint32_t *variable)
@@ -64,7 +46,7 @@ static void add_buffer_of(struct texel_buffers *t, const uint32_t *variable)
     struct texel_buffer *own = &t->list[t->count];
     own->channels = texel_channels(t->from, variable, &own->scalar);
     own->class = late ? SpvStorageClassStorageBuffer : SpvStorageClassUniform;
-    own->element = texel_type(t, own->scalar, own->channels);
+    own->element = spirv_declare_vector(edit, own->scalar, own->channels);
     uint32_t array = edit->bound++, block = edit->bound++;
     SPIRV_PUT(edit, &edit->declarations, SpvOpTypeRuntimeArray, array, own->element);
     SPIRV_PUT(edit, &edit->declarations, SpvOpTypeStruct, block, array);
@@ -77,9 +59,7 @@ static void add_buffer_of(struct texel_buffers *t, const uint32_t *variable)
     if (spirv_is(type, SpvOpTypeSampledImage) || type[7] == 1)
         SPIRV_PUT(edit, &edit->annotations, SpvOpMemberDecorate, block, 0,
                   SpvDecorationNonWritable);
-    uint32_t pointer = pointer_type(t, own->class, block);
-    own->variable = edit->bound++;
-    SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, pointer, own->variable, own->class);
+    own->variable = spirv_add_variable(edit, own->class, block);
     copy_decorations(t, variable[2], own->variable);
     spirv_put_name(edit, own->variable, spirv_variable_name(t->from, variable));
     t->known[variable[2]] = ++t->count;
@@ -91,12 +71,11 @@ static void put_wide(struct texel_buffers *t, const struct texel_buffer *own, ui
 {
     struct spirv_edit *edit = &t->edit;
     bool real = spirv_is(spirv_definition(t->from, own->scalar), SpvOpTypeFloat);
-    uint32_t type = texel_type(t, own->scalar, wants), one = real ? 0x3f800000 : 1, zero = 0;
+    uint32_t type = spirv_declare_vector(edit, own->scalar, wants), one = real ? 0x3f800000 : 1;
     uint32_t words[7] = {type, result, value, value, 0, 1, 2}, count = 3;
     if (has < wants) {
         for (uint32_t k = has; k < wants; k++)
-            words[count++] =
-                spirv_declare(edit, SpvOpConstant, own->scalar, k == 3 ? &one : &zero, 1);
+            words[count++] = SPIRV_DECLARE(edit, SpvOpConstant, own->scalar, k == 3 ? one : 0);
         spirv_put(edit, &edit->code, SpvOpCompositeConstruct, words, count);
     } else if (wants == 1 && has > 1) {
         SPIRV_PUT(edit, &edit->code, SpvOpCompositeExtract, type, result, value, 0);
@@ -111,9 +90,9 @@ static uint32_t put_texel_place(struct texel_buffers *t, const struct texel_buff
                                 uint32_t result, uint32_t index)
 {
     struct spirv_edit *edit = &t->edit;
-    uint32_t whole = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2), zero = 0;
-    SPIRV_PUT(edit, &edit->code, SpvOpAccessChain, pointer_type(t, own->class, own->element),
-              result, own->variable, spirv_declare(edit, SpvOpConstant, whole, &zero, 1), index);
+    uint32_t zero = SPIRV_DECLARE(edit, SpvOpConstant, spirv_declare_scalar(edit, 'i'), 0);
+    uint32_t type = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, own->class, own->element);
+    SPIRV_PUT(edit, &edit->code, SpvOpAccessChain, type, result, own->variable, zero, index);
     return result;
 }
 
@@ -143,8 +122,8 @@ static void put_use(struct texel_buffers *t, const struct texel_buffer *own, con
         put_texel_place(t, own, i[2], i[4]);
         break;
     case SpvOpImageQuerySize:
-        value = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
-        value = SPIRV_VALUE(edit, &edit->code, SpvOpArrayLength, value, own->variable, 0);
+        value = SPIRV_VALUE(edit, &edit->code, SpvOpArrayLength, spirv_declare_scalar(edit, 'u'),
+                            own->variable, 0);
         SPIRV_PUT(edit, &edit->code, SpvOpBitcast, i[1], i[2], value);
         break;
     default: /* a value that is the buffer */

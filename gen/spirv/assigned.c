@@ -222,9 +222,8 @@ static uint32_t flag_of(struct sanitizer *s, const uint32_t *variable)
     struct spirv_edit *edit = &s->edit;
     struct assigned *of = &s->ids[variable[2]];
     uint32_t count = of->flag ? 0 : flags_of(s, variable);
-    uint32_t number = spirv_declare(edit, SpvOpTypeFloat, 0, (uint32_t[]){32}, 1);
-    uint32_t four = sanitizer_vector(s, number, 4);
-    uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){variable[3], four}, 2);
+    uint32_t four = spirv_declare_vector(edit, spirv_declare_scalar(edit, 'f'), 4);
+    uint32_t type = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, variable[3], four);
     of->flag = of->flag ? of->flag : edit->bound;
     for (uint32_t k = 0; k < count; k++) {
         uint32_t id = edit->bound++;
@@ -243,11 +242,11 @@ static void put_handed_on(struct sanitizer *s, const uint32_t *variable)
 {
     bool input = variable[3] == SpvStorageClassInput;
     uint32_t flag = flag_of(s, variable), own = bits_of(s, variable[2]), bits = 0;
-    uint32_t number = spirv_declare(&s->edit, SpvOpTypeFloat, 0, (uint32_t[]){32}, 1);
+    uint32_t type = spirv_declare_vector(&s->edit, spirv_declare_scalar(&s->edit, 'f'), 4);
     for (uint32_t k = 0; k < flags_of(s, variable); k++) {
         uint32_t by = sanitizer_number(s, 4 * k);
         if (input) {
-            uint32_t value = PUT_VALUE(s, SpvOpLoad, sanitizer_vector(s, number, 4), flag + k);
+            uint32_t value = PUT_VALUE(s, SpvOpLoad, type, flag + k);
             uint32_t four = sanitizer_call(s, "diptych_taken(vf4;", &(struct values){{value}, 1});
             four = sanitizer_two(s, SpvOpShiftLeftLogical, four, by);
             bits = bits ? sanitizer_two(s, SpvOpBitwiseOr, bits, four) : four;

@@ -96,14 +96,13 @@ static void mark_type(struct binder *binder, uint32_t type, unsigned char mark)
 
 static uint32_t pointer_to(struct binder *binder, uint32_t type)
 {
-    return spirv_declare(&binder->edit, SpvOpTypePointer, 0,
-                         (uint32_t[]){SpvStorageClassPrivate, type}, 2);
+    return SPIRV_DECLARE(&binder->edit, SpvOpTypePointer, 0, SpvStorageClassPrivate, type);
 }
 
 static uint32_t put_place(struct binder *binder, uint32_t pointer, uint32_t index, uint32_t type)
 {
-    uint32_t int_type = spirv_declare(&binder->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
-    uint32_t constant = spirv_declare(&binder->edit, SpvOpConstant, int_type, &index, 1);
+    uint32_t int_type = spirv_declare_scalar(&binder->edit, 'i');
+    uint32_t constant = SPIRV_DECLARE(&binder->edit, SpvOpConstant, int_type, index);
     return VALUE(binder, SpvOpAccessChain, pointer_to(binder, type), pointer, constant);
 }
 
@@ -152,8 +151,8 @@ static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint3
     bool vectors = parts && spirv_is(from, SpvOpTypeVector) && parts == from[3];
     uint32_t scalar = vectors ? to[2] : type;
     if (spirv_is(from, SpvOpTypeBool) && spirv_is(to, SpvOpTypeInt)) {
-        uint32_t one = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
-        uint32_t zero = spirv_declare(&binder->edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
+        uint32_t one = SPIRV_DECLARE(&binder->edit, SpvOpConstant, type, 1);
+        uint32_t zero = SPIRV_DECLARE(&binder->edit, SpvOpConstant, type, 0);
         value = VALUE(binder, SpvOpSelect, type, value, one, zero);
     } else if ((vectors || !parts) && spirv_is(spirv_scalar(module, to), SpvOpTypeBool) &&
                spirv_is(spirv_scalar(module, from), SpvOpTypeInt)) {
@@ -203,11 +202,9 @@ static bool put_value(void *user, const struct spirv_leaf *leaf)
 static bool move_variable(struct binder *binder, const uint32_t *variable)
 {
     const struct spirv *module = binder->module;
-    uint32_t id = variable[2];
-    binder->now = binder->moved[id] = binder->edit.bound++;
-    SPIRV_PUT(&binder->edit, &binder->edit.declarations, SpvOpVariable,
-              pointer_to(binder, spirv_pointee(module, variable)), binder->now,
-              SpvStorageClassPrivate);
+    binder->now =
+        spirv_add_variable(&binder->edit, SpvStorageClassPrivate, spirv_pointee(module, variable));
+    binder->moved[variable[2]] = binder->now;
     spirv_put_name(&binder->edit, binder->now, spirv_variable_name(module, variable));
     return spirv_each_leaf(module, variable, binder->live, put_value, binder);
 }
@@ -364,10 +361,7 @@ static void copy_code(struct binder *binder)
         }
         bool points = spirv_is(i, SpvOpAccessChain) || spirv_is(i, SpvOpInBoundsAccessChain) ||
                       spirv_is(i, SpvOpCopyObject);
-        spirv_copy(edit, &edit->code, i);
-        for (uint32_t word = 1; word < spirv_length(i) && !edit->failed; word++)
-            if (!spirv_is_literal(i, word) && binder->moved[i[word]])
-                edit->code.data[start + word] = binder->moved[i[word]];
+        spirv_copy_mapped(edit, &edit->code, i, binder->moved);
         if (!points || !binder->moved[i[3]])
             continue;
         binder->moved[i[2]] = i[2];

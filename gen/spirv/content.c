@@ -62,7 +62,7 @@ static uint32_t make_shape(struct sanitizer *s, const uint32_t *type)
     case SpvOpTypeFloat:
         return sanitizer_uint(s);
     case SpvOpTypeVector:
-        return sanitizer_vector(s, sanitizer_uint(s), type[3]);
+        return spirv_declare_vector(&s->edit, sanitizer_uint(s), type[3]);
     case SpvOpTypeMatrix:
     case SpvOpTypeArray:
         parts[0] = content_shape(s, type[2]);
@@ -95,8 +95,7 @@ static uint32_t put_null(struct sanitizer *s, uint32_t type)
 
 static uint32_t pointer_type(struct sanitizer *s, uint32_t shape)
 {
-    return spirv_declare(&s->edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassPrivate, shape},
-                         2);
+    return SPIRV_DECLARE(&s->edit, SpvOpTypePointer, 0, SpvStorageClassPrivate, shape);
 }
 
 /* What a pointer leads to; else the type itself. */

@@ -35,11 +35,10 @@ static void put_sample_mask(struct spirv_edit *edit, const uint32_t *mask)
 {
     struct spirv_words *code = &edit->code;
     uint32_t type = spirv_definition(edit->from, spirv_pointee(edit->from, mask))[2];
-    uint32_t zero = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
-    uint32_t one = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){1}, 1);
-    uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
-    uint32_t pointer =
-        spirv_declare(edit, SpvOpTypePointer, 0, (uint32_t[]){SpvStorageClassOutput, type}, 2);
+    uint32_t zero = SPIRV_DECLARE(edit, SpvOpConstant, type, 0);
+    uint32_t one = SPIRV_DECLARE(edit, SpvOpConstant, type, 1);
+    uint32_t truth = spirv_declare_scalar(edit, 'b');
+    uint32_t pointer = SPIRV_DECLARE(edit, SpvOpTypePointer, 0, SpvStorageClassOutput, type);
     uint32_t first = SPIRV_VALUE(edit, code, SpvOpAccessChain, pointer, mask[2], zero);
     uint32_t bits = SPIRV_VALUE(edit, code, SpvOpLoad, type, first);
     uint32_t bit = SPIRV_VALUE(edit, code, SpvOpBitwiseAnd, type, bits, one);

@@ -6,12 +6,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "link.h"
 #include "passes.h"
 
 struct joining {
     const struct spirv *own, *more;
     struct spirv_edit edit;
-    uint32_t *ids; /* by id of `more`: its id in the result; 0: none yet */
+    struct spirv_link link;
 };
 
 /* ---- Ids ------------------------------------------------------------------------------------- */
@@ -49,47 +50,13 @@ static void share_built_ins(struct joining *j)
         const uint32_t *own = built_in ? find_built_in(j->own, built_in, i[3]) : NULL;
         if (!own)
             continue;
-        j->ids[i[2]] = own[2];
+        j->link.ids[i[2]] = own[2];
         if (spirv_is(spirv_definition(more, spirv_definition(more, i[1])[3]), SpvOpTypeStruct))
-            j->ids[spirv_definition(more, i[1])[3]] = spirv_definition(j->own, own[1])[3];
+            j->link.ids[spirv_definition(more, i[1])[3]] = spirv_definition(j->own, own[1])[3];
     }
-}
-
-static uint32_t map(struct joining *j, uint32_t id)
-{
-    if (!j->ids[id])
-        j->ids[id] = j->edit.bound++;
-    return j->ids[id];
-}
-
-static void copy_mapped(struct joining *j, struct spirv_words *to, const uint32_t *i)
-{
-    size_t start = to->count;
-    spirv_copy(&j->edit, to, i);
-    for (uint32_t word = 1; word < spirv_length(i) && !j->edit.failed; word++)
-        if (!spirv_is_literal(i, word))
-            to->data[start + word] = map(j, i[word]);
 }
 
 /* ---- Sections -------------------------------------------------------------------------------- */
-
-/* Types and constants that the shader has, too, become its own. */
-static void add_declaration(struct joining *j, const uint32_t *i)
-{
-    enum { MOST_OPERANDS = 60 };
-    uint32_t operands[MOST_OPERANDS], count = 0, result = spirv_result_word(i);
-    uint32_t opcode = spirv_opcode(i);
-    if (!result || j->ids[i[result]])
-        return;
-    if (!spirv_is_shared(opcode) || spirv_length(i) > MOST_OPERANDS) {
-        copy_mapped(j, &j->edit.declarations, i);
-        return;
-    }
-    for (uint32_t word = result + 1; word < spirv_length(i); word++)
-        operands[count++] = spirv_is_literal(i, word) ? i[word] : map(j, i[word]);
-    j->ids[i[result]] =
-        spirv_declare(&j->edit, opcode, result == 2 ? map(j, i[1]) : 0, operands, count);
-}
 
 static int rank(const uint32_t *i)
 {
@@ -135,19 +102,13 @@ static const uint32_t *find_same(const struct spirv *own, const uint32_t *i)
 /* The shader's entry point lists the other module's variables, too. */
 static void add_interface(struct joining *j)
 {
-    struct spirv_words *front = &j->edit.front;
     const uint32_t *more = spirv_entry_point(j->more), *own = spirv_entry_point(j->own);
-    size_t start = front->count - spirv_length(own);
     for (uint32_t word = spirv_entry_variables(more); word < spirv_length(more); word++) {
-        uint32_t id = map(j, more[word]);
+        uint32_t id = spirv_link_id(&j->link, more[word]);
         bool there = false;
         for (uint32_t k = spirv_entry_variables(own); k < spirv_length(own); k++)
             there |= own[k] == id;
-        if (there)
-            continue;
-        spirv_append(&j->edit, front, &id, 1);
-        if (!j->edit.failed)
-            front->data[start] += 1 << 16;
+        spirv_edit_list(&j->edit, UINT32_MAX, &id, !there);
     }
 }
 
@@ -164,23 +125,20 @@ static void join_front(struct joining *j)
     front->count = SPIRV_HEADER;
     for (int section = 0; section <= 8; section++) {
         SPIRV_EACH(own, i, SPIRV_HEADER, own->annotations)
-            if (rank(i) == section && !is_reserved(i)) {
+            if (rank(i) == section && !is_reserved(i))
                 spirv_copy(&j->edit, front, i);
-                if (section == 4)
-                    add_interface(j);
-            }
         SPIRV_EACH(more, i, SPIRV_HEADER, more->annotations) {
             if (rank(i) != section)
                 continue;
             const uint32_t *same = section < 3 ? find_same(own, i) : NULL;
             if (same) {
-                if (same && spirv_is(i, SpvOpExtInstImport))
-                    j->ids[i[1]] = same[1];
+                if (spirv_is(i, SpvOpExtInstImport))
+                    j->link.ids[i[1]] = same[1];
             } else if (section < 2) { /* no ids */
                 spirv_copy(&j->edit, front, i);
             } else if (section == 2 || spirv_is(i, SpvOpString) ||
                        (section == 7 && more->definitions[i[1]] && i[1] != spirv_entry(more))) {
-                copy_mapped(j, front, i);
+                spirv_link_copy(&j->link, front, i);
             }
         }
     }
@@ -193,23 +151,24 @@ static void join_annotations(struct joining *j)
     SPIRV_EACH(more, i, more->annotations, more->declarations) {
         bool size = spirv_is(i, SpvOpDecorate) && i[2] == SpvDecorationBuiltIn &&
                     i[3] == SpvBuiltInWorkgroupSize; /* a constant; the shader has its own */
-        if (!size && map(j, i[1]) >= own->words[3])
-            copy_mapped(j, &j->edit.annotations, i);
+        if (!size && spirv_link_id(&j->link, i[1]) >= own->words[3])
+            spirv_link_copy(&j->link, &j->edit.annotations, i);
     }
 }
 
 /* A load; of a built-in that the shader declares with the other sign, as HLSL does, converted. */
 static void join_load(struct joining *j, const uint32_t *load)
 {
-    uint32_t variable = map(j, load[3]), type = map(j, load[1]), own = type;
+    uint32_t variable = spirv_link_id(&j->link, load[3]), type = spirv_link_id(&j->link, load[1]),
+             own = type;
     if (variable < j->own->words[3] && spirv_is(spirv_definition(j->own, variable), SpvOpVariable))
         own = spirv_definition(j->own, spirv_definition(j->own, variable)[1])[3];
     if (own == type) {
-        copy_mapped(j, &j->edit.code, load);
+        spirv_link_copy(&j->link, &j->edit.code, load);
         return;
     }
     uint32_t value = SPIRV_VALUE(&j->edit, &j->edit.code, SpvOpLoad, own, variable);
-    SPIRV_PUT(&j->edit, &j->edit.code, SpvOpBitcast, type, map(j, load[2]), value);
+    SPIRV_PUT(&j->edit, &j->edit.code, SpvOpBitcast, type, spirv_link_id(&j->link, load[2]), value);
 }
 
 static void join_code(struct joining *j)
@@ -220,25 +179,29 @@ static void join_code(struct joining *j)
         if (spirv_is(i, SpvOpLoad))
             join_load(j, i);
         else
-            copy_mapped(j, &j->edit.code, i);
-    spirv_put_name(&j->edit, map(j, spirv_entry(more)), "diptych_globals(");
+            spirv_link_copy(&j->link, &j->edit.code, i);
+    spirv_put_name(&j->edit, spirv_link_id(&j->link, spirv_entry(more)), "diptych_globals(");
 }
 
 bool spirv_join(struct spirv *module, const struct spirv *more)
 {
-    struct joining j = {.own = module, .more = more, .ids = calloc(more->words[3], sizeof *j.ids)};
+    struct joining j = {.own = module, .more = more};
+    j.link = (struct spirv_link){
+        .edit = &j.edit, .more = more, .ids = calloc(more->words[3], sizeof *j.link.ids)};
     spirv_edit_begin(&j.edit, module);
-    j.edit.failed |= !j.ids;
+    j.edit.failed |= !j.link.ids;
     if (!j.edit.failed) {
         share_built_ins(&j);
         SPIRV_EACH(more, i, more->declarations, more->code)
-            add_declaration(&j, i);
+            if (spirv_result(i))
+                spirv_link_id(&j.link, spirv_result(i));
         join_annotations(&j);
         join_front(&j);
+        add_interface(&j);
         join_code(&j);
         if (!j.edit.failed && more->words[1] > module->words[1])
             j.edit.front.data[1] = more->words[1];
     }
-    free(j.ids);
+    free(j.link.ids);
     return spirv_edit_end(&j.edit, module);
 }

@@ -56,7 +56,7 @@ uint32_t spirv_library_hash(void)
 
 bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit)
 {
-    *link = (struct spirv_link){.edit = edit};
+    *link = (struct spirv_link){.edit = edit, .more = &library.module};
     if (!spirv_library_start())
         return false;
     link->ids = calloc(library.module.words[3], sizeof *link->ids);
@@ -64,19 +64,23 @@ bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit)
     return link->ids && link->wanted;
 }
 
-static uint32_t map_id(struct spirv_link *link, uint32_t id);
-
-/* A type or constant of the library in the module. */
-static uint32_t map_declaration(struct spirv_link *link, const uint32_t *declaration)
+/* A type, constant or variable. */
+static uint32_t link_declaration(struct spirv_link *link, const uint32_t *declaration)
 {
     enum { MOST_OPERANDS = 60 };
     uint32_t operands[MOST_OPERANDS], count = 0, result = spirv_result_word(declaration);
-    uint32_t type = result == 2 ? map_id(link, declaration[1]) : 0;
-    for (uint32_t word = result + 1; word < spirv_length(declaration) && count < MOST_OPERANDS;
-         word++)
-        operands[count++] = spirv_is_literal(declaration, word) ? declaration[word]
-                                                                : map_id(link, declaration[word]);
-    return spirv_declare(link->edit, spirv_opcode(declaration), type, operands, count);
+    uint32_t opcode = spirv_opcode(declaration);
+    if (!spirv_is_shared(opcode) || spirv_length(declaration) > MOST_OPERANDS) {
+        link->ids[declaration[result]] = link->edit->bound++;
+        spirv_link_copy(link, &link->edit->declarations, declaration);
+        return link->ids[declaration[result]];
+    }
+    uint32_t type = result == 2 ? spirv_link_id(link, declaration[1]) : 0;
+    for (uint32_t word = result + 1; word < spirv_length(declaration); word++)
+        operands[count++] = spirv_is_literal(declaration, word)
+                                ? declaration[word]
+                                : spirv_link_id(link, declaration[word]);
+    return spirv_declare(link->edit, opcode, type, operands, count);
 }
 
 static uint32_t want(struct spirv_link *link, uint32_t index)
@@ -92,23 +96,27 @@ static uint32_t want(struct spirv_link *link, uint32_t index)
     return link->ids[id] = link->edit->bound++;
 }
 
-/* The id in the module of an id of the library. */
-static uint32_t map_id(struct spirv_link *link, uint32_t id)
+uint32_t spirv_link_id(struct spirv_link *link, uint32_t id)
 {
-    const struct spirv *from = &library.module;
-    uint32_t *mapped = &link->ids[id];
-    size_t at = from->definitions[id];
-    if (*mapped)
-        return *mapped;
-    if (spirv_is(from->words + at, SpvOpExtInstImport))
-        *mapped = spirv_glsl(link->edit->from);
-    else if (spirv_is(from->words + at, SpvOpFunction))
-        want(link, (uint32_t)(spirv_function_of(from, id) - from->functions));
-    else if (at < from->code)
-        *mapped = map_declaration(link, from->words + at);
-    else
-        *mapped = link->edit->bound++;
-    return *mapped;
+    const struct spirv *more = link->more;
+    size_t at = more->definitions[id];
+    const uint32_t *i = more->words + at;
+    if (link->ids[id])
+        return link->ids[id];
+    if (link->wanted && spirv_is(i, SpvOpFunction))
+        return want(link, (uint32_t)(spirv_function_of(more, id) - more->functions));
+    return link->ids[id] = link->wanted && spirv_is(i, SpvOpExtInstImport)
+                               ? spirv_glsl(link->edit->from)
+                           : at >= more->declarations && at < more->code ? link_declaration(link, i)
+                                                                         : link->edit->bound++;
+}
+
+void spirv_link_copy(struct spirv_link *link, struct spirv_words *to, const uint32_t *instruction)
+{
+    for (uint32_t word = 1; word < spirv_length(instruction); word++)
+        if (!spirv_is_literal(instruction, word))
+            spirv_link_id(link, instruction[word]);
+    spirv_copy_mapped(link->edit, to, instruction, link->ids);
 }
 
 uint32_t spirv_link_function(struct spirv_link *link, const char *name)
@@ -127,15 +135,9 @@ static void copy_function(struct spirv_link *link, const struct spirv_function *
     struct spirv_edit *edit = link->edit;
     const char *name = spirv_name(&library.module, function->id);
     spirv_put_name(edit, link->ids[function->id], name ? name : "exact");
-    SPIRV_EACH(&library.module, instruction, function->begin, function->end) {
-        size_t start = edit->code.count;
-        if (spirv_is(instruction, SpvOpLine) || spirv_is(instruction, SpvOpNoLine))
-            continue;
-        spirv_copy(edit, &edit->code, instruction);
-        for (uint32_t word = 1; word < spirv_length(instruction) && !edit->failed; word++)
-            if (!spirv_is_literal(instruction, word))
-                edit->code.data[start + word] = map_id(link, instruction[word]);
-    }
+    SPIRV_EACH(&library.module, instruction, function->begin, function->end)
+        if (!spirv_is(instruction, SpvOpLine) && !spirv_is(instruction, SpvOpNoLine))
+            spirv_link_copy(link, &edit->code, instruction);
 }
 
 /* Marks the arithmetic of the library's code, from `begin` on; its min and max are NMin and NMax. */

@@ -131,9 +131,8 @@ static uint32_t put_unknown(struct wrap *wrap, uint32_t *type)
     uint32_t path[MOST_PATH] = {chain[3]}, count = spirv_length(chain) - 3;
     for (uint32_t i = 1; i < count; i++) {
         const uint32_t *index = spirv_definition(wrap->from, chain[3 + i]);
-        path[i] = spirv_is(index, SpvOpConstant)
-                      ? chain[3 + i]
-                      : spirv_declare(edit, SpvOpConstant, index[1], (uint32_t[]){0}, 1);
+        path[i] = spirv_is(index, SpvOpConstant) ? chain[3 + i]
+                                                 : SPIRV_DECLARE(edit, SpvOpConstant, index[1], 0);
     }
     *type = spirv_definition(wrap->from, chain[1])[3];
     uint32_t from = spirv_put_value(edit, &edit->code, SpvOpAccessChain, chain[1], path, count);
@@ -144,12 +143,12 @@ static void end_loop(struct wrap *wrap)
 {
     struct spirv_edit *edit = &wrap->edit;
     uint32_t type;
-    uint32_t truth = spirv_declare(edit, SpvOpTypeBool, 0, NULL, 0);
+    uint32_t truth = spirv_declare_scalar(edit, 'b');
     SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->end);
     SPIRV_PUT(edit, &edit->code, SpvOpBranch, wrap->again);
     SPIRV_PUT(edit, &edit->code, SpvOpLabel, wrap->again);
     uint32_t number = put_unknown(wrap, &type);
-    uint32_t none = spirv_declare(edit, SpvOpConstant, type, (uint32_t[]){0}, 1);
+    uint32_t none = SPIRV_DECLARE(edit, SpvOpConstant, type, 0);
     uint32_t turns = SPIRV_VALUE(edit, &edit->code, SpvOpINotEqual, truth, number, none);
     SPIRV_PUT(edit, &edit->code, SpvOpBranchConditional, turns, wrap->outer, wrap->merge);
     wrap->outer = 0;

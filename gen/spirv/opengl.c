@@ -29,13 +29,13 @@ static void copy_decorations(struct spirv_edit *edit)
         if (decorates && (i[2] == SpvDecorationDescriptorSet ||
                           (i[2] == SpvDecorationBlock && is_block_of_array(from, i[1]))))
             continue;
-        size_t start = edit->annotations.count;
-        spirv_copy(edit, &edit->annotations, i);
-        uint32_t *copy = edit->failed ? NULL : edit->annotations.data + start;
-        if (copy && decorates && i[2] == SpvDecorationBuiltIn)
-            copy[3] = i[3] == SpvBuiltInVertexIndex     ? SpvBuiltInVertexId
-                      : i[3] == SpvBuiltInInstanceIndex ? SpvBuiltInInstanceId
-                                                        : i[3];
+        bool built_in = decorates && i[2] == SpvDecorationBuiltIn;
+        if (built_in && i[3] == SpvBuiltInVertexIndex)
+            spirv_copy_with(edit, &edit->annotations, i, 3, SpvBuiltInVertexId);
+        else if (built_in && i[3] == SpvBuiltInInstanceIndex)
+            spirv_copy_with(edit, &edit->annotations, i, 3, SpvBuiltInInstanceId);
+        else
+            spirv_copy(edit, &edit->annotations, i);
     }
 }
 
@@ -53,17 +53,12 @@ static void copy_front(struct spirv_edit *edit, uint32_t base)
             memcpy(name, extension, sizeof extension);
             spirv_put(edit, &edit->front, SpvOpExtension, name, sizeof extension / 4 + 1);
         }
-        size_t start = edit->front.count;
-        spirv_copy(edit, &edit->front, i);
-        if (edit->failed)
-            return;
         if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeOriginUpperLeft)
-            edit->front.data[start + 2] = SpvExecutionModeOriginLowerLeft;
-        if (base && spirv_is(i, SpvOpEntryPoint)) { /* one more input */
-            edit->front.data[start] += 1 << 16;
-            spirv_append(edit, &edit->front, &base, 1);
-        }
+            spirv_copy_with(edit, &edit->front, i, 2, SpvExecutionModeOriginLowerLeft);
+        else
+            spirv_copy(edit, &edit->front, i);
     }
+    spirv_edit_list(edit, UINT32_MAX, &base, base != 0);
 }
 
 /* OpenGL's number of an instance leaves out the base instance, which only indirect draws have. */

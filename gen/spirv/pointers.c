@@ -279,9 +279,9 @@ uint32_t memory_texel(struct sanitizer *s, const struct memory *memory, uint32_t
     struct spirv_edit *edit = &s->edit;
     const uint32_t *type = spirv_type(s->from, place);
     bool vector = spirv_is(type, SpvOpTypeVector);
-    uint32_t whole = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
-    uint32_t three = sanitizer_vector(s, whole, 3), zero, p = place;
-    zero = spirv_declare(edit, SpvOpConstant, whole, (uint32_t[]){0}, 1);
+    uint32_t whole = spirv_declare_scalar(edit, 'i');
+    uint32_t three = spirv_declare_vector(edit, whole, 3), p = place;
+    uint32_t zero = SPIRV_DECLARE(edit, SpvOpConstant, whole, 0);
     char mangled[64];
     if (!vector)
         p = PUT_VALUE(s, SpvOpCompositeConstruct, three, place, zero, zero);

@@ -197,15 +197,9 @@ static void put_quad(struct sanitizer *s, const struct quad *quad)
 /* What has returned to be compared is discarded. */
 static void put_discard(struct sanitizer *s)
 {
-    struct spirv_edit *edit = &s->edit;
-    uint32_t discard = sanitizer_load(s, s->quads->discard), then = edit->bound++,
-             end = edit->bound++;
-    discard = PUT_VALUE(s, SpvOpINotEqual, sanitizer_bool(s), discard, sanitizer_number(s, 0));
-    PUT(s, SpvOpSelectionMerge, end, SpvSelectionControlMaskNone);
-    PUT(s, SpvOpBranchConditional, discard, then, end);
-    PUT(s, SpvOpLabel, then);
-    spirv_put(edit, &edit->code, SpvOpKill, NULL, 0);
-    PUT(s, SpvOpLabel, end);
+    uint32_t discard = sanitizer_load(s, s->quads->discard);
+    spirv_put_discard(
+        &s->edit, PUT_VALUE(s, SpvOpINotEqual, sanitizer_bool(s), discard, sanitizer_number(s, 0)));
 }
 
 void quads_end(struct sanitizer *s)

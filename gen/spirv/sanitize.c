@@ -20,28 +20,17 @@
 
 uint32_t sanitizer_uint(struct sanitizer *s)
 {
-    return spirv_declare(&s->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
-}
-
-static uint32_t int_type(struct sanitizer *s)
-{
-    return spirv_declare(&s->edit, SpvOpTypeInt, 0, (uint32_t[]){32, 1}, 2);
+    return spirv_declare_scalar(&s->edit, 'u');
 }
 
 uint32_t sanitizer_bool(struct sanitizer *s)
 {
-    return spirv_declare(&s->edit, SpvOpTypeBool, 0, NULL, 0);
-}
-
-uint32_t sanitizer_vector(struct sanitizer *s, uint32_t scalar, uint32_t count)
-{
-    return count == 1 ? scalar
-                      : spirv_declare(&s->edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, count}, 2);
+    return spirv_declare_scalar(&s->edit, 'b');
 }
 
 uint32_t sanitizer_number(struct sanitizer *s, uint32_t value)
 {
-    return spirv_declare(&s->edit, SpvOpConstant, sanitizer_uint(s), &value, 1);
+    return SPIRV_DECLARE(&s->edit, SpvOpConstant, sanitizer_uint(s), value);
 }
 
 static uint32_t width_of(const uint32_t *type)
@@ -148,8 +137,8 @@ uint32_t sanitizer_caller(const struct sanitizer *s)
 uint32_t sanitizer_variable(struct sanitizer *s)
 {
     struct spirv_edit *edit = &s->edit;
-    uint32_t type = spirv_declare(edit, SpvOpTypePointer, 0,
-                                  (uint32_t[]){SpvStorageClassPrivate, sanitizer_uint(s)}, 2);
+    uint32_t type =
+        SPIRV_DECLARE(edit, SpvOpTypePointer, 0, SpvStorageClassPrivate, sanitizer_uint(s));
     uint32_t zero = sanitizer_number(s, 0), id = edit->bound++;
     SPIRV_PUT(edit, &edit->declarations, SpvOpVariable, type, id, SpvStorageClassPrivate, zero);
     spirv_append(edit, &s->variables, &id, 1);
@@ -647,18 +636,20 @@ static void put_component(struct sanitizer *s, const uint32_t *instruction, uint
 static uint32_t put_size(struct sanitizer *s, const uint32_t *type, uint32_t image, uint32_t lod,
                          uint32_t width)
 {
-    uint32_t whole = sanitizer_vector(s, int_type(s), width);
+    uint32_t number = spirv_declare_scalar(&s->edit, 'i');
+    uint32_t whole = spirv_declare_vector(&s->edit, number, width);
     if (type[7] != 1 || type[6] || type[3] == SpvDimBuffer || type[3] == SpvDimRect)
         return PUT_VALUE(s, SpvOpImageQuerySize, whole, image);
-    uint32_t zero = spirv_declare(&s->edit, SpvOpConstant, int_type(s), (uint32_t[]){0}, 1);
+    uint32_t zero = SPIRV_DECLARE(&s->edit, SpvOpConstant, number, 0);
     return PUT_VALUE(s, SpvOpImageQuerySizeLod, whole, image, lod ? lod : zero);
 }
 
 /* Of cubes: width, height and faces. */
 static uint32_t put_faces(struct sanitizer *s, const uint32_t *type, uint32_t size)
 {
-    uint32_t whole = int_type(s), three = sanitizer_vector(s, whole, 3);
-    uint32_t faces = spirv_declare(&s->edit, SpvOpConstant, whole, (uint32_t[]){6}, 1);
+    uint32_t whole = spirv_declare_scalar(&s->edit, 'i');
+    uint32_t three = spirv_declare_vector(&s->edit, whole, 3);
+    uint32_t faces = SPIRV_DECLARE(&s->edit, SpvOpConstant, whole, 6);
     if (type[5]) {
         uint32_t cubes = PUT_VALUE(s, SpvOpCompositeExtract, whole, size, 2);
         faces = PUT_VALUE(s, SpvOpIMul, whole, cubes, faces);
@@ -744,8 +735,8 @@ static void put_counters(struct sanitizer *s, const struct spirv_function *funct
         label = spirv_is(i, SpvOpLabel) ? i[1] : label;
         if (!spirv_is(i, SpvOpLoopMerge))
             continue;
-        uint32_t type = spirv_declare(&s->edit, SpvOpTypePointer, 0,
-                                      (uint32_t[]){SpvStorageClassFunction, sanitizer_uint(s)}, 2);
+        uint32_t type = SPIRV_DECLARE(&s->edit, SpvOpTypePointer, 0, SpvStorageClassFunction,
+                                      sanitizer_uint(s));
         s->counters[label] = PUT_VALUE(s, SpvOpVariable, type, SpvStorageClassFunction);
     }
 }
@@ -949,16 +940,10 @@ static void copy_front(struct sanitizer *s)
         if (!twice && !spirv_is(i, SpvOpString) && !spirv_is(i, SpvOpSource) &&
             !spirv_is(i, SpvOpSourceContinued) && !spirv_is(i, SpvOpModuleProcessed))
             spirv_copy(edit, &edit->front, i);
-        if (!spirv_is(i, SpvOpEntryPoint) || edit->failed)
-            continue;
-        size_t length = edit->front.count - spirv_length(i);
-        if (from->words[1] >= 0x10400)
-            spirv_append(edit, &edit->front, s->variables.data, s->variables.count);
-        spirv_append(edit, &edit->front, s->handed_on.data, s->handed_on.count);
-        if (!edit->failed)
-            edit->front.data[length] =
-                (uint32_t)(edit->front.count - length) << 16 | SpvOpEntryPoint;
     }
+    if (from->words[1] >= 0x10400)
+        spirv_edit_list(edit, UINT32_MAX, s->variables.data, s->variables.count);
+    spirv_edit_list(edit, UINT32_MAX, s->handed_on.data, s->handed_on.count);
 }
 
 bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request)

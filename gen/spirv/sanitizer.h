@@ -55,7 +55,6 @@ void sanitizer_place(struct sanitizer *s, struct values *values, uint32_t site);
 
 /* The same of a site with its text; file, line and operation are added. */
 uint32_t sanitizer_add(struct sanitizer *s, struct sanitize_site *site);
-uint32_t sanitizer_vector(struct sanitizer *s, uint32_t scalar, uint32_t count); /* the type */
 bool sanitizer_has(const struct sanitizer *s, const char *mangled); /* such a function */
 
 /* ---- pointers.c: where in memory an operation reads or stores -------------------------------- */

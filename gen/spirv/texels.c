@@ -76,11 +76,9 @@ static void put_read(struct texels *texels, const uint32_t *load, const uint32_t
     const struct spirv *module = texels->module;
     uint32_t element = result_type(texels, texels->at), index = chain[5], call = edit->bound++;
     const uint32_t *type = spirv_type(module, index);
-    if (type[3]) { /* signed */
-        uint32_t uint_type = spirv_declare(edit, SpvOpTypeInt, 0, (uint32_t[]){32, 0}, 2);
-        uint32_t bits = SPIRV_VALUE(edit, &edit->code, SpvOpBitcast, uint_type, index);
-        index = bits;
-    }
+    if (type[3]) /* signed */
+        index =
+            SPIRV_VALUE(edit, &edit->code, SpvOpBitcast, spirv_declare_scalar(edit, 'u'), index);
     bool whole = spirv_length(chain) == 6;
     if (whole && element == load[1])
         call = load[2];

@@ -175,11 +175,8 @@ static bool put_decoded(struct values *values, const uint32_t *read)
         component ? find_function(values, format_of_image(values, read[3]), true, component) : 0;
     if (!function)
         return false;
-    size_t start = edit->code.count;
     uint32_t texel = edit->bound++;
-    spirv_copy(edit, &edit->code, read);
-    if (!edit->failed)
-        edit->code.data[start + 2] = texel;
+    spirv_copy_with(edit, &edit->code, read, 2, texel);
     SPIRV_PUT(edit, &edit->code, SpvOpFunctionCall, read[1], read[2], function, texel);
     return true;
 }
@@ -196,10 +193,7 @@ static bool put_rounded(struct values *values, const uint32_t *write)
     if (!function)
         return false;
     uint32_t value = SPIRV_VALUE(edit, &edit->code, SpvOpFunctionCall, type, function, write[3]);
-    size_t start = edit->code.count;
-    spirv_copy(edit, &edit->code, write);
-    if (!edit->failed)
-        edit->code.data[start + 3] = value;
+    spirv_copy_with(edit, &edit->code, write, 3, value);
     return true;
 }
 
@@ -224,11 +218,11 @@ static void put_target(struct values *values, const uint32_t *variable)
         function = find_function(values, format, false, scalar);
     if (!function)
         return;
-    uint32_t four = spirv_declare(edit, SpvOpTypeVector, 0, (uint32_t[]){scalar, 4}, 2);
+    uint32_t four = spirv_declare_vector(edit, scalar, 4);
     uint32_t value = edit->bound++, rounded = edit->bound++;
     SPIRV_PUT(edit, &edit->code, SpvOpLoad, type, value, variable[2]);
     if (count < 4) {
-        uint32_t zero = spirv_declare(edit, SpvOpConstant, scalar, (uint32_t[]){0}, 1);
+        uint32_t zero = SPIRV_DECLARE(edit, SpvOpConstant, scalar, 0);
         uint32_t parts[6] = {four, edit->bound++, value, zero, zero, zero};
         spirv_put(edit, &edit->code, SpvOpCompositeConstruct, parts, 2 + 1 + 4 - count);
         value = parts[1];
