@@ -56,8 +56,7 @@ static const struct option_row option_rows[] = {
         "(Vulkan: it gives `texture_codes`) or immutable (OpenGL)"),
     ROW("--sanitize", OPTION_WORDS, sanitize, "KINDS",
         "generated shaders look for undefined behaviour, and NAME_report() logs what they found, "
-        "in file and line; --sanitize=KINDS: some of index, arithmetic, loop, variable, content, "
-        "race, flow"),
+        "in file and line; --sanitize=KINDS: some of " SANITIZE_WORDS),
     ROW("--check", OPTION_FLAG, check, NULL, "check only, write nothing"),
     ROW("--prove", OPTION_FLAG, prove, NULL,
         "check only, and prove that the pipeline is exact: a remark for each operation that a "
@@ -359,7 +358,7 @@ static enum status generate(struct generation *g)
     request.sanitize = options->sanitize ? sanitize_kinds(options->sanitize, &end) : 0;
     if (options->sanitize && !request.sanitize) {
         fprintf(stderr, "diptych-gen: error: --sanitize: unknown kind \"%s\"; there are %s\n", end,
-                sanitize_names);
+                SANITIZE_WORDS);
         return STATUS_FAILED;
     }
     if (!limit_memory(SPEC_GIBIBYTES) || !watchdog_start((unsigned)seconds, STATUS_WRONG_SPEC)) {

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "console/python.h"
+#include "model/sanitize_kinds.h"
 
 #define ALL    (VERB_RENDER | VERB_COMPARE)
 #define SCENE  (ALL | VERB_REFERENCE | VERB_BENCH | VERB_VIEW | VERB_TUNE | VERB_COST)
@@ -197,8 +198,8 @@ static const struct option_row rows[] = {
     {"--bisect", OPTION_STRING, AT(bisect), VERB_COMPARE, 0, "DIR",
      "on a difference, write a folder from which `replay` runs the guilty pass alone"},
     {"--sanitize", OPTION_WORDS, AT(setup.sanitize), ALL | VERB_REPLAY | VERB_VIEW, 0, "KINDS",
-     "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some of index, "
-     "arithmetic, loop, variable, content, race, flow"},
+     "report undefined behaviour of shaders, in file and line; --sanitize=KINDS: some "
+     "of " SANITIZE_WORDS},
     {"--repeat", OPTION_COUNT, AT(repeat), VERB_COMPARE, 0, "N",
      "run each backend N times more, Mesa's software drivers with other numbers of threads, and "
      "count the distinct results of each pass"},

@@ -124,7 +124,7 @@ static bool read_kinds(const struct setup *setup, unsigned *kinds, const struct 
     *kinds = setup->sanitize ? sanitize_kinds(setup->sanitize, &end) : 0;
     if (setup->sanitize && !*kinds)
         report_error(log, "--sanitize=%s: unknown kind \"%.*s\"; there are %s", setup->sanitize,
-                     (int)strcspn(end, ","), end, sanitize_names);
+                     (int)strcspn(end, ","), end, SANITIZE_WORDS);
     return *kinds || !setup->sanitize;
 }
 

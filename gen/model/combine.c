@@ -4,7 +4,6 @@
  * image that a fragment shader only reads a texture. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "foreign.h"
 #include "spirv_check.h"
@@ -18,7 +17,7 @@ struct combined {
 struct combining {
     const struct spirv *from;
     struct spirv_edit edit;
-    struct combined *pairs; /* free() */
+    struct combined *pairs;
     uint32_t count;
     bool reads;     /* a fragment shader that stores in no image */
     uint32_t place; /* the variable gl_FragCoord; 0: not needed */
@@ -238,15 +237,13 @@ bool spirv_combine(struct spirv *module)
     SPIRV_EACH(module, i, module->code, module->count)
         uses += spirv_is(i, SpvOpSampledImage) || spirv_is(i, SpvOpLoad);
     c.reads = only_reads(module);
-    c.pairs = calloc(uses, sizeof *c.pairs);
     spirv_edit_begin(&c.edit, module);
-    c.edit.failed |= !c.pairs;
+    c.pairs = spirv_edit_alloc(&c.edit, uses, sizeof *c.pairs);
     if (!c.edit.failed) {
         spirv_edit_annotations(&c.edit);
         find_pairs(&c);
         name_pairs(&c);
         put_code(&c);
     }
-    free(c.pairs);
     return spirv_edit_end(&c.edit, module);
 }

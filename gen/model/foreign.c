@@ -619,14 +619,12 @@ static void lower_function(struct spirv_edit *edit, const struct spirv_function 
 bool spirv_lower_phis(struct spirv *module)
 {
     struct spirv_edit edit;
-    uint32_t *variables = calloc(module->words[3], sizeof *variables);
     spirv_edit_begin(&edit, module);
-    edit.failed |= !variables;
+    uint32_t *variables = spirv_edit_table(&edit, sizeof *variables);
     if (!edit.failed) {
         spirv_edit_annotations(&edit);
         EACH(function, module->functions, module->function_count)
             lower_function(&edit, function, variables);
     }
-    free(variables);
     return spirv_edit_end(&edit, module);
 }

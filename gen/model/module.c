@@ -695,6 +695,27 @@ uint32_t spirv_add_variable(struct spirv_edit *edit, uint32_t class, uint32_t ty
     return id;
 }
 
+struct spirv_scratch {
+    struct spirv_scratch *next;
+    _Alignas(16) char bytes[];
+};
+
+void *spirv_edit_alloc(struct spirv_edit *edit, size_t count, size_t size)
+{
+    struct spirv_scratch *scratch = calloc(1, sizeof *scratch + count * size);
+    edit->failed |= !scratch;
+    if (!scratch)
+        return NULL;
+    scratch->next = edit->scratch;
+    edit->scratch = scratch;
+    return scratch->bytes;
+}
+
+void *spirv_edit_table(struct spirv_edit *edit, size_t size)
+{
+    return spirv_edit_alloc(edit, edit->from->words[3], size);
+}
+
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)
 {
     const struct spirv_words *parts[] = {&edit->front, &edit->annotations, &edit->declarations,
@@ -709,6 +730,10 @@ bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)
     for (int i = 0; i < 4; i++)
         free(parts[i]->data);
     free(edit->slots);
+    for (struct spirv_scratch *next; edit->scratch; edit->scratch = next) {
+        next = edit->scratch->next;
+        free(edit->scratch);
+    }
     if (!words)
         return false;
     words[3] = edit->bound;

@@ -143,6 +143,7 @@ struct spirv_edit {
     uint32_t bound;
     uint32_t *slots; /* hash table of declarations: offset + 1, 0: free */
     size_t slot_count, declared;
+    struct spirv_scratch *scratch;
     bool failed; /* out of memory */
 };
 
@@ -158,6 +159,9 @@ void spirv_edit_interface(struct spirv_edit *edit, uint32_t (*keep)(const void *
                           const void *user);
 /* Replaces the module by the edit; false when out of memory. Frees the edit. */
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module);
+/* Zeros, until the edit ends: a table of all ids of `from`, or of `count` elements. NULL: the edit has failed. */
+void *spirv_edit_table(struct spirv_edit *edit, size_t size);
+void *spirv_edit_alloc(struct spirv_edit *edit, size_t count, size_t size);
 
 /* Appends an instruction with `count` operands, or a copy. */
 void spirv_put(struct spirv_edit *edit, struct spirv_words *to, uint32_t opcode,

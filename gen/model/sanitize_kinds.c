@@ -6,8 +6,7 @@
 #include "panel.h" /* DT_ARRAY_COUNT */
 
 static const char *const kinds[] = {"index",   "arithmetic", "loop", "variable",
-                                    "content", "race",       "flow"};
-const char sanitize_names[] = "index, arithmetic, loop, variable, content, race, flow";
+                                    "content", "race",       "flow"}; /* as SANITIZE_WORDS */
 
 const char *sanitize_kind_name(unsigned kind)
 {

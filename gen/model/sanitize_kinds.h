@@ -18,6 +18,6 @@ enum { /* most internal resources of a pipeline, and accesses of a pass to them:
 };
 /* The mask of a list like "index,loop"; "" is all. 0: *end is where the unknown word begins. */
 unsigned sanitize_kinds(const char *list, const char **end);
-extern const char sanitize_names[]; /* "index, arithmetic, ..." */
+#define SANITIZE_WORDS "index, arithmetic, loop, variable, content, race, flow"
 /* Of a mask with one kind. */
 const char *sanitize_kind_name(unsigned kind);

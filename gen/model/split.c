@@ -174,15 +174,13 @@ bool spirv_split(struct spirv *module)
     s.arrays = found && !can_split(&s);
     if (!found || (s.arrays && !can_split(&s)))
         return true;
-    s.known = calloc(module->words[3], sizeof *s.known);
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |= !s.known;
+    s.known = spirv_edit_table(&s.edit, sizeof *s.known);
     if (!s.edit.failed) {
         spirv_edit_annotations(&s.edit);
         put_split(&s);
         change_types(&s);
     }
-    free(s.known);
     free(s.textures);
     return spirv_edit_end(&s.edit, module);
 }

@@ -1,7 +1,6 @@
 /* Texel buffers (samplerBuffer, imageBuffer, Buffer<> and RWBuffer<> of HLSL) of formats with 32 bits a channel become storage buffers of
  * the same elements, as passes have them: floats, ints or uints, or vectors of 2 or 4. Without a format a texel is a vector of 4. */
 #include <spirv/unified1/spirv.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "foreign.h"
@@ -139,10 +138,9 @@ bool spirv_texel_buffers(struct spirv *module)
         most += spirv_is(i, SpvOpVariable) && texel_channels(module, i, &scalar);
     if (!most)
         return true;
-    t.list = calloc(most, sizeof *t.list);
-    t.known = calloc(module->words[3], sizeof *t.known);
     spirv_edit_begin(&t.edit, module);
-    t.edit.failed |= !t.list || !t.known;
+    t.list = spirv_edit_alloc(&t.edit, most, sizeof *t.list);
+    t.known = spirv_edit_table(&t.edit, sizeof *t.known);
     if (!t.edit.failed)
         spirv_edit_annotations(&t.edit);
     SPIRV_EACH(module, i, module->declarations, t.edit.failed ? 0 : module->code)
@@ -159,7 +157,5 @@ bool spirv_texel_buffers(struct spirv *module)
         else
             spirv_copy(&t.edit, &t.edit.code, i);
     }
-    free(t.list);
-    free(t.known);
     return spirv_edit_end(&t.edit, module);
 }

@@ -8,7 +8,6 @@
  * scalar is, so that it is above 0 where a vertex counts that did not write it. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "formats.h"
@@ -28,10 +27,9 @@ struct assigned {        /* of an id */
         flag; /* inputs, and outputs of a vertex shader: the first variable that says which bits they lack */
 };
 
-bool assigned_begin(struct sanitizer *s)
+void assigned_begin(struct sanitizer *s)
 {
-    s->ids = calloc(s->from->words[3], sizeof *s->ids);
-    return s->ids;
+    s->ids = spirv_edit_table(&s->edit, sizeof *s->ids);
 }
 
 enum { FIRST_FLAG = 15 }; /* the location: 128 components are what devices have */

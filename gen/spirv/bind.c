@@ -476,19 +476,15 @@ static bool each_variable(struct binder *binder,
 
 bool spirv_bind(struct spirv *module, const struct bind_request *request, char **why)
 {
-    uint32_t bound = module->words[3];
-    struct binder binder = {.module = module,
-                            .request = request,
-                            .live = spirv_live_functions(module),
-                            .moved = calloc(bound, sizeof *binder.moved),
-                            .given = calloc(bound, sizeof *binder.given),
-                            .bindings = calloc(bound, sizeof *binder.bindings),
-                            .types = calloc(bound, sizeof *binder.types),
-                            .why = why};
+    struct binder binder = {
+        .module = module, .request = request, .live = spirv_live_functions(module), .why = why};
     *why = NULL;
     spirv_edit_begin(&binder.edit, module);
-    binder.edit.failed |=
-        !binder.live || !binder.moved || !binder.given || !binder.bindings || !binder.types;
+    binder.moved = spirv_edit_table(&binder.edit, sizeof *binder.moved);
+    binder.given = spirv_edit_table(&binder.edit, sizeof *binder.given);
+    binder.bindings = spirv_edit_table(&binder.edit, sizeof *binder.bindings);
+    binder.types = spirv_edit_table(&binder.edit, sizeof *binder.types);
+    binder.edit.failed |= !binder.live;
     bool good = !binder.edit.failed;
     if (good) {
         SPIRV_EACH(module, i, module->declarations, module->code)
@@ -508,9 +504,5 @@ bool spirv_bind(struct spirv *module, const struct bind_request *request, char *
     binder.edit.failed |= !good;
     free(binder.begin.data);
     free(binder.live);
-    free(binder.moved);
-    free(binder.given);
-    free(binder.bindings);
-    free(binder.types);
     return spirv_edit_end(&binder.edit, module);
 }

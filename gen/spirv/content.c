@@ -6,7 +6,6 @@
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "glsl/glsl.h"
@@ -22,23 +21,13 @@ struct marked {      /* of an id */
 
 struct content {
     struct marked *ids;
-    struct spirv_words sites; /* by number - 2; 0: written, 1: not used */
-    bool merges;              /* a selection begins: the branch is next */
+    bool merges; /* a selection begins: the branch is next */
 };
 enum { FIRST_NUMBER = 2, LAST_NUMBER = 1023 };
 
 static bool is_on(const struct sanitizer *s)
 {
     return s->request->kinds & SANITIZE_CONTENT;
-}
-
-void content_free(struct sanitizer *s)
-{
-    if (s->content) {
-        free(s->content->ids);
-        free(s->content->sites.data);
-    }
-    free(s->content);
 }
 
 /* ---- Types ----------------------------------------------------------------------------------- */
@@ -233,16 +222,13 @@ static void propagate_all(struct sanitizer *s)
     }
 }
 
-bool content_begin(struct sanitizer *s)
+void content_begin(struct sanitizer *s)
 {
-    s->content = calloc(1, sizeof *s->content);
-    struct marked *ids = s->content ? calloc(s->from->words[3], sizeof *ids) : NULL;
-    if (!ids)
-        return false;
-    s->content->ids = ids;
-    if (is_on(s))
+    s->content = spirv_edit_alloc(&s->edit, 1, sizeof *s->content);
+    if (s->content)
+        s->content->ids = spirv_edit_table(&s->edit, sizeof *s->content->ids);
+    if (is_on(s) && !s->edit.failed)
         propagate_all(s);
-    return true;
 }
 
 /* ---- Marks ----------------------------------------------------------------------------------- */
@@ -306,7 +292,7 @@ static void put_use(struct sanitizer *s, uint32_t id)
 /* word: in the author's text, if it is not the memory's name. Reads beyond LAST_NUMBER share the last site. */
 static uint32_t add_number(struct sanitizer *s, const struct memory *memory, const char *word)
 {
-    struct spirv_words *sites = &s->content->sites;
+    struct spirv_words *sites = &s->numbers;
     struct sanitize_site site = {.file = 0};
     if (sites->count > LAST_NUMBER - FIRST_NUMBER)
         return LAST_NUMBER;
@@ -724,11 +710,11 @@ void content_end(struct sanitizer *s)
     spirv_copy(edit, &edit->code, spirv_definition(s->from, function->id));
     spirv_copy(edit, &edit->code, parameter);
     PUT(s, SpvOpLabel, label);
-    for (uint32_t i = 0; i < s->content->sites.count; i++) {
+    for (uint32_t i = 0; i < s->numbers.count; i++) {
         uint32_t equal =
             PUT_VALUE(s, SpvOpIEqual, boolean, parameter[2], sanitizer_number(s, FIRST_NUMBER + i));
         site = PUT_VALUE(s, SpvOpSelect, sanitizer_uint(s), equal,
-                         sanitizer_number(s, s->content->sites.data[i]), site);
+                         sanitizer_number(s, s->numbers.data[i]), site);
     }
     PUT(s, SpvOpReturnValue, site);
     spirv_put(edit, &edit->code, SpvOpFunctionEnd, NULL, 0);

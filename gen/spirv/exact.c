@@ -539,8 +539,8 @@ bool spirv_exact(struct spirv *module, tell_form_fn *tell, void *user)
     struct exact exact = {.from = module, .glsl = spirv_glsl(module), .tell = tell, .user = user};
     struct spirv_edit *edit = &exact.edit;
     spirv_edit_begin(edit, module);
-    edit->failed |= !spirv_link_begin(&exact.link, edit);
-    edit->failed |= !ranges_begin(&exact.ranges, module);
+    spirv_link_begin(&exact.link, edit);
+    ranges_begin(&exact.ranges, edit);
     copy_annotations(&exact);
     size_t begin = edit->failed ? 0 : spirv_function_of(module, spirv_entry(module))->begin;
     SPIRV_EACH_AT(module, at, module->code, edit->failed ? module->code : module->count) {
@@ -559,7 +559,6 @@ bool spirv_exact(struct spirv *module, tell_form_fn *tell, void *user)
         if (spirv_is_arithmetic(instruction))
             mark(&exact, instruction[2]);
     }
-    ranges_end(&exact.ranges);
     spirv_link_end(&exact.link);
     return spirv_edit_end(edit, module);
 }

@@ -3,7 +3,6 @@
  * main(), which gives its global variables their first values, as diptych_globals() (entry.c). Built-in variables
  * that both have become one. */
 #include <spirv/unified1/spirv.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "link.h"
@@ -186,10 +185,11 @@ static void join_code(struct joining *j)
 bool spirv_join(struct spirv *module, const struct spirv *more)
 {
     struct joining j = {.own = module, .more = more};
-    j.link = (struct spirv_link){
-        .edit = &j.edit, .more = more, .ids = calloc(more->words[3], sizeof *j.link.ids)};
     spirv_edit_begin(&j.edit, module);
-    j.edit.failed |= !j.link.ids;
+    j.link =
+        (struct spirv_link){.edit = &j.edit,
+                            .more = more,
+                            .ids = spirv_edit_alloc(&j.edit, more->words[3], sizeof *j.link.ids)};
     if (!j.edit.failed) {
         share_built_ins(&j);
         SPIRV_EACH(more, i, more->declarations, more->code)
@@ -202,6 +202,5 @@ bool spirv_join(struct spirv *module, const struct spirv *more)
         if (!j.edit.failed && more->words[1] > module->words[1])
             j.edit.front.data[1] = more->words[1];
     }
-    free(j.link.ids);
     return spirv_edit_end(&j.edit, module);
 }

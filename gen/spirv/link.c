@@ -54,14 +54,14 @@ uint32_t spirv_library_hash(void)
     return hash;
 }
 
-bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit)
+void spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit)
 {
     *link = (struct spirv_link){.edit = edit, .more = &library.module};
-    if (!spirv_library_start())
-        return false;
-    link->ids = calloc(library.module.words[3], sizeof *link->ids);
-    link->wanted = calloc(library.module.function_count + 1, sizeof *link->wanted);
-    return link->ids && link->wanted;
+    edit->failed |= !spirv_library_start();
+    if (edit->failed)
+        return;
+    link->ids = spirv_edit_alloc(edit, library.module.words[3], sizeof *link->ids);
+    link->wanted = spirv_edit_alloc(edit, library.module.function_count, sizeof *link->wanted);
 }
 
 /* A type, constant or variable. */
@@ -159,9 +159,7 @@ static void mark_code(struct spirv_edit *edit, size_t begin)
 void spirv_link_end(struct spirv_link *link)
 {
     size_t begin = link->edit->code.count;
-    for (uint32_t i = 0; link->ids && link->wanted && i < link->wanted_count; i++)
+    for (uint32_t i = 0; i < link->wanted_count; i++)
         copy_function(link, &library.module.functions[link->wanted[i]]);
     mark_code(link->edit, begin);
-    free(link->ids);
-    free(link->wanted);
 }

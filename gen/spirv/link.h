@@ -25,9 +25,10 @@ bool spirv_library_start(void);
 /* A hash of the library's words. Cached shaders of another library are not used. */
 uint32_t spirv_library_hash(void);
 
-bool spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit);
+/* Of the library. The edit fails when memory runs out. */
+void spirv_link_begin(struct spirv_link *link, struct spirv_edit *edit);
 /* The id, in the module, of the library's function with glslang's mangled name, "exact_pow(f1;f1;".
  * 0: the library has none. */
 uint32_t spirv_link_function(struct spirv_link *link, const char *name);
-/* Copies the functions that were asked for, and those that they call, as exact code. Frees the link. */
+/* Copies the functions that were asked for, and those that they call, as exact code. */
 void spirv_link_end(struct spirv_link *link);

@@ -1,7 +1,6 @@
 /* A module for Vulkan becomes one for OpenGL: no descriptor sets, OpenGL's numbers of vertices and
  * instances, its origin of gl_FragCoord, and functions before those that call them. */
 #include <spirv/unified1/spirv.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "model/leaves.h"
@@ -105,12 +104,9 @@ bool spirv_for_opengl(struct spirv *module, bool indirect)
 {
     struct spirv_edit edit;
     struct functions functions = {
-        .edit = &edit,
-        .copied = calloc(module->function_count + 1, sizeof *functions.copied),
-        .instance = indirect ? spirv_builtin(module, SpvBuiltInInstanceIndex) : 0};
-    if (!functions.copied)
-        return false;
+        .edit = &edit, .instance = indirect ? spirv_builtin(module, SpvBuiltInInstanceIndex) : 0};
     spirv_edit_begin(&edit, module);
+    functions.copied = spirv_edit_alloc(&edit, module->function_count, sizeof *functions.copied);
     copy_decorations(&edit);
     if (functions.instance) {
         uint32_t type = spirv_definition(module, functions.instance)[1];
@@ -121,8 +117,7 @@ bool spirv_for_opengl(struct spirv *module, bool indirect)
                   SpvBuiltInBaseInstance);
     }
     copy_front(&edit, functions.base);
-    EACH(function, module->functions, module->function_count)
+    EACH(function, module->functions, functions.copied ? module->function_count : 0)
         copy_function(&functions, function->id);
-    free(functions.copied);
     return spirv_edit_end(&edit, module);
 }

@@ -6,7 +6,6 @@
  * returns first, and is done behind the comparison. */
 #include <spirv/unified1/spirv.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "prove.h"
 #include "sanitizer.h"
@@ -23,7 +22,6 @@ struct quads {
     uint32_t
         discard; /* variable: 1 in an invocation that is discarded, which drivers may run on; 0: none is */
     uint32_t before, calls;
-    struct spirv_words list; /* of struct quad */
 };
 
 /* The word of an operation that takes a derivative; NULL: it takes none. */
@@ -62,13 +60,13 @@ static bool find_in(const struct sanitizer *s, const struct spirv_function *func
     return *own != before;
 }
 
-bool quads_begin(struct sanitizer *s)
+void quads_begin(struct sanitizer *s)
 {
     const struct spirv *from = s->from;
-    s->quads = calloc(1, sizeof *s->quads);
-    bool *meets = s->quads ? calloc(from->words[3], sizeof *meets) : NULL;
-    if (!meets)
-        return false;
+    s->quads = spirv_edit_alloc(&s->edit, 1, sizeof *s->quads);
+    bool *meets = spirv_edit_table(&s->edit, sizeof *meets);
+    if (s->edit.failed)
+        return;
     s->quads->meets = meets;
     s->quads->fragment = spirv_entry_point(from)[1] == SpvExecutionModelFragment;
     bool changed = s->request->kinds & SANITIZE_FLOW;
@@ -80,16 +78,6 @@ bool quads_begin(struct sanitizer *s)
     SPIRV_EACH(from, i, from->code, from->count)
         if (is_kill(i) && meets[spirv_entry(from)] && !s->quads->discard)
             s->quads->discard = sanitizer_variable(s);
-    return true;
-}
-
-void quads_free(struct sanitizer *s)
-{
-    if (s->quads) {
-        free(s->quads->meets);
-        free(s->quads->list.data);
-    }
-    free(s->quads);
 }
 
 bool quads_count_turns(const struct sanitizer *s)
@@ -143,7 +131,7 @@ static void put_operation(struct sanitizer *s, const char *word, size_t place)
     const struct quad quad = {
         sanitizer_variable(s), caller ? sanitizer_variable(s) : 0,
         sanitizer_site(s, word, "", "some invocations of the quad do not reach this derivative")};
-    spirv_append(&s->edit, &s->quads->list, (const uint32_t *)&quad, QUAD_WORDS);
+    spirv_append(&s->edit, &s->meetings, (const uint32_t *)&quad, QUAD_WORDS);
     if (caller)
         PUT(s, SpvOpStore, quad.caller, sanitizer_load(s, caller));
     uint32_t next = put_next(s, quad.number, place);
@@ -210,8 +198,8 @@ void quads_end(struct sanitizer *s)
     spirv_copy(&s->edit, &s->edit.code, s->from->words + function->begin);
     uint32_t label = s->edit.bound++;
     PUT(s, SpvOpLabel, label);
-    for (size_t at = 0; at < s->quads->list.count; at += QUAD_WORDS)
-        put_quad(s, (const struct quad *)(s->quads->list.data + at));
+    for (size_t at = 0; at < s->meetings.count; at += QUAD_WORDS)
+        put_quad(s, (const struct quad *)(s->meetings.data + at));
     if (s->quads->discard)
         put_discard(s);
     spirv_put(&s->edit, &s->edit.code, SpvOpReturn, NULL, 0);

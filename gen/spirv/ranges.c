@@ -8,7 +8,6 @@
 #include <math.h>
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { UNKNOWN, SOUGHT, KNOWN };
@@ -40,27 +39,18 @@ static void add_uses(struct ranges *ranges, size_t at)
     }
 }
 
-bool ranges_begin(struct ranges *ranges, const struct spirv *from)
+void ranges_begin(struct ranges *ranges, struct spirv_edit *edit)
 {
-    uint32_t bound = from->words[3];
-    *ranges = (struct ranges){.from = from,
-                              .known = calloc(bound, sizeof *ranges->known),
-                              .state = calloc(bound, 1),
-                              .first = calloc(bound, sizeof *ranges->first),
-                              .uses = calloc(from->count - from->code + 1, sizeof *ranges->uses)};
-    bool good = ranges->known && ranges->state && ranges->first && ranges->uses;
-    SPIRV_EACH_AT(from, at, from->code, good ? from->count : from->code)
+    const struct spirv *from = edit->from;
+    *ranges = (struct ranges){
+        .from = from,
+        .known = spirv_edit_table(edit, sizeof *ranges->known),
+        .state = spirv_edit_table(edit, sizeof *ranges->state),
+        .first = spirv_edit_table(edit, sizeof *ranges->first),
+        .uses = spirv_edit_alloc(edit, from->count - from->code + 1, sizeof *ranges->uses)};
+    SPIRV_EACH_AT(from, at, from->code, edit->failed ? from->code : from->count)
         if (!spirv_is(from->words + at, SpvOpLoad))
             add_uses(ranges, at);
-    return good;
-}
-
-void ranges_end(struct ranges *ranges)
-{
-    free(ranges->known);
-    free(ranges->state);
-    free(ranges->first);
-    free(ranges->uses);
 }
 
 /* ---- Ranges ---------------------------------------------------------------------------------- */

@@ -18,8 +18,8 @@ struct ranges { /* zeros: nothing is known yet */
     uint32_t use_count, depth;
 };
 
-bool ranges_begin(struct ranges *ranges, const struct spirv *from); /* false: out of memory */
-void ranges_end(struct ranges *ranges);
+/* Of the module that the edit changes; until the edit ends. The edit fails when memory runs out. */
+void ranges_begin(struct ranges *ranges, struct spirv_edit *edit);
 struct bounds range_of(struct ranges *ranges, uint32_t id);
 /* Whether both may be zeros of unlike sign at once, of which min and max may give either. */
 bool ranges_mix_zeros(struct bounds a, struct bounds b);

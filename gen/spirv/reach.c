@@ -2,7 +2,6 @@
  * names and decorations. Inputs and outputs stay, since stages agree on them; but inputs that are
  * built in go, too. */
 #include <spirv/unified1/spirv.h>
-#include <stdlib.h>
 
 #include "passes.h"
 
@@ -104,17 +103,14 @@ static void copy_live(const struct reach *reach, struct spirv_edit *edit)
 
 bool spirv_reach(struct spirv *module)
 {
-    struct reach reach = {.module = module,
-                          .live = calloc(module->words[3], sizeof *reach.live),
-                          .queue = calloc(module->words[3], sizeof *reach.queue)};
+    struct reach reach = {.module = module};
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
-    edit.failed |= !reach.live || !reach.queue;
+    reach.live = spirv_edit_table(&edit, sizeof *reach.live);
+    reach.queue = spirv_edit_table(&edit, sizeof *reach.queue);
     if (!edit.failed) {
         mark_all(&reach);
         copy_live(&reach, &edit);
     }
-    free(reach.live);
-    free(reach.queue);
     return spirv_edit_end(&edit, module);
 }

@@ -948,14 +948,13 @@ static void copy_front(struct sanitizer *s)
 
 bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request)
 {
-    struct sanitizer s = {.request = request,
-                          .from = module,
-                          .glsl = spirv_glsl(module),
-                          .counters = calloc(module->words[3], sizeof *s.counters),
-                          .ends = calloc(module->words[3], sizeof *s.ends)};
+    struct sanitizer s = {.request = request, .from = module, .glsl = spirv_glsl(module)};
     spirv_edit_begin(&s.edit, module);
-    s.edit.failed |=
-        !s.counters || !s.ends || !assigned_begin(&s) || !content_begin(&s) || !quads_begin(&s);
+    s.counters = spirv_edit_table(&s.edit, sizeof *s.counters);
+    s.ends = spirv_edit_table(&s.edit, sizeof *s.ends);
+    assigned_begin(&s);
+    content_begin(&s);
+    quads_begin(&s);
     if (!s.edit.failed) {
         spirv_edit_annotations(&s.edit);
         EACH(function, module->functions, module->function_count)
@@ -966,14 +965,11 @@ bool spirv_sanitize(struct spirv *module, const struct sanitize_request *request
         own->count = spirv_strip_lines(own->data, 0, own->count);
         copy_front(&s);
     }
-    content_free(&s);
-    quads_free(&s);
     free(s.seen.data);
     free(s.sites.data);
-    free(s.ids);
+    free(s.numbers.data);
+    free(s.meetings.data);
     free(s.variables.data);
     free(s.handed_on.data);
-    free(s.counters);
-    free(s.ends);
     return spirv_edit_end(&s.edit, module);
 }

@@ -21,6 +21,8 @@ struct sanitizer {
     struct assigned *ids; /* by id */
     struct content *content;      /* of content.c */
     struct quads *quads;          /* of quads.c */
+    struct spirv_words numbers;   /* of content.c: sites by number - 2; 0: written, 1: not used */
+    struct spirv_words meetings;  /* of quads.c: of struct quad */
     struct spirv_words variables; /* of this pass, in the private storage class, */
     struct spirv_words handed_on; /* and inputs or outputs */
 };
@@ -106,12 +108,11 @@ bool memory_is_atomic(const uint32_t *instruction, bool *stores); /* on a pointe
 
 /* ---- content.c ------------------------------------------------------------------------------- */
 
-bool content_begin(struct sanitizer *s);
+void content_begin(struct sanitizer *s);
 void content_enter(struct sanitizer *s, const struct spirv_function *function);
 void content_before(struct sanitizer *s, const uint32_t *instruction);
 void content_after(struct sanitizer *s, const uint32_t *instruction);
 void content_end(struct sanitizer *s); /* writes diptych_number() */
-void content_free(struct sanitizer *s);
 /* The type of marks of a value; 0: it has none. */
 uint32_t content_shape(struct sanitizer *s, uint32_t type);
 
@@ -122,7 +123,7 @@ bool race_is_barrier(const struct spirv *from, const uint32_t *instruction); /* 
 
 /* ---- quads.c --------------------------------------------------------------------------------- */
 
-bool quads_begin(struct sanitizer *s); /* false: out of memory */
+void quads_begin(struct sanitizer *s);
 bool quads_count_turns(
     const struct sanitizer
         *s); /* whether the function that is written needs the counters of its loops */
@@ -133,7 +134,6 @@ bool quads_discard(struct sanitizer *s,
                    const uint32_t *instruction); /* whether it has written a return instead */
 void quads_after(struct sanitizer *s, const uint32_t *instruction);
 void quads_end(struct sanitizer *s); /* writes diptych_quads() */
-void quads_free(struct sanitizer *s);
 
 /* ---- assigned.c ------------------------------------------------------------------------------ */
 
@@ -142,4 +142,4 @@ void assigned_find(struct sanitizer *s, const struct spirv_function *function);
 void assigned_reset(struct sanitizer *s, const struct spirv_function *function);
 void assigned_before(struct sanitizer *s, const uint32_t *instruction);
 void assigned_after(struct sanitizer *s, const uint32_t *instruction);
-bool assigned_begin(struct sanitizer *s); /* once; false: out of memory */
+void assigned_begin(struct sanitizer *s);

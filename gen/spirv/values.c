@@ -256,7 +256,7 @@ bool spirv_values(struct spirv *module, const struct pass *pass, char **why)
     const uint32_t *point = spirv_entry_point(module);
     uint32_t entry = point[1] == SpvExecutionModelFragment ? point[2] : 0, function = 0;
     spirv_edit_begin(edit, module);
-    edit->failed |= !spirv_link_begin(&values.link, edit);
+    spirv_link_begin(&values.link, edit);
     spirv_edit_annotations(edit);
     SPIRV_EACH(module, instruction, module->code, edit->failed ? module->code : module->count) {
         if (spirv_is(instruction, SpvOpFunction))
