@@ -30,8 +30,8 @@
  * exit. Each call removes pending OpenGL errors of the host and logs the first as a DT_WARNING.
  *
  * Several pipelines. A runtime holds one pipeline; open one runtime per pipeline and frame size,
- * all in one context. Runtimes share only objects that the host imports into both, and programs: a
- * second view of one pipeline takes them with dt_gl_create_from.
+ * all in one context. Runtimes share only objects that the host imports into both. A second view of one
+ * pipeline finds its programs in the driver's cache.
  *
  * Threads. One thread at a time may use a runtime, with the context current.
  *
@@ -133,10 +133,6 @@ bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scen
  * reuses its unchanged programs. The shaders must live until the next create or close. If the context
  * lacks what a pass needs, create logs it and the pass, and the pipeline before stays. */
 bool dt_gl_create(struct dt_gl_runtime *rt, const struct dt_shaders *shaders);
-
-/* The same with the shaders of `from`, whose programs both runtimes then share: compiles nothing. Both
- * have the same context. `from` may be closed first. */
-bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *from);
 
 /* Uses a texture of the host for a resource of the pipeline. The texture is immutable
  * (glTextureStorage2D, 3D for arrays and 3D images), with the format, size, layers or depth, and mips

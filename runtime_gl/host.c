@@ -135,16 +135,7 @@ bool dt_gl_import_scene(struct dt_gl_runtime *rt, const struct dt_gl_scene *scen
 
 bool dt_gl_create(struct dt_gl_runtime *rt, const struct dt_shaders *shaders)
 {
-    return rt && dt_front_create(&rt->core, shaders, NULL);
-}
-
-bool dt_gl_create_from(struct dt_gl_runtime *rt, const struct dt_gl_runtime *from)
-{
-    return rt && dt_front_can_share(&rt->core, core_of(from)) &&
-           (rt->glsl == from->glsl ||
-            dt_error(&rt->core, "create_from: one runtime has GLSL text, the other SPIR-V; open "
-                                "both alike")) &&
-           dt_front_create(&rt->core, &from->core.shaders, &from->core);
+    return rt && dt_front_create(&rt->core, shaders);
 }
 
 bool dt_gl_import_image(struct dt_gl_runtime *rt, uint32_t resource, unsigned texture)

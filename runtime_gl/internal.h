@@ -59,7 +59,6 @@ struct gl_import {
 
 struct gl_program {
     GLuint handle;
-    uint32_t *users; /* runtimes that share the handle */
     /* exist while the resources exist */
     GLuint framebuffer;            /* of a draw */
     GLuint views[DT_MAX_BINDINGS]; /* by binding: texture of one mip or layer; 0: the image's own */

@@ -122,29 +122,14 @@ static bool create_program(struct dt_core *core, void *made, uint32_t pass)
 {
     struct dt_gl_runtime *rt = gl_runtime_of(core);
     struct gl_program *program = made;
-    const char *name = dt_pass_name(core, pass);
-    if (!(program->users = calloc(1, sizeof *program->users)))
-        return dt_error(core, "pass %s: out of memory; free some", name);
-    *program->users = 1;
-    return gl_program_create(rt, &program->handle, name, &core->shaders.stages[pass]);
-}
-
-static bool share_program(struct dt_core *core, void *made, const void *other, uint32_t pass)
-{
-    const struct gl_program *from = other;
-    (void)core, (void)pass;
-    ++*from->users;
-    *(struct gl_program *)made = (struct gl_program){.handle = from->handle, .users = from->users};
-    return true;
+    return gl_program_create(rt, &program->handle, dt_pass_name(core, pass),
+                             &core->shaders.stages[pass]);
 }
 
 static void destroy_program(struct dt_core *core, void *made)
 {
     struct gl_program *program = made;
-    if (!program->users || --*program->users)
-        return;
     gl_program_destroy((struct dt_gl_runtime *)core, &program->handle);
-    free(program->users);
 }
 
 /* ---- Framebuffers of draws, and views of mips and layers -------------------------------------- */
@@ -368,7 +353,6 @@ const struct dt_backend gl_backend = {
     .create_sampler = gl_sampler_create,
     .destroy_sampler = gl_sampler_destroy,
     .create_program = create_program,
-    .share_program = share_program,
     .destroy_program = destroy_program,
     .create_resource = create_resource,
     .place_resources = place_resources,

@@ -33,15 +33,15 @@
  * exit.
  *
  * Several pipelines. A runtime holds one pipeline; open one runtime per pipeline and frame size,
- * all on one device. Runtimes share only objects that the host imports into both, and programs: a
- * second view of one pipeline, for example of another size, takes them with dt_vk_create_from.
+ * all on one device. Runtimes share only objects that the host imports into both. A second view of one
+ * pipeline, for example of another size, finds its programs in `pipeline_cache` or the driver's cache.
  *
  * Threads. One thread at a time may use a runtime and the command buffer passed to it; any thread,
  * for every call. Different threads may use different runtimes of one device at once: to open,
  * create and resize them, to record, and to close. The log and the host's callbacks are then called
  * from all of them. create takes long: call it on a thread of its own, or give `threads`.
  *
- * Memory. diptych allocates in open, import_scene, create, create_from and resize, and nothing in a
+ * Memory. diptych allocates in open, import_scene, create and resize, and nothing in a
  * frame. With `callbacks` and `allocator` all memory of Vulkan objects is the host's. Resources that
  * are never needed at the same time share memory.
  *
@@ -218,11 +218,6 @@ bool dt_vk_import_scene(struct dt_vk_runtime *rt, const struct dt_vk_scene *scen
 /* Creates the programs, which takes seconds on some drivers. Replaces the previous pipeline and
  * reuses its unchanged programs. The shaders must live until the next create or close. */
 bool dt_vk_create(struct dt_vk_runtime *rt, const struct dt_shaders *shaders);
-
-/* The same with the shaders of `from`, whose programs both runtimes then share: compiles nothing. Both
- * have the same device and callbacks. `from` may be closed first; no other thread uses it during the
- * call. */
-bool dt_vk_create_from(struct dt_vk_runtime *rt, const struct dt_vk_runtime *from);
 
 /* An image of the host, used for a resource of the pipeline: single-sampled, optimal tiling, with
  * the format, size, layers and mips of the resource; 2D, or 3D with the depth in `layers`; for a

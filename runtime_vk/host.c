@@ -253,16 +253,7 @@ bool dt_vk_add_buffer_usage(struct dt_vk_runtime *rt, uint32_t resource, VkBuffe
 
 bool dt_vk_create(struct dt_vk_runtime *rt, const struct dt_shaders *shaders)
 {
-    return rt && dt_front_create(&rt->core, shaders, NULL);
-}
-
-bool dt_vk_create_from(struct dt_vk_runtime *rt, const struct dt_vk_runtime *from)
-{
-    return rt && dt_front_can_share(&rt->core, core_of(from)) &&
-           ((rt->device == from->device && rt->callbacks == from->callbacks) ||
-            dt_error(&rt->core, "create_from: the runtimes have different devices or callbacks; "
-                                "open both with the same")) &&
-           dt_front_create(&rt->core, &from->core.shaders, &from->core);
+    return rt && dt_front_create(&rt->core, shaders);
 }
 
 static bool create_upload(struct dt_vk_runtime *rt)

@@ -2,8 +2,6 @@
  * and immediate commands. Private to this folder and its tests. */
 #pragma once
 
-#include <stdatomic.h>
-
 #include "diptych_vk.h"
 #include "dispatch.h"
 #include "front.h"
@@ -57,16 +55,10 @@ struct vk_choice {
     VkFlags usage; /* in addition, if not imported */
 };
 
-/* What runtimes may share of a program. */
-struct vk_pipeline {
-    atomic_uint users;
+struct vk_program {
     VkPipeline handle;
     VkPipelineLayout layout;
     VkDescriptorSetLayout set_layout;
-};
-
-struct vk_program {
-    struct vk_pipeline *pipeline;
     VkDescriptorPool pool;
     VkDescriptorSet set;
 };
@@ -316,11 +308,8 @@ struct vk_outcome {
     VkResult result;
     const char *call; /* that did not succeed */
 };
-struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt,
-                                     const struct vk_program *program,
+struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt, struct vk_program *program,
                                      const struct vk_program_info *info);
-/* Uses the pipeline of another runtime's program. */
-bool vk_program_share(struct dt_core *core, void *made, const void *other, uint32_t pass);
 void vk_program_destroy(struct dt_core *core, void *made);
 /* Of a pass of the core's panel (panel.c). */
 struct vk_program_info vk_program_info_of(const struct dt_core *core, uint32_t pass);

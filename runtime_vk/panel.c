@@ -142,7 +142,7 @@ static bool create_program(struct dt_core *core, void *program, uint32_t pass)
 static void adopt_program(struct dt_core *core, void *program, uint32_t pass)
 {
     const struct vk_program *adopted = program;
-    vk_set_name(vk_runtime_of(core), VK_OBJECT_TYPE_PIPELINE, (uint64_t)adopted->pipeline->handle,
+    vk_set_name(vk_runtime_of(core), VK_OBJECT_TYPE_PIPELINE, (uint64_t)adopted->handle,
                 dt_pass_name(core, pass));
 }
 
@@ -155,8 +155,8 @@ struct compiling {
 static void compile_pass(void *data, uint32_t pass)
 {
     const struct compiling *compiling = data;
-    const struct vk_program *program = dt_program(compiling->core, pass);
-    if (program->pipeline->handle) /* adopted or shared */
+    struct vk_program *program = dt_program(compiling->core, pass);
+    if (program->handle) /* adopted */
         return;
     struct vk_program_info info = vk_program_info_of(compiling->core, pass);
     compiling->outcomes[pass] =
@@ -388,7 +388,6 @@ const struct dt_backend vk_backend = {
     .destroy_sampler = vk_sampler_destroy,
     .create_program = create_program,
     .compile_programs = compile_programs,
-    .share_program = vk_program_share,
     .destroy_program = vk_program_destroy,
     .adopt_program = adopt_program,
     .create_resource = create_resource,

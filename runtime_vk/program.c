@@ -28,7 +28,7 @@ static const VkDescriptorType descriptor_types[] = {
 };
 enum { KINDS = DT_ARRAY_COUNT(descriptor_types) };
 
-static bool create_layouts(struct dt_vk_runtime *rt, struct vk_pipeline *pipeline,
+static bool create_layouts(struct dt_vk_runtime *rt, struct vk_program *program,
                            const struct vk_program_info *info)
 {
     const struct dt_program *state = info->state;
@@ -47,19 +47,17 @@ static bool create_layouts(struct dt_vk_runtime *rt, struct vk_pipeline *pipelin
         .pBindings = lines,
     };
     if (!VK(rt,
-            rt->vk.CreateDescriptorSetLayout(rt->device, &set, rt->callbacks,
-                                             &pipeline->set_layout),
+            rt->vk.CreateDescriptorSetLayout(rt->device, &set, rt->callbacks, &program->set_layout),
             info->name))
         return false;
     VkPipelineLayoutCreateInfo layout = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
         .setLayoutCount = 1,
-        .pSetLayouts = &pipeline->set_layout,
+        .pSetLayouts = &program->set_layout,
         .pushConstantRangeCount = state->layered,
         .pPushConstantRanges = &vk_layer_range,
     };
-    return VK(rt,
-              rt->vk.CreatePipelineLayout(rt->device, &layout, rt->callbacks, &pipeline->layout),
+    return VK(rt, rt->vk.CreatePipelineLayout(rt->device, &layout, rt->callbacks, &program->layout),
               info->name);
 }
 
@@ -89,7 +87,7 @@ static bool create_set(struct dt_vk_runtime *rt, struct vk_program *program,
         .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
         .descriptorPool = program->pool,
         .descriptorSetCount = 1,
-        .pSetLayouts = &program->pipeline->set_layout,
+        .pSetLayouts = &program->set_layout,
     };
     return VK(rt, rt->vk.AllocateDescriptorSets(rt->device, &allocate, &program->set), info->name);
 }
@@ -268,8 +266,7 @@ static VkPipelineCreateFlags creation_flags(const struct dt_vk_runtime *rt)
     return rt->captures ? VK_PIPELINE_CREATE_CAPTURE_STATISTICS_BIT_KHR : 0;
 }
 
-static struct vk_outcome compile_compute(const struct dt_vk_runtime *rt,
-                                         struct vk_pipeline *pipeline,
+static struct vk_outcome compile_compute(const struct dt_vk_runtime *rt, struct vk_program *program,
                                          const struct vk_program_info *info)
 {
     VkShaderModule module = VK_NULL_HANDLE;
@@ -280,11 +277,11 @@ static struct vk_outcome compile_compute(const struct dt_vk_runtime *rt,
         .sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO,
         .flags = creation_flags(rt),
         .stage = shader_stage(VK_SHADER_STAGE_COMPUTE_BIT, module),
-        .layout = pipeline->layout,
+        .layout = program->layout,
     };
     outcome.call = "vkCreateComputePipelines";
     outcome.result = rt->vk.CreateComputePipelines(rt->device, rt->cache, 1, &create, rt->callbacks,
-                                                   &pipeline->handle);
+                                                   &program->handle);
     rt->vk.DestroyShaderModule(rt->device, module, rt->callbacks);
     return outcome;
 }
@@ -375,7 +372,7 @@ static VkPipelineColorBlendAttachmentState blend_state(const struct dt_target *t
     };
 }
 
-static VkResult create_graphics(const struct dt_vk_runtime *rt, struct vk_pipeline *pipeline,
+static VkResult create_graphics(const struct dt_vk_runtime *rt, struct vk_program *program,
                                 const struct vk_program_info *info,
                                 const VkPipelineShaderStageCreateInfo stages[2])
 {
@@ -443,14 +440,14 @@ static VkResult create_graphics(const struct dt_vk_runtime *rt, struct vk_pipeli
         .pDepthStencilState = &depth,
         .pColorBlendState = &blend,
         .pDynamicState = &dynamic_state,
-        .layout = pipeline->layout,
+        .layout = program->layout,
     };
     return rt->vk.CreateGraphicsPipelines(rt->device, rt->cache, 1, &create, rt->callbacks,
-                                          &pipeline->handle);
+                                          &program->handle);
 }
 
 static struct vk_outcome compile_graphics(const struct dt_vk_runtime *rt,
-                                          struct vk_pipeline *pipeline,
+                                          struct vk_program *program,
                                           const struct vk_program_info *info)
 {
     VkShaderModule vertex = VK_NULL_HANDLE, fragment = VK_NULL_HANDLE;
@@ -463,7 +460,7 @@ static struct vk_outcome compile_graphics(const struct dt_vk_runtime *rt,
             shader_stage(VK_SHADER_STAGE_FRAGMENT_BIT, fragment),
         };
         outcome.call = "vkCreateGraphicsPipelines";
-        outcome.result = create_graphics(rt, pipeline, info, stages);
+        outcome.result = create_graphics(rt, program, info, stages);
     }
     rt->vk.DestroyShaderModule(rt->device, vertex, rt->callbacks);
     rt->vk.DestroyShaderModule(rt->device, fragment, rt->callbacks);
@@ -475,19 +472,15 @@ static struct vk_outcome compile_graphics(const struct dt_vk_runtime *rt,
 bool vk_program_begin(struct dt_vk_runtime *rt, struct vk_program *program,
                       const struct vk_program_info *info)
 {
-    *program = (struct vk_program){.pipeline = calloc(1, sizeof *program->pipeline)};
-    if (!program->pipeline)
-        return dt_error(&rt->core, "pass %s: out of memory; free some", info->name);
-    program->pipeline->users = 1;
-    return create_layouts(rt, program->pipeline, info) && create_set(rt, program, info);
+    *program = (struct vk_program){0};
+    return create_layouts(rt, program, info) && create_set(rt, program, info);
 }
 
-struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt,
-                                     const struct vk_program *program,
+struct vk_outcome vk_program_compile(const struct dt_vk_runtime *rt, struct vk_program *program,
                                      const struct vk_program_info *info)
 {
-    return info->stages->compute.size ? compile_compute(rt, program->pipeline, info)
-                                      : compile_graphics(rt, program->pipeline, info);
+    return info->stages->compute.size ? compile_compute(rt, program, info)
+                                      : compile_graphics(rt, program, info);
 }
 
 bool vk_program_create(struct dt_vk_runtime *rt, struct vk_program *program,
@@ -502,26 +495,13 @@ bool vk_program_create(struct dt_vk_runtime *rt, struct vk_program *program,
     return false;
 }
 
-bool vk_program_share(struct dt_core *core, void *made, const void *other, uint32_t pass)
-{
-    const struct vk_program_info info = vk_program_info_of(core, pass);
-    struct vk_program *program = made;
-    *program = (struct vk_program){.pipeline = ((const struct vk_program *)other)->pipeline};
-    program->pipeline->users++;
-    return create_set(vk_runtime_of(core), program, &info);
-}
-
 void vk_program_destroy(struct dt_core *core, void *made)
 {
     struct dt_vk_runtime *rt = vk_runtime_of(core);
     struct vk_program *program = made;
-    struct vk_pipeline *pipeline = program->pipeline;
     rt->vk.DestroyDescriptorPool(rt->device, program->pool, rt->callbacks); /* frees the set */
+    rt->vk.DestroyPipeline(rt->device, program->handle, rt->callbacks);
+    rt->vk.DestroyPipelineLayout(rt->device, program->layout, rt->callbacks);
+    rt->vk.DestroyDescriptorSetLayout(rt->device, program->set_layout, rt->callbacks);
     *program = (struct vk_program){0};
-    if (!pipeline || --pipeline->users)
-        return;
-    rt->vk.DestroyPipeline(rt->device, pipeline->handle, rt->callbacks);
-    rt->vk.DestroyPipelineLayout(rt->device, pipeline->layout, rt->callbacks);
-    rt->vk.DestroyDescriptorSetLayout(rt->device, pipeline->set_layout, rt->callbacks);
-    free(pipeline);
 }

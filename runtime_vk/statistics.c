@@ -81,7 +81,7 @@ bool vk_statistics_ask(struct vk_asking *asking, uint32_t pass, const struct dt_
     info.stages = stages;
     if (!vk_program_create(&asking->rt, &program, &info))
         return false;
-    bool good = ask_pipeline(asking, pass, program.pipeline->handle, out);
+    bool good = ask_pipeline(asking, pass, program.handle, out);
     vk_program_destroy(&asking->rt.core, &program);
     return good;
 }

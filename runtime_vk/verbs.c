@@ -176,9 +176,9 @@ static bool bind(struct dt_core *core, uint32_t pass)
                                     : VK_PIPELINE_BIND_POINT_GRAPHICS;
     if (point == VK_PIPELINE_BIND_POINT_GRAPHICS && !rt->core.panel->programs[pass].attributes)
         rt->bound.indices = NULL;
-    rt->vk.CmdBindPipeline(rt->frame_commands, point, program->pipeline->handle);
+    rt->vk.CmdBindPipeline(rt->frame_commands, point, program->handle);
     if (program->set)
-        rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->pipeline->layout, 0, 1,
+        rt->vk.CmdBindDescriptorSets(rt->frame_commands, point, program->layout, 0, 1,
                                      &program->set, 0, NULL);
     return true;
 }
@@ -295,8 +295,8 @@ static bool next_layers(struct dt_vk_runtime *rt, uint32_t pass, uint32_t layers
         return false;
     begin_rendering(rt, pass, layers, layer);
     if (layered)
-        rt->vk.CmdPushConstants(rt->frame_commands, program->pipeline->layout,
-                                vk_layer_range.stageFlags, 0, sizeof layer, &layer);
+        rt->vk.CmdPushConstants(rt->frame_commands, program->layout, vk_layer_range.stageFlags, 0,
+                                sizeof layer, &layer);
     *done = alone ? *done + 1 : layers;
     return true;
 }

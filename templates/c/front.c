@@ -428,35 +428,20 @@ static bool allocate(struct dt_core *core)
            dt_error(core, "pipeline %s: out of memory; free some", core->pipeline->name);
 }
 
-static bool make_program(struct dt_core *core, const struct made *before,
-                         const struct dt_core *from, uint32_t pass)
-{
-    const struct dt_backend *backend = core->backend;
-    if (from)
-        return backend->share_program(core, dt_program(core, pass), dt_program(from, pass), pass);
-    return take_program(core, before, pass) ||
-           backend->create_program(core, dt_program(core, pass), pass);
-}
-
-static bool make(struct dt_core *core, const struct made *before, const struct dt_core *from)
+static bool make(struct dt_core *core, const struct made *before)
 {
     bool good = allocate(core) && core->backend->begin_panel(core);
     for (uint32_t i = 0; good && i < core->panel->sampler_count; i++)
         good = core->backend->create_sampler(core, dt_sampler(core, i), &core->panel->samplers[i]);
     for (uint32_t i = 0; good && i < core->pipeline->pass_count; i++)
-        good = make_program(core, before, from, i);
+        good = take_program(core, before, i) ||
+               core->backend->create_program(core, dt_program(core, i), i);
     return good && (!core->backend->compile_programs || core->backend->compile_programs(core));
 }
 
 bool dt_front_given(const struct dt_core *core, const void *pointer, const char *what)
 {
     return core && (pointer || dt_error(core, "%s is NULL; give one", what));
-}
-
-bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from)
-{
-    return (from && from != core && from->panel) ||
-           dt_error(core, "create_from: the other runtime has no pipeline; create it there first");
 }
 
 bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel)
@@ -499,15 +484,14 @@ bool dt_front_takes_gpu(const struct dt_core *core, const struct dt_panel *panel
     return elements > most;
 }
 
-bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
-                     const struct dt_core *from)
+bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders)
 {
     if (!dt_front_given(core, shaders, "create: the struct dt_shaders") ||
         !dt_front_takes(core, shaders->panel))
         return false;
     const struct dt_pipeline *pipeline = shaders->panel->pipeline;
     struct dt_shaders chosen = *shaders;
-    if (chosen.panel->gpu && !from && dt_front_takes_gpu(core, chosen.panel)) {
+    if (chosen.panel->gpu && dt_front_takes_gpu(core, chosen.panel)) {
         chosen.panel = chosen.panel->gpu;
         chosen.stages += pipeline->pass_count;
     }
@@ -520,7 +504,7 @@ bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
         core->shaders = chosen;
         core->panel = chosen.panel;
         core->pipeline = pipeline;
-        good = make(core, &before, from);
+        good = make(core, &before);
         destroy_programs(core, &before);
         if (!good)
             destroy_pipeline(core);
@@ -1294,7 +1278,7 @@ bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene)
 
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders)
 {
-    return dt_front_create(runtime, shaders, NULL);
+    return dt_front_create(runtime, shaders);
 }
 
 bool dt_verb_resize(void *runtime, uint32_t width, uint32_t height)

@@ -131,8 +131,6 @@ struct dt_backend {
     bool (*create_program)(struct dt_core *core, void *program, uint32_t pass);
     /* Completes all programs that were created; NULL: they are complete. */
     bool (*compile_programs)(struct dt_core *core);
-    /* In place of create_program: shares what it can with the same program of another core. */
-    bool (*share_program)(struct dt_core *core, void *program, const void *other, uint32_t pass);
     void (*destroy_program)(struct dt_core *core, void *program);
     /* Takes over a program of the previous panel, with the same code and state, for this pass. NULL: nothing to do. */
     void (*adopt_program)(struct dt_core *core, void *program, uint32_t pass);
@@ -191,11 +189,7 @@ bool dt_front_takes(const struct dt_core *core, const struct dt_panel *panel);
 bool dt_front_given(const struct dt_core *core, const void *pointer, const char *what);
 /* Whether the device, or the length of its texel buffers against the scene, asks for panel->gpu. */
 bool dt_front_takes_gpu(const struct dt_core *core, const struct dt_panel *panel);
-/* `from`: a core with the same shaders, whose programs are shared; NULL: none. */
-bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders,
-                     const struct dt_core *from);
-/* Whether a host's runtime can share the programs of another one. */
-bool dt_front_can_share(const struct dt_core *core, const struct dt_core *from);
+bool dt_front_create(struct dt_core *core, const struct dt_shaders *shaders);
 bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height);
 /* Renders the passes `first` to `end` - 1 of a frame: all, or a host's part. The part that begins
  * with pass 0 begins the frame, and its frame and live parameters (NULL: the defaults) hold for all

@@ -198,25 +198,6 @@ TEST_WITH(opengl_draws_vertices_of_another_layout, NULL, is_without_error)
     }
 }
 
-TEST_WITH(opengl_shares_programs, NULL, is_without_error)
-{
-    const struct dt_gl_host host = {.log = test_log, .get_proc_address = eglGetProcAddress};
-    const struct dt_gl_host text = {
-        .log = test_log, .get_proc_address = eglGetProcAddress, .glsl = true};
-    const struct dt_gl_scene scene = gl_scene();
-    struct dt_frame frame = frame_of(0);
-    struct dt_gl_runtime *rt = dt_gl_open(&host), *other = dt_gl_open(&host);
-    REFUSED(dt_gl_create_from(other, rt), "create_from: the other runtime has no pipeline");
-    assert_true(dt_gl_create(rt, &features_gl) && dt_gl_import_scene(other, &scene) &&
-                dt_gl_create_from(other, rt) && dt_gl_resize(other, WIDTH, HEIGHT));
-    dt_gl_close(rt);
-    assert_true(dt_gl_record(other, &frame, NULL));
-    rt = dt_gl_open(&text);
-    REFUSED(dt_gl_create_from(rt, other), "one runtime has GLSL text");
-    dt_gl_close(rt);
-    dt_gl_close(other);
-}
-
 static struct dt_gl_runtime *outside_gl_runtime;
 
 static bool opengl_writes(uint32_t resource, uint32_t mip, const struct dt_bytes *bytes)

@@ -23,37 +23,19 @@ TEST_WITH(vulkan_uses_memory_cache_and_threads_of_the_host, NULL, is_silent)
     assert_memory_equal(wanted, found, TRAIL_BYTES);
     assert_true(vk.blocks > FEATURES_PASSES && own.memory > 1);
 
-    struct dt_vk_runtime *other =
-        dt_vk_open(&host); /* shares all programs, and outlives the first */
-    assert_true(other && dt_vk_import_scene(other, &vk_scene) && dt_vk_create_from(other, rt) &&
-                dt_vk_resize(other, WIDTH, HEIGHT));
-    assert_int_equal(own.pipelines, FEATURES_PASSES);
     assert_int_equal(own.strangers, 0);
     dt_vk_close(rt);
-    run_frames(other, found);
-    assert_memory_equal(wanted, found, TRAIL_BYTES);
-    dt_vk_close(other);
     assert_int_equal(vk.blocks, 0);
     assert_int_equal(own.memory, 0);
     vkDestroyPipelineCache(vk.device, own.cache, NULL);
     own.cache = VK_NULL_HANDLE;
 }
 
-TEST_WITH(vulkan_tells_what_cannot_be_shared, NULL, is_silent)
+TEST_WITH(vulkan_needs_both_of_an_allocator, NULL, is_silent)
 {
-    struct dt_vk_host host = vk_host(), other = vk_host();
-    struct dt_vk_runtime *rt = open_features(), *bare = dt_vk_open(&host);
-    REFUSED(dt_vk_create_from(rt, bare), "create_from: the other runtime has no pipeline");
-    REFUSED(dt_vk_create_from(rt, rt), "create_from: the other runtime has no pipeline");
-    other.callbacks = &vk.callbacks;
-    struct dt_vk_runtime *careful = dt_vk_open(&other);
-    REFUSED(dt_vk_create_from(careful, rt), "create_from: the runtimes have different devices");
-    other.allocator.allocate = own_allocate;
-    REFUSED(dt_vk_open(&other), "only one of allocate and free");
-    dt_vk_close(careful);
-    dt_vk_close(bare);
-    dt_vk_close(rt);
-    assert_int_equal(vk.blocks, 0);
+    struct dt_vk_host host = vk_host();
+    host.allocator.allocate = own_allocate;
+    REFUSED(dt_vk_open(&host), "only one of allocate and free");
 }
 
 RUN_TESTS("memory", open_vulkan, close_vulkan)

@@ -20,7 +20,7 @@ TEST(nothing_for_vulkan)
     assert_null(dt_vk_open(NULL));
     dt_vk_close(NULL);
     assert_false(dt_vk_import_scene(NULL, NULL) || dt_vk_create(NULL, NULL));
-    assert_false(dt_vk_create(NULL, &outside_vk) || dt_vk_create_from(NULL, NULL));
+    assert_false(dt_vk_create(NULL, &outside_vk));
     assert_false(dt_vk_import_image(NULL, 0, NULL) || dt_vk_import_buffer(NULL, 0, NULL));
     assert_false(dt_vk_add_image_usage(NULL, 0, 0) || dt_vk_add_buffer_usage(NULL, 0, 0));
     assert_false(dt_vk_resize(NULL, 0, 0));
@@ -35,7 +35,7 @@ TEST(nothing_for_opengl)
     assert_null(dt_gl_open(NULL));
     dt_gl_close(NULL);
     assert_false(dt_gl_import_scene(NULL, NULL) || dt_gl_create(NULL, NULL));
-    assert_false(dt_gl_create(NULL, &outside_gl) || dt_gl_create_from(NULL, NULL));
+    assert_false(dt_gl_create(NULL, &outside_gl));
     assert_false(dt_gl_import_image(NULL, 0, 0) || dt_gl_import_buffer(NULL, 0, NULL));
     assert_false(dt_gl_resize(NULL, 0, 0) || dt_gl_write(NULL, 0, 0, NULL));
     assert_false(dt_gl_record(NULL, NULL, NULL) || dt_gl_record_passes(NULL, NULL, NULL, 0, 0));
@@ -85,7 +85,6 @@ TEST_WITH(opengl_names_what_is_missing, open_opengl, close_opengl)
     const uint32_t kernel = OUTSIDE_RESOURCE_KERNEL;
     REFUSED(dt_gl_import_scene(rt, NULL), "import_scene: the struct dt_gl_scene is NULL");
     REFUSED(dt_gl_create(rt, NULL), "create: the struct dt_shaders is NULL");
-    REFUSED(dt_gl_create_from(rt, NULL), "create_from: the other runtime has no pipeline");
     REFUSED(dt_gl_import_buffer(rt, kernel, NULL), "import_buffer: the struct dt_gl_range is NULL");
     REFUSED(dt_gl_get_resource(rt, 0, NULL), "resource: the struct dt_gl_resource is NULL");
     REFUSED(dt_gl_write(rt, kernel, 0, NULL), "write: the struct dt_bytes is NULL");
@@ -107,7 +106,6 @@ TEST_WITH(vulkan_names_what_is_missing, open_vulkan, close_vulkan)
     const uint32_t kernel = OUTSIDE_RESOURCE_KERNEL, picture = OUTSIDE_RESOURCE_PICTURE;
     REFUSED(dt_vk_import_scene(rt, NULL), "import_scene: the struct dt_vk_scene is NULL");
     REFUSED(dt_vk_create(rt, NULL), "create: the struct dt_shaders is NULL");
-    REFUSED(dt_vk_create_from(rt, NULL), "create_from: the other runtime has no pipeline");
     REFUSED(dt_vk_import_image(rt, picture, NULL), "import_image: the struct dt_vk_image is NULL");
     REFUSED(dt_vk_import_buffer(rt, kernel, NULL), "import_buffer: the struct dt_vk_range is NULL");
     REFUSED(dt_vk_get_resource(rt, 0, NULL), "resource: the struct dt_vk_resource is NULL");

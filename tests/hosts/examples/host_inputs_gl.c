@@ -62,12 +62,10 @@ static void draw_marks(struct dt_gl_runtime *rt)
         draw_tile(irradiance.texture, column, MARKED_ROW, mark);
 }
 
-static struct view open_view(const struct dt_gl_host *host, const struct view *first)
+static struct view open_view(const struct dt_gl_host *host)
 {
     struct view view = {.rt = dt_gl_open(host)};
-    check(view.rt &&
-              (first ? dt_gl_create_from(view.rt, first->rt) : dt_gl_create(view.rt, &lit_gl)),
-          "opening a view");
+    check(view.rt && dt_gl_create(view.rt, &lit_gl), "opening a view");
     for (uint32_t i = 0; i < TARGETS; i++) {
         view.gbuffer[i] = make_texture(formats[i], WIDTH, HEIGHT);
         check(dt_gl_import_image(view.rt, inputs[i], view.gbuffer[i]), "importing a target");
@@ -116,7 +114,7 @@ static void run(const struct dt_gl_host *host)
 {
     struct view views[VIEWS];
     for (uint32_t i = 0; i < VIEWS; i++)
-        views[i] = open_view(host, i ? &views[0] : NULL);
+        views[i] = open_view(host);
     for (uint32_t index = 0; index < MOMENTS; index++)
         for (uint32_t i = 0; i < VIEWS; i++) {
             run_frame(&views[i], index, index + i);

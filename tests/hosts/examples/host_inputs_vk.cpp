@@ -216,9 +216,7 @@ void open_view(Host &host, uint32_t lane)
     what.get_instance_proc_addr = vkGetInstanceProcAddr;
     what.device_info = &base.device_info;
     view.rt = dt_vk_open(&what);
-    check(view.rt && (lane ? dt_vk_create_from(view.rt, host.views[0].rt)
-                           : dt_vk_create(view.rt, &lit_vk)),
-          "opening a view");
+    check(view.rt && dt_vk_create(view.rt, &lit_vk), "opening a view");
     for (uint32_t i = 0; i < TARGETS; i++)
         import_target(base, view, i);
     for (uint32_t i = 0; i < IN_FLIGHT; i++) {

@@ -1,8 +1,8 @@
 /* Takes diptych's pipelines into a Vulkan renderer (renderer_vk.c): device, memory, cache, threads, command
  * buffers, vertex buffers and pictures are its own. `host_vk SCENE WIDTH HEIGHT FRAMES SSVP.ppm [RSM.ppm
- * [SSVP.ppm]]` runs ssvp, ssvp and rsm, or these and a second view of ssvp, which takes the programs of
- * the first; each on a thread that opens it, records it and closes it, two frames in flight. Built against
- * an installed diptych by tests/hosts/install_test.sh. */
+ * [SSVP.ppm]]` runs ssvp, ssvp and rsm, or these and a second view of ssvp; each on a thread that opens
+ * it, records it and closes it, two frames in flight. Built against an installed diptych by
+ * tests/hosts/install_test.sh. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -161,8 +161,7 @@ static void open_view(void *data, uint32_t lane)
         .layout_after = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
     };
     check(view->rt && dt_vk_import_scene(view->rt, &host->scene) &&
-              (lane < 2 ? dt_vk_create(view->rt, pipeline->shaders)
-                        : dt_vk_create_from(view->rt, host->views[0].rt)) &&
+              dt_vk_create(view->rt, pipeline->shaders) &&
               dt_vk_import_image(view->rt, pipeline->output, &image) &&
               dt_vk_import_buffer(view->rt, pipeline->exposure, &exposure) &&
               dt_vk_resize(view->rt, renderer->width, renderer->height),
@@ -228,9 +227,7 @@ static void run(struct host *host, const char *scene_path, uint32_t frames, uint
     dt_scene_frame(scene, renderer->width, renderer->height, &host->frame);
     renderer_open(renderer, suits);
     struct buffer geometry = make_scene(renderer, dt_scene_data(scene), &host->scene);
-    renderer_run(renderer, count < 2 ? count : 2, open_view, host);
-    for (uint32_t i = 2; i < count; i++)
-        open_view(host, i);
+    renderer_run(renderer, count, open_view, host);
     for (host->frame.index = 0; host->frame.index < frames; host->frame.index++) {
         begin_frame(renderer, host->frame.index);
         renderer_run(renderer, count, record_view, host);
