@@ -33,6 +33,9 @@ MORE = [
     ("r = clamp(x, uintBitsToFloat(0x7fc00000u), 1.0);", "clamp", "nan goes into `clamp`", 0),
     ("r = clamp(x, 0.0, uintBitsToFloat(0x7fc00000u));", "clamp", "nan goes into `clamp`", 0),
     ("r = float(rem(7, i - 3));", "rem", "7 % 0", 3, "#extension GL_EXT_spirv_intrinsics : require\nspirv_instruction(id = 138) int rem(int a, int b);\n"),
+    ("r = float(float16_t(x * 2e3));", "float16_t", "float16_t makes infinity of 66000", 33, "#extension GL_EXT_shader_explicit_arithmetic_types_float16 : require\n"),
+    *((f"r = unpack{pack}(pack{pack}({vector}(i < 9 ? x : nan))).x;", f"pack{pack}", f"pack{pack} of a NaN", 9, sanitize.NAN)
+      for pack, vector in (("Snorm4x8", "vec4"), ("Unorm2x16", "vec2"), ("Snorm2x16", "vec2"))),
     ("r = log2(x);", "log2", "log2(0)", 0),
     ("r = (x + 1e38) + 3.1e38;", "+ 3.1", "`+` of finite numbers makes inf", 0),
     ("r = (x - 3.3e38) - 3.1e38;", "- 3.1", "`-` of finite numbers makes -inf", 0),
@@ -220,7 +223,7 @@ class Bench:
     def tables(self):
         self.compile()
         for number, _, word in table_rows(self.source):
-            self.judge(number, lambda row: word in row[0], MUTANT=number)
+            self.judge(number, lambda row: word in row[0] + row[2], MUTANT=number)
         begin = self.source.index("static bool put_before(")
         for case in re.findall(r"case (SpvOp\w+):\n", self.source[begin : self.source.index("default", begin)]):
             self.judge(case, lambda row: "index" in row[2] or "texel" in row[2], MUTANT="case " + case)
