@@ -159,6 +159,8 @@ static void check_body(struct checker *c, struct pass *pass)
     c->out_of_memory |= pass->body && !pass->files;
     if (!pass->files)
         return;
+    if (!files_are_whole(pass->files))
+        check_body_words(c, pass);
     pass->shader =
         pass->more ? pass->more : body_name(c, pass->shader, pass->shader_loc, pass->body);
     pass->minds_group = minds_group(pass->files);

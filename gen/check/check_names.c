@@ -166,6 +166,13 @@ static void check_word(struct checker *c, const char *name, struct loc loc, enum
         diag_error(c->diag, loc, refusal, name);
 }
 
+void check_body_words(struct checker *c, const struct pass *pass)
+{
+    for (uint32_t i = 0; i < pass->access_count; i++)
+        if (pass->accesses[i].as)
+            check_word(c, pass->accesses[i].as, pass->accesses[i].as_loc, BODIES);
+}
+
 /* A member of a struct in the generated header, which has no prefix there. */
 static void check_member(struct checker *c, const char *name, struct loc loc)
 {
@@ -387,7 +394,6 @@ static void check_words(struct checker *c, const struct pass *pass, struct decla
             declared_find(c->pipeline, DECLARED_RESOURCE, access->name);
         if (!access->as || !strcmp(access->as, word_of(c, access->name)))
             continue;
-        check_word(c, access->as, access->as_loc, BODIES);
         check_word_once(c, pass, i);
         refuse_taken(c, pass, access->as, access->as_loc, list, count, " for `as`");
         for (size_t k = 0; k < count; k++)

@@ -47,6 +47,8 @@ bool image_extent(const struct resource *image, uint32_t mip, const int frame[2]
 
 /* check_names.c */
 void check_names(struct checker *c); /* duplicates, reserved words */
+/* Reserved words of GLSL for `as`. Not of whole shaders, which may be HLSL, or modules. */
+void check_body_words(struct checker *c, const struct pass *pass);
 /* Resolves names: element types, accesses, uses, after, outputs. */
 void check_references(struct checker *c);
 bool pass_writes(const struct pass *pass, const struct resource *resource); /* check.c */

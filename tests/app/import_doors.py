@@ -187,6 +187,8 @@ case("what OpenGL's SPIR-V has not", {"a.comp": "#version 450\n#extension GL_EXT
      "shared S { uint s[]; } s;\nvoid main() { s.s[0] = 1; w[0] = s.s[0]; }\n".replace("s[];", "s[4];")}, 1, "a.comp:5: `shared block` needs a later SPIR-V than OpenGL takes")
 case("more textures in structs than a pass can have", {"a.frag": fragment("struct S { sampler2D t; };\nuniform S s[40];", " + ".join(f"texture(s[{i}].t, vec2(0.5))" for i in range(40)))}, 1,
      "has 40 textures; a pass can have 16")
+case("names of HLSL that are words of GLSL", {"a.hlsl": "Texture2D<float4> input;\nRWStructuredBuffer<float4> output, buffer;\n[numthreads(1, 1, 1)]\nvoid main() { buffer[0] = output[0] = input[uint2(0, 0)]; }\n"}, 0,
+     "updates: [{name: p_buffer, as: buffer}, {name: p_output, as: output}]")
 case("a counter of HLSL", {"a.hlsl": "AppendStructuredBuffer<uint> a;\n[numthreads(1, 1, 1)]\nvoid main() { a.Append(1); }\n"}, 0, "updates: [a, a_at_count]")
 case("a matrix of integers", {"a.hlsl": "RWStructuredBuffer<int> a;\n[numthreads(1, 1, 1)]\nvoid main() {\n    int2x2 m = 1;\n    a[0] = m[0][0];\n}\n"}, 1,
      "a.hlsl:3:1: error: a matrix of integers or bools, which SPIR-V has not")
