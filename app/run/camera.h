@@ -1,4 +1,4 @@
-/* Moves the camera of the window, and saves it to the scene file. */
+/* Moves the camera of the window, and writes it. */
 #pragma once
 
 #include "scenes/scene.h"
@@ -14,7 +14,3 @@ void camera_orbit(struct dt_scene_camera *camera, float right, float up);
 
 /* The camera as a mapping in YAML; free(). NULL: out of memory. */
 char *camera_text(const struct dt_scene_camera *camera);
-
-/* Replaces only the camera's mapping in the scene file. Writes the file whole or leaves it as it
- * was; errors are logged. */
-bool camera_save(const struct dt_scene_camera *camera, const char *path, const struct dt_log *log);

@@ -353,7 +353,7 @@ static const char key_text[] =
     "B  Ctrl+Z     settings A or B; undo\n"
     "Space  .      pause; one frame\n"
     "0..9          the first live parameter that is an integer\n"
-    "P  Ctrl+S     save the picture; the camera into the scene file\n"
+    "P  Ctrl+S     save the picture; the camera, for --motion\n"
     "F2 F3 F4 H    left, right, lower pane; all of them\n"
     "Ctrl + -      larger, smaller letters\n"
     "Esc           end";

@@ -142,7 +142,7 @@ static void time_bar(struct overlay_model *model)
         model->wishes |= OVERLAY_PAUSE;
     if (button("one frame", "the . key"))
         model->wishes |= OVERLAY_STEP | OVERLAY_ALONE;
-    if (button("save camera", "Ctrl+S: into the scene file"))
+    if (button("save camera", "Ctrl+S: as a file for --motion"))
         model->wishes |= OVERLAY_SAVE_CAMERA;
     if (model->moments) {
         const uint32_t least = 0, most = model->moments - 1;

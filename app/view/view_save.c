@@ -79,6 +79,21 @@ static void save_sides(struct view *view, const char *ending,
     }
 }
 
+/* The camera as a motion of one frame. */
+static char *write_camera(const struct view *view)
+{
+    char *path = free_name(".motion.yaml", &view->console->log);
+    char *camera = camera_text(&view->scene.camera);
+    char *text = camera ? format_string("keys:\n  - {at: 0, camera: %s}\n", camera) : NULL;
+    bool good = path && text && file_write(path, text, strlen(text), &view->console->log);
+    free(text);
+    free(camera);
+    if (good)
+        return path;
+    free(path);
+    return NULL;
+}
+
 /* ---- What the user asks for ------------------------------------------------------------------ */
 
 static void save_sets(const struct view *view)
@@ -107,11 +122,13 @@ void view_save(struct view *view, unsigned wishes)
         save_sides(view, ".npy", write_npy);
     if (wishes & OVERLAY_SAVE_SETS)
         save_sets(view);
-    if (wishes & OVERLAY_SAVE_CAMERA && !view->scene.path)
-        report_message(log, DT_WARNING, "there is no scene file to save the camera into");
-    else if (wishes & OVERLAY_SAVE_CAMERA &&
-             camera_save(&view->scene.camera, view->scene.path, log))
-        report_message(log, DT_INFO, "saved the camera into %s", view->scene.path);
+    if (wishes & OVERLAY_SAVE_CAMERA && !view->scene.path) {
+        report_message(log, DT_WARNING, "there is no scene, and no camera to save");
+    } else if (wishes & OVERLAY_SAVE_CAMERA) {
+        char *path = write_camera(view);
+        tell(view, path, path);
+        free(path);
+    }
 }
 
 bool view_photograph(struct view *view, const char *path)
@@ -167,21 +184,6 @@ static void *run_bisection(void *user)
                        status);
     *work->running = false;
     free_bisection(work);
-    return NULL;
-}
-
-/* The camera as a motion of one frame. */
-static char *write_camera(const struct view *view)
-{
-    char *path = free_name(".motion.yaml", &view->console->log);
-    char *camera = camera_text(&view->scene.camera);
-    char *text = camera ? format_string("keys:\n  - {at: 0, camera: %s}\n", camera) : NULL;
-    bool good = path && text && file_write(path, text, strlen(text), &view->console->log);
-    free(text);
-    free(camera);
-    if (good)
-        return path;
-    free(path);
     return NULL;
 }
 
