@@ -376,6 +376,16 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
     return NULL;
 }
 
+/* Functions of HLSL 2021. A number without a point may stand beside floats. */
+static const char of_2021[] =
+    "#define SELECT(B, T, A, C) T select(B c, A a, C b) { return c ? a : b; }\n"
+    "#define EACH(B, F, I, U) SELECT(B, F, F, F) SELECT(B, F, F, int) SELECT(B, F, int, F) "
+    "SELECT(B, I, I, I) SELECT(B, U, U, U) SELECT(B, B, B, B) "
+    "B and(B a, B b) { return a && b; } B or(B a, B b) { return a || b; }\n"
+    "EACH(bool, float, int, uint) EACH(bool2, float2, int2, uint2)\n"
+    "EACH(bool3, float3, int3, uint3) EACH(bool4, float4, int4, uint4)\n"
+    "#undef SELECT\n#undef EACH\n";
+
 /* entry: gets the name of the entry point. */
 static struct glslang_job job_of(const struct import_texts *texts, const char *name, int stage,
                                  char entry[ENTRY_SIZE])
@@ -388,6 +398,7 @@ static struct glslang_job job_of(const struct import_texts *texts, const char *n
                                 .lines = true,
                                 .hlsl = named ? entry : "main",
                                 .name = name,
+                                .more = texts->of_2021 ? of_2021 : NULL,
                                 .include = texts_include,
                                 .user = texts};
 }
@@ -400,12 +411,28 @@ void hlsl_initials(const struct import_texts *texts, const char *name, int stage
     glsl_initials(&job, reflect_initial, reflection);
 }
 
-uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage,
+/* With the functions of 2021 where it lacks functions: else an author's of these names would be there twice. */
+static uint32_t *compile(struct import_texts *texts, const char *name, int stage, size_t *count,
+                         char **why)
+{
+    char entry[ENTRY_SIZE], *first = NULL;
+    struct glslang_job job = job_of(texts, name, stage, entry);
+    uint32_t *words = spirv_init(true) ? glslang_compile(&job, count, why) : NULL;
+    if (words || !*why || !strstr(*why, "no matching overloaded function"))
+        return words;
+    first = *why;
+    job.more = of_2021;
+    words = glslang_compile(&job, count, why);
+    texts->of_2021 = words;
+    free(words ? first : *why);
+    *why = words ? NULL : first;
+    return words;
+}
+
+uint32_t *hlsl_compile(struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why)
 {
-    char entry[ENTRY_SIZE];
-    const struct glslang_job job = job_of(texts, name, stage, entry);
-    uint32_t *words = spirv_init(true) ? glslang_compile(&job, count, why) : NULL;
+    uint32_t *words = compile(texts, name, stage, count, why);
     uint32_t *meant = put_all_meant(words, count, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
     char *said = NULL;

@@ -25,5 +25,5 @@ void hlsl_initials(const struct import_texts *texts, const char *name, int stage
                    struct reflection *reflection);
 
 /* The module of a stage, *count words; free(). NULL: *why, free(), has glslang's messages; NULL: out of memory. */
-uint32_t *hlsl_compile(const struct import_texts *texts, const char *name, int stage,
+uint32_t *hlsl_compile(struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why);

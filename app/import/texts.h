@@ -16,6 +16,7 @@ struct import_texts {
     uint32_t count, includes;
     size_t bytes;       /* of all includes so far; a file counts as often as it is included */
     const char *excess; /* a bound that was met; NULL: none */
+    bool of_2021;       /* HLSL that needs functions which glslang has not */
 };
 
 /* Reads the shader. False: logged. texts_free either way. */

@@ -98,6 +98,7 @@ void set_hlsl(glslang::TShader &shader, const glslang_job &job)
     shader.setStringsWithLengthsAndNames(&job.code, nullptr, &job.name, 1);
     shader.setEntryPoint(job.hlsl);
     shader.setSourceEntryPoint(job.hlsl);
+    shader.setPreamble(job.more ? job.more : "");
     shader.setShiftBinding(glslang::EResTexture, 64);
     shader.setShiftBinding(glslang::EResSampler, 128);
     shader.setShiftBinding(glslang::EResSsbo, 192);

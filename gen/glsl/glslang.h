@@ -28,6 +28,7 @@ struct glslang_job {
     bool structs;     /* with `opengl`, to be compiled: structs of uniforms keep their textures */
     const char *hlsl; /* the entry point of HLSL; NULL: GLSL */
     const char *name; /* of the file, for OpLine of HLSL */
+    const char *more; /* HLSL before it; NULL: none */
     /* #include "name" in the file of that number; "": in `code`. False: there is none. */
     bool (*include)(const void *user, const char *from, const char *name,
                     struct glslang_file *file);

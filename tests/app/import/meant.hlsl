@@ -19,5 +19,6 @@ void main(uint i : SV_DispatchThreadID)
         InterlockedAdd(sum, 5);
         meant[4] = sum;
         meant[5] = first.y + second.x * 10 + third * 100;
+        meant[6] = select(or(zero > 1, and(sum > 8, true)), select(first < 1, first, second).x, 7);
     }
 }
