@@ -1,5 +1,6 @@
 /* Pieces that all emitters of C share; see emit_c.h. */
 #include "emit_c.h"
+#include "read/body_files.h"
 
 #include <ctype.h>
 #include <inttypes.h>
@@ -171,15 +172,9 @@ void c_add(const struct c_output *c, const char *text, ...)
 
 static bool names_word(const char *text, const char *word)
 {
-    size_t length = strlen(word);
-
-    for (const char *at = text; text && (at = strstr(at, word)); at += length) {
-        unsigned char before = at > text ? (unsigned char)at[-1] : ' ',
-                      after = (unsigned char)at[length];
-
-        if (!isalnum(before) && !strchr("_.>", before) && !isalnum(after) && after != '_')
+    for (const char *at = text; (at = find_word(at, word)); at += strlen(word))
+        if (at == text || at[-1] != '>')
             return true;
-    }
     return false;
 }
 

@@ -6,8 +6,6 @@ layout(std430, @cells@) coherent buffer Diptych_cells {
     uint diptych_cells[];
 };
 
-uvec3 diptych_place_at(const uvec3 group, const uvec3 local); /* of an invocation */
-
 uint diptych_group()
 {
     return (gl_WorkGroupID.z * gl_NumWorkGroups.y + gl_WorkGroupID.y) * gl_NumWorkGroups.x + gl_WorkGroupID.x;

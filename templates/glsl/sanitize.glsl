@@ -5,8 +5,18 @@
  * site: where the author wrote it, what: which operation. Both are indices of model->sites; they differ where a generated
  * function, like NAME_store(), holds the operation and the author calls it. */
 
-uvec3 diptych_place(); /* of the invocation */
-uvec3 diptych_extent(); /* of all of them */
+/* Place of the invocation, and extent of all of them. */
+#if defined(VERTEX)
+uvec3 diptych_place() { return uvec3(gl_VertexIndex, gl_InstanceIndex, 0); }
+uvec3 diptych_extent() { return uvec3(1048576, 4096, 1); }
+#elif defined(FRAGMENT)
+uvec3 diptych_place() { return uvec3(gl_FragCoord.xy, 0.0); }
+uvec3 diptych_extent() { return uvec3(65536, 65536, 1); }
+#else
+uvec3 diptych_place_at(const uvec3 group, const uvec3 local) { return @place@; }
+uvec3 diptych_place() { return diptych_place_at(gl_WorkGroupID, gl_LocalInvocationID); }
+uvec3 diptych_extent() { return diptych_place_at(gl_NumWorkGroups, uvec3(0)); }
+#endif
 uint diptych_now(); /* the frame's index + 1 */
 uint diptych_frame_size(); /* width and height in half a word each */
 
