@@ -4,7 +4,6 @@
 #include <ctype.h>
 #include <spirv/unified1/GLSL.std.450.h>
 #include <spirv/unified1/spirv.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,28 +19,17 @@ static bool has_name(const struct spirv *module, uint32_t id)
     return name && *name;
 }
 
-__attribute__((format(printf, 3, 4))) static void put_format(struct spirv_edit *edit, uint32_t id,
-                                                             const char *format, ...)
-{
-    char name[256];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(name, sizeof name, format, arguments);
-    va_end(arguments);
-    spirv_put_name(edit, id, name);
-}
-
 /* Members of a block of uniforms or inputs, which a spec gives values by their names. */
 static void name_members(struct spirv_edit *edit, uint32_t type, const char *block)
 {
     const uint32_t *declared = spirv_definition(edit->from, type);
     for (uint32_t m = 0; m + 2 < spirv_length(declared); m++) {
         const char *own = spirv_member_name(edit->from, type, m);
-        uint32_t text[64] = {type, m};
+        char text[248];
         if (own && *own)
             continue;
-        int length = snprintf((char *)(text + 2), sizeof text - 8, "%.200s_%u", block, m);
-        spirv_put(edit, &edit->front, SpvOpMemberName, text, 2 + (size_t)length / 4 + 1);
+        snprintf(text, sizeof text, "%.200s_%u", block, m);
+        spirv_put_text(edit, SpvOpMemberName, (uint32_t[]){type, m}, 2, text);
     }
 }
 
@@ -72,7 +60,7 @@ static void name_variable(struct spirv_edit *edit, const uint32_t *variable)
     if (block && values)
         name_members(edit, type, has_name(from, type) ? spirv_name(from, type) : name);
     if (!named && *name)
-        put_format(edit, id, "%s", name);
+        spirv_put_name(edit, id, name);
 }
 
 /* A name of letters, digits and single underscores, as GLSL's _texture: HLSL's "in.var.UV" becomes in_var_UV, the counter "a@count" a_at_count. Functions keep theirs. */
@@ -92,35 +80,28 @@ static void put_clean(struct spirv_edit *edit, const uint32_t *i)
             (count ? clean[count - 1] != '_' : *at == '_' && isalpha((unsigned char)at[1])))
             clean[count++] = letter ? *at : '_';
     }
-    uint32_t words[2 + sizeof clean / 4] = {i[1], i[2]};
     clean[count] = 0;
     bool kept = spirv_is(spirv_definition(edit->from, i[1]), SpvOpFunction) || !strcmp(own, clean);
-    memcpy(words + first - 1, clean, count + 1);
     if (kept && count)
         spirv_append(edit, &edit->front, i, length);
     else if (count) /* what has no letter is no name */
-        spirv_put(edit, &edit->front, spirv_opcode(i), words, first + count / 4);
+        spirv_put_text(edit, spirv_opcode(i), i + 1, first - 1, clean);
 }
 
 /* Names that a spec can say, and an import of GLSL.std.450, which the library of exact arithmetic calls. */
 static bool clean_front(struct spirv *module)
 {
-    static const char library[] = "GLSL.std.450";
     struct spirv_edit edit;
     spirv_edit_begin(&edit, module);
     spirv_edit_keep(&edit);
     edit.front.count = SPIRV_HEADER;
-    SPIRV_EACH(module, i, SPIRV_HEADER, edit.failed ? 0 : module->annotations) {
-        if (spirv_is(i, SpvOpMemoryModel) && !spirv_glsl(module)) {
-            uint32_t words[1 + sizeof library / 4 + 1] = {edit.bound++};
-            memcpy(words + 1, library, sizeof library);
-            spirv_put(&edit, &edit.front, SpvOpExtInstImport, words, 1 + sizeof library / 4 + 1);
-        }
+    if (!spirv_glsl(module))
+        spirv_put_text(&edit, SpvOpExtInstImport, (uint32_t[]){edit.bound++}, 1, "GLSL.std.450");
+    SPIRV_EACH(module, i, SPIRV_HEADER, edit.failed ? 0 : module->annotations)
         if (spirv_is(i, SpvOpName) || spirv_is(i, SpvOpMemberName))
             put_clean(&edit, i);
-        else if (!spirv_is(i, SpvOpModuleProcessed)) /* names may follow */
+        else
             spirv_copy(&edit, &edit.front, i);
-    }
     return spirv_edit_end(&edit, module);
 }
 
@@ -133,8 +114,10 @@ static bool name_all(struct spirv *module)
         uint32_t number = spirv_decoration(module, spirv_result(i), SpvDecorationSpecId);
         if (spirv_is(i, SpvOpVariable))
             name_variable(&edit, i);
-        else if (number != UINT32_MAX && !has_name(module, i[2]))
-            put_format(&edit, i[2], "constant_%u", number);
+        char name[32];
+        snprintf(name, sizeof name, "constant_%u", number);
+        if (number != UINT32_MAX && !has_name(module, i[2]))
+            spirv_put_name(&edit, i[2], name);
     }
     spirv_edit_keep(&edit);
     return spirv_edit_end(&edit, module);
@@ -402,30 +385,15 @@ static bool add_lines(struct spirv *module, const char *path)
 {
     enum { HEAD_LINES = 5 };
     struct spirv_edit edit;
-    uint32_t line = HEAD_LINES, number = 0, file, before = SpvOpNop;
+    uint32_t line = HEAD_LINES, before = SpvOpNop;
     spirv_edit_begin(&edit, module);
-    file = edit.bound++;
-    size_t bytes = strlen(path) + 1, length = 2 + (bytes + 3) / 4;
-    uint32_t *string = calloc(length, sizeof *string);
-    edit.front.count = SPIRV_HEADER;
-    edit.failed |= !string;
-    if (string) {
-        string[0] = (uint32_t)length << 16 | SpvOpString;
-        string[1] = file;
-        memcpy(string + 2, path, bytes);
-    }
-    SPIRV_EACH_AT(module, at, SPIRV_HEADER, edit.failed ? 0 : module->count) {
+    spirv_edit_annotations(&edit);
+    uint32_t file = edit.bound++;
+    spirv_put_text(&edit, SpvOpString, &file, 1, path);
+    SPIRV_EACH_AT(module, at, SPIRV_HEADER, module->count) {
         const uint32_t *i = module->words + at;
         uint32_t opcode = spirv_opcode(i);
-        bool debug = (opcode >= SpvOpSourceContinued && opcode <= SpvOpString) ||
-                     opcode == SpvOpModuleProcessed;
         line++;
-        if (at < module->annotations && debug && !number++)
-            spirv_append(&edit, &edit.front, string, length);
-        if (at < module->annotations)
-            spirv_copy(&edit, &edit.front, i);
-        else if (at < module->declarations)
-            spirv_copy(&edit, &edit.annotations, i);
         if (at < module->code)
             continue;
         bool inside = opcode != SpvOpFunction && opcode != SpvOpFunctionParameter &&
@@ -437,9 +405,6 @@ static bool add_lines(struct spirv *module, const char *path)
         spirv_copy(&edit, &edit.code, i);
         before = opcode;
     }
-    if (!number)
-        spirv_append(&edit, &edit.front, string, string ? length : 0);
-    free(string);
     return spirv_edit_end(&edit, module);
 }
 
@@ -481,10 +446,9 @@ uint32_t *spirv_number_files(const uint32_t *words, size_t *count,
             continue;
         }
         char *text = source_text(&module, i[1]);
-        uint32_t string[5] = {i[1]};
-        int length =
-            snprintf((char *)(string + 1), 16, "%u", number(user, (const char *)(i + 2), text));
-        spirv_put(&edit, &edit.front, SpvOpString, string, 2 + (size_t)length / 4);
+        char digits[16];
+        snprintf(digits, sizeof digits, "%u", number(user, (const char *)(i + 2), text));
+        spirv_put_text(&edit, SpvOpString, i + 1, 1, digits);
         free(text);
     }
     if (spirv_edit_end(&edit, &module))

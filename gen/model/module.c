@@ -512,16 +512,23 @@ void spirv_put_discard(struct spirv_edit *edit, uint32_t condition)
     SPIRV_PUT(edit, code, SpvOpLabel, behind);
 }
 
-void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name)
+void spirv_put_text(struct spirv_edit *edit, uint32_t opcode, const uint32_t *operands,
+                    size_t count, const char *text)
 {
-    size_t bytes = strlen(name) + 1, words = (bytes + 3) / 4;
-    uint32_t *room = make_room(edit, &edit->front, words + 2);
+    size_t bytes = strlen(text) + 1, words = count + (bytes + 3) / 4;
+    uint32_t *room = make_room(edit, &edit->front, words + 1);
     if (!room)
         return;
-    room[0] = (uint32_t)(words + 2) << 16 | SpvOpName;
-    room[1] = id;
-    room[words + 1] = 0;
-    memcpy(room + 2, name, bytes);
+    room[0] = (uint32_t)(words + 1) << 16 | opcode;
+    room[words] = 0;
+    for (size_t i = 0; i < count; i++)
+        room[1 + i] = operands[i];
+    memcpy(room + 1 + count, text, bytes);
+}
+
+void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name)
+{
+    spirv_put_text(edit, SpvOpName, &id, 1, name);
 }
 
 /* Whether two declarations are equal but for their results. */
@@ -716,8 +723,60 @@ void *spirv_edit_table(struct spirv_edit *edit, size_t size)
     return spirv_edit_alloc(edit, edit->from->words[3], size);
 }
 
+/* The place of an instruction in the logical layout of a front. */
+static uint32_t rank_of(const uint32_t *i)
+{
+    switch (spirv_opcode(i)) {
+    case SpvOpCapability:
+        return 0;
+    case SpvOpExtension:
+        return 1;
+    case SpvOpExtInstImport:
+        return 2;
+    case SpvOpMemoryModel:
+        return 3;
+    case SpvOpEntryPoint:
+        return 4;
+    case SpvOpExecutionMode:
+    case SpvOpExecutionModeId:
+        return 5;
+    case SpvOpName:
+    case SpvOpMemberName:
+        return 7;
+    case SpvOpModuleProcessed:
+        return 8;
+    default:
+        return 6; /* strings and sources */
+    }
+}
+
+/* Passes append to the front in any order. */
+static void sort_front(struct spirv_edit *edit)
+{
+    const struct spirv front = {.words = edit->front.data, .count = edit->front.count};
+    struct spirv_words sorted = {0};
+    uint32_t last = 0;
+    bool ordered = true;
+    if (edit->failed)
+        return;
+    SPIRV_EACH(&front, i, SPIRV_HEADER, front.count) {
+        ordered &= rank_of(i) >= last;
+        last = rank_of(i);
+    }
+    if (ordered)
+        return;
+    spirv_append(edit, &sorted, front.words, SPIRV_HEADER);
+    for (uint32_t rank = 0; rank <= 8; rank++)
+        SPIRV_EACH(&front, i, SPIRV_HEADER, front.count)
+            if (rank_of(i) == rank)
+                spirv_copy(edit, &sorted, i);
+    free(front.words);
+    edit->front = sorted;
+}
+
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)
 {
+    sort_front(edit);
     const struct spirv_words *parts[] = {&edit->front, &edit->annotations, &edit->declarations,
                                          &edit->code};
     size_t count = 0;

@@ -136,7 +136,7 @@ struct spirv_words { /* a growing piece of a module */
     size_t count, room;
 };
 
-/* The next module, section by section. A pass fills them; spirv_edit_end joins them. */
+/* The next module, section by section. A pass fills them, in any order those of the front; spirv_edit_end joins them. */
 struct spirv_edit {
     const struct spirv *from;
     struct spirv_words front, annotations, declarations, code;
@@ -186,7 +186,9 @@ void spirv_append(struct spirv_edit *edit, struct spirv_words *to, const uint32_
                   size_t count);
 /* Ends the invocation of a fragment if the condition holds. */
 void spirv_put_discard(struct spirv_edit *edit, uint32_t condition);
-/* Names an id. */
+/* Appends an instruction that ends with a text to the front; a name of an id. */
+void spirv_put_text(struct spirv_edit *edit, uint32_t opcode, const uint32_t *operands,
+                    size_t count, const char *text);
 void spirv_put_name(struct spirv_edit *edit, uint32_t id, const char *name);
 
 /* Whether spirv_declare may be asked for it. */

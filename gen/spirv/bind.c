@@ -106,19 +106,6 @@ static uint32_t put_place(struct binder *binder, uint32_t pointer, uint32_t inde
     return VALUE(binder, SpvOpAccessChain, pointer_to(binder, type), pointer, constant);
 }
 
-/* In front of all others. */
-static void put_capability(struct binder *binder, uint32_t capability)
-{
-    struct spirv_words *front = &binder->edit.front;
-    SPIRV_PUT(&binder->edit, front, SpvOpCapability, capability);
-    if (binder->edit.failed)
-        return;
-    memmove(front->data + SPIRV_HEADER + 2, front->data + SPIRV_HEADER,
-            (front->count - SPIRV_HEADER - 2) * sizeof *front->data);
-    front->data[SPIRV_HEADER] = 2u << 16 | SpvOpCapability;
-    front->data[SPIRV_HEADER + 1] = capability;
-}
-
 static bool can_convert(const struct spirv *module, uint32_t to, uint32_t from)
 {
     const uint32_t *narrow = spirv_definition(module, to), *wide = spirv_definition(module, from);
@@ -164,9 +151,10 @@ static bool put_leaf(struct binder *binder, const struct spirv_leaf *leaf, uint3
         if (!can_convert(module, scalar, vectors ? from[2] : value_type))
             return false;
         value = VALUE(binder, whole ? whole : SpvOpFConvert, type, value);
-        put_capability(binder, number[2] == 8 ? SpvCapabilityInt8
-                               : whole        ? SpvCapabilityInt16
-                                              : SpvCapabilityFloat16);
+        SPIRV_PUT(&binder->edit, &binder->edit.front, SpvOpCapability,
+                  number[2] == 8 ? SpvCapabilityInt8
+                  : whole        ? SpvCapabilityInt16
+                                 : SpvCapabilityFloat16);
     }
     SPIRV_PUT(&binder->edit, &binder->begin, SpvOpStore, pointer, value);
     return true;

@@ -57,44 +57,13 @@ static void share_built_ins(struct joining *j)
 
 /* ---- Sections -------------------------------------------------------------------------------- */
 
-static int rank(const uint32_t *i)
-{
-    switch (spirv_opcode(i)) {
-    case SpvOpCapability:
-        return 0;
-    case SpvOpExtension:
-        return 1;
-    case SpvOpExtInstImport:
-        return 2;
-    case SpvOpMemoryModel:
-        return 3;
-    case SpvOpEntryPoint:
-        return 4;
-    case SpvOpExecutionMode:
-    case SpvOpExecutionModeId:
-        return 5;
-    case SpvOpName:
-    case SpvOpMemberName:
-        return 7;
-    case SpvOpModuleProcessed:
-        return 8;
-    default:
-        return 6; /* strings and sources */
-    }
-}
-
-static bool says_same(const uint32_t *a, const uint32_t *b, uint32_t from)
-{
-    return *a == *b && !memcmp(a + from, b + from, (spirv_length(a) - from) * sizeof *a);
-}
-
 /* The instruction of the shader that says the same; NULL: none. */
 static const uint32_t *find_same(const struct spirv *own, const uint32_t *i)
 {
     uint32_t from = spirv_is(i, SpvOpExtInstImport) ? 2 : 1;
-    SPIRV_EACH(own, instruction, SPIRV_HEADER, own->annotations)
-        if (says_same(instruction, i, from))
-            return instruction;
+    SPIRV_EACH(own, same, SPIRV_HEADER, own->annotations)
+        if (*same == *i && !memcmp(same + from, i + from, (spirv_length(i) - from) * sizeof *i))
+            return same;
     return NULL;
 }
 
@@ -122,24 +91,21 @@ static void join_front(struct joining *j)
     struct spirv_words *front = &j->edit.front;
     const struct spirv *own = j->own, *more = j->more;
     front->count = SPIRV_HEADER;
-    for (int section = 0; section <= 8; section++) {
-        SPIRV_EACH(own, i, SPIRV_HEADER, own->annotations)
-            if (rank(i) == section && !is_reserved(i))
-                spirv_copy(&j->edit, front, i);
-        SPIRV_EACH(more, i, SPIRV_HEADER, more->annotations) {
-            if (rank(i) != section)
-                continue;
-            const uint32_t *same = section < 3 ? find_same(own, i) : NULL;
-            if (same) {
-                if (spirv_is(i, SpvOpExtInstImport))
-                    j->link.ids[i[1]] = same[1];
-            } else if (section < 2) { /* no ids */
-                spirv_copy(&j->edit, front, i);
-            } else if (section == 2 || spirv_is(i, SpvOpString) ||
-                       (section == 7 && more->definitions[i[1]] && i[1] != spirv_entry(more))) {
-                spirv_link_copy(&j->link, front, i);
-            }
-        }
+    SPIRV_EACH(own, i, SPIRV_HEADER, own->annotations)
+        if (!is_reserved(i))
+            spirv_copy(&j->edit, front, i);
+    SPIRV_EACH(more, i, SPIRV_HEADER, more->annotations) {
+        bool import = spirv_is(i, SpvOpExtInstImport);
+        bool demand = spirv_is(i, SpvOpCapability) || spirv_is(i, SpvOpExtension); /* no ids */
+        bool name = (spirv_is(i, SpvOpName) || spirv_is(i, SpvOpMemberName)) &&
+                    more->definitions[i[1]] && i[1] != spirv_entry(more);
+        const uint32_t *same = import || demand ? find_same(own, i) : NULL;
+        if (same && import)
+            j->link.ids[i[1]] = same[1];
+        else if (!same && demand)
+            spirv_copy(&j->edit, front, i);
+        else if (!same && (import || name || spirv_is(i, SpvOpString)))
+            spirv_link_copy(&j->link, front, i);
     }
 }
 

@@ -1,7 +1,6 @@
 /* A module for Vulkan becomes one for OpenGL: no descriptor sets, OpenGL's numbers of vertices and
  * instances, its origin of gl_FragCoord, and functions before those that call them. */
 #include <spirv/unified1/spirv.h>
-#include <string.h>
 
 #include "model/leaves.h"
 #include "passes.h"
@@ -41,22 +40,17 @@ static void copy_decorations(struct spirv_edit *edit)
 /* The front again, with another origin; base: the variable of gl_BaseInstance, 0: none. */
 static void copy_front(struct spirv_edit *edit, uint32_t base)
 {
-    static const char extension[] = "SPV_KHR_shader_draw_parameters";
     const struct spirv *from = edit->from;
     edit->front.count = SPIRV_HEADER;
     if (base)
         SPIRV_PUT(edit, &edit->front, SpvOpCapability, SpvCapabilityDrawParameters);
-    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations) {
-        if (base && spirv_is(i, SpvOpExtInstImport)) {
-            uint32_t name[sizeof extension / 4 + 1] = {0};
-            memcpy(name, extension, sizeof extension);
-            spirv_put(edit, &edit->front, SpvOpExtension, name, sizeof extension / 4 + 1);
-        }
+    SPIRV_EACH(from, i, SPIRV_HEADER, from->annotations)
         if (spirv_is(i, SpvOpExecutionMode) && i[2] == SpvExecutionModeOriginUpperLeft)
             spirv_copy_with(edit, &edit->front, i, 2, SpvExecutionModeOriginLowerLeft);
         else
             spirv_copy(edit, &edit->front, i);
-    }
+    if (base)
+        spirv_put_text(edit, SpvOpExtension, NULL, 0, "SPV_KHR_shader_draw_parameters");
     spirv_edit_list(edit, UINT32_MAX, &base, base != 0);
 }
 

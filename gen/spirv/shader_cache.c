@@ -9,7 +9,7 @@
 #include <xxhash.h>
 
 /* Raise after a change of the SPIR-V that the passes of gen/spirv write. */
-enum { REWRITING = 29 };
+enum { REWRITING = 30 };
 
 /* ---- Hashes ---------------------------------------------------------------------------------- */
 
