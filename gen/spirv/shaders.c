@@ -202,7 +202,7 @@ static bool compile_again(const struct job *job)
 }
 
 /* Compiles failed shaders again on this thread, so that their messages come in order. */
-static bool compile(struct jobs *jobs, struct cache *cache)
+static bool compile_jobs(struct jobs *jobs, struct cache *cache)
 {
     bool good = true;
     compile_rest(jobs);
@@ -406,7 +406,7 @@ bool shaders_compile(const struct shader_plan *plans, uint32_t count, struct cac
     for (uint32_t i = 0; good && i < count; i++)
         good = emit(&plans[i], i ? plans : NULL, cache, &jobs);
     if (jobs.count)
-        good &= compile(&jobs, cache);
+        good &= compile_jobs(&jobs, cache);
     free(jobs.list);
     for (uint32_t i = 0; good && i < count; i++) {
         good = settle_codes(&plans[i], cache) && derive(&plans[i]);
