@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shlex
 import shutil
 import signal
@@ -40,6 +41,28 @@ def zink(settings: dict[str, str]) -> dict[str, str]:
     return {**found, names[0]: "zink", "ENABLE_VULKAN_RENDERDOC_CAPTURE": "1"} if any(found.get(name) == "zink" for name in names) else {}
 
 
+def stat(pid: int) -> tuple[str, int]:
+    """Of a process, its state and its parent."""
+    try:
+        with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as file:
+            words = file.read().rsplit(")", 1)[1].split()
+        return words[0], int(words[1])
+    except (OSError, ValueError, IndexError):
+        return "Z", 0
+
+
+def is_ours(pid: int) -> bool:
+    while pid > 1 and pid != os.getpid():
+        pid = stat(pid)[1]
+    return pid == os.getpid()
+
+
+def is_wrapper(program: str) -> bool:
+    """Whether it is a script of a shell, which starts the program in its own place."""
+    with open(program, "rb") as file:
+        return bool(re.match(rb"#!.*\b(ba|da)?sh\b", file.readline(128)))
+
+
 class Run:
     """A program under RenderDoc; `control` is the connection to it."""
 
@@ -49,15 +72,17 @@ class Run:
         environment = zink(own)
         self.control: Any = None
         self.process: subprocess.Popen[bytes] | None = None
+        self.pid = 0
         if not program:
             console.fail(f"{command[0]}: no such program")
         if environment:
             self.process = subprocess.Popen([program, *command[1:]], env={**environment, "RENDERDOC_CAPFILE": path}, start_new_session=True)
-            self.pid = self.process.pid
+            self.pid, self.anew = self.process.pid, True
             self.connect(self.targets)
             return
         options = rd.GetDefaultCaptureOptions()
         options.delayForDebugger = 0
+        options.hookIntoChildren = self.anew = is_wrapper(program)
         changes = [rd.EnvironmentModification(rd.EnvMod.Append if name == "LD_PRELOAD" else rd.EnvMod.Set, rd.EnvSep.Platform, name, value)
                    for name, value in own.items()]
         begun = rd.ExecuteAndInject(program, os.getcwd(), " ".join(map(shlex.quote, command[1:])), changes, path, options, False)
@@ -66,13 +91,20 @@ class Run:
         self.connect(lambda: iter([begun.ident]))
         self.pid = self.control.GetPID()
 
+    def alive(self) -> bool:
+        return not self.pid or (stat(self.pid)[0] != "Z" if not self.process else self.process.poll() is None)
+
     def connect(self, targets: Callable[[], Iterator[int]]) -> None:
+        """Programs of others keep their connections, and are let go at once."""
         end = time.monotonic() + CONNECTING
-        while time.monotonic() < end and not (self.process and self.process.poll() is not None):
+        while time.monotonic() < end and self.alive():
             for target in targets():
-                self.control = self.rd.CreateTargetControl("", target, "diptych", True)
-                if self.control and self.control.Connected() and not (self.process and os.getsid(self.control.GetPID()) != self.pid):
+                control = self.rd.CreateTargetControl("", target, "diptych", False)
+                if control and control.Connected() and is_ours(control.GetPID()):
+                    self.control = control
                     return
+                if control:
+                    control.Shutdown()
             time.sleep(0.02)
         self.console.fail(f"{self.name}: ended, or did not answer RenderDoc in {CONNECTING:g} s; does it run without it?")
 
@@ -84,8 +116,8 @@ class Run:
             target = self.rd.EnumerateRemoteTargets("", target)
 
     def connected(self) -> bool:
-        """The driver loads RenderDoc with each instance of Vulkan, and lets it go."""
-        if self.process and not self.control.Connected() and self.process.poll() is None:
+        """The driver loads RenderDoc with each instance of Vulkan, and lets it go; a wrapper becomes its program."""
+        if self.anew and not self.control.Connected() and self.alive():
             self.connect(self.targets)
         return bool(self.control.Connected())
 
@@ -95,7 +127,7 @@ class Run:
         apis: dict[str, bool] = {}    # and whether a window shows its pictures
         refused: dict[str, str] = {}  # by API, why RenderDoc cannot capture a window that shows its pictures
         asked: Any = None
-        triggered = bool(frame)
+        triggered: Any = None
         while self.connected() and time.monotonic() - start < WAITING:
             if frame and asked is not self.control:
                 asked = self.control
@@ -113,13 +145,14 @@ class Run:
                 api, why = refused.popitem()
                 self.console.fail(f"{self.name}: RenderDoc cannot capture its {api}: {why or 'an old context'}; has it an option for a "
                                   "newer version, or for a core profile? --env MESA_LOADER_DRIVER_OVERRIDE=zink captures it as Vulkan")
-            if not triggered and time.monotonic() - start > after:
-                triggered = True
+            if not frame and triggered is not self.control and time.monotonic() - start > after:
+                triggered = self.control
                 self.control.TriggerCapture(1)
         seen = f"it used {', '.join(sorted(apis))}" if apis else "it used neither OpenGL nor Vulkan"
         seen += "" if any(apis.values()) or not apis else ", and showed no picture"
         if self.control.Connected():
-            self.console.fail(f"{self.name}: no frame was captured in {WAITING:g} s: {seen}; does it draw that many frames?")
+            why = "does it draw that many frames?" if apis or not self.anew else "is it a script? name the program that it starts"
+            self.console.fail(f"{self.name}: no frame was captured in {WAITING:g} s: {seen}; {why}")
         self.console.fail(f"{self.name}: ended before its frame was captured: {seen}; try another --frame, or --after")
 
     def end(self) -> None:
