@@ -84,8 +84,8 @@ class Dump:
         os.makedirs(folder)
 
     def add(self, entry: Json, name: str, slot: str, origin: str, about: str = "") -> None:
-        keys = ("kind", "file", "mip", "width", "height", "layers", "format", "samples", "stride", "count", "fields")
-        item = {"pass": name, "resource": slot, **{key: entry[key] for key in keys if key in entry}}
+        keys = ("mip", "kind", "file", "width", "height", "layers", "format", "samples", "stride", "count", "fields")
+        item = {"pass": name, "resource": slot, **{key: entry[key] for key in keys[entry["kind"] == "buffer":] if key in entry}}
         if entry["kind"] == "image":
             item["origin"] = origin
         if about:

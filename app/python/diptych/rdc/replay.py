@@ -214,6 +214,8 @@ class Clears:
                     self.vulkan(key, child(item, "clearValue"))
         elif chunk.name.startswith("vkCmdBeginRenderPass"):
             self.render_pass(child(chunk, "RenderPassBegin"))
+        elif chunk.name == "vkCmdClearColorImage":
+            self.now["colour"] = numbers(child(chunk, "pColor", "float32"))
         elif chunk.name == "vkCmdClearAttachments":
             for item in children(child(chunk, "pAttachments")):
                 mask = child(item, "aspectMask").data.basic.u
@@ -400,7 +402,8 @@ class Frame:
             for raw in self.layers(texture, mip):
                 texels = texels_of(texture.format, raw, width, height, self.gl)
                 if texels is None:  # of blocks, say: bytes tell whether it is the same
-                    return self.words(b"".join(self.layers(texture, mip)), resource, slot)
+                    words = self.words(b"".join(self.layers(texture, mip)), resource, slot)
+                    return words and {**words, "mip": mip}
                 first = first or texels
                 rows = np.ascontiguousarray(texels.rows)
                 file.write(rows.data)
@@ -531,6 +534,8 @@ class Frame:
                 spans.setdefault(resource, set()).add(span)
             for resource, last in rdc_state.last_levels(self.control, state, made.kind, self.gl, self.textures):
                 levels[resource] = max(last, levels.get(resource, 0))
+        if made.kind == "draw" and any(made.targets[:-1]) and -1 not in chosen and not any("depth format" in item["state"] for item in states):
+            wanted = {key: slot for key, slot in wanted.items() if key[0] != made.targets[-1]}  # no draw uses it
         seen = {resource: list(*found) for resource, found in spans.items() if len(found) == 1}
         known |= {resource for resource, _ in wanted}
         reads = {name: resource for resource, name in inputs.items() if resource in known}

@@ -89,7 +89,8 @@ def streams(control: Any, action: Any) -> Iterator[tuple[str, np.ndarray]]:
     if action.flags & rd.ActionFlags.Indexed and 0 < count * size <= MOST_VERTICES:
         indices = np.frombuffer(read(index, index.byteOffset + action.indexOffset * size, count, size), f"<u{size}")
         restarted = restarts(state, indices)
-        yield "indices", np.where(restarted, -1, indices.astype("i8"))[:, None]
+        least = int(indices[~restarted].min()) if not restarted.all() else 0  # a base may be in the indices, or in the draw
+        yield "indices", np.where(restarted, -1, indices.astype("i8") - least)[:, None]
         indices = indices[~restarted]
         first, count = (int(indices.min()) + action.baseVertex, int(np.ptp(indices)) + 1) if len(indices) else (0, 0)
     for item in state.GetVertexInputs():
@@ -372,11 +373,13 @@ def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Jso
         tests.update({"depth test": "off", "depth writes": "off"})
     if not depth or depth.format.type == rd.ResourceFormatType.Regular:
         tests.update({"stencil front": "off", "stencil back": "off"})
-    return {**tests, **coverage(own, gl, max((item.msSamp for item in sizes), default=1)), "height": height,
+    uses = any(tests[key] != "off" for key in ("depth test", "stencil front", "stencil back"))
+    form = {"depth format": channels(depth.format, encodes)} if depth and uses else {}
+    return {**tests, **form, **coverage(own, gl, max((item.msSamp for item in sizes), default=1)), "height": height,
             "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
             "scissor": rectangle(scissor) if scissor.enabled else [], "topology": word(state.GetPrimitiveTopology()),
             **({"flat values": "of the last vertex" if own.vertexInput.provokingVertexLast else "of the first vertex"} if gl else {}),
-            "formats": [channels(item.format, encodes) for item in sizes],
+            "formats": [channels(item.format, encodes) for item in sizes if item is not depth],
             "blend": [blend(item, blends.blendFactor) for item in list(state.GetColorBlends())[:max(1, len(sizes) - 1)]]}
 
 
