@@ -168,7 +168,7 @@ with redirect_stderr(io.StringIO()) as told:
 raise SystemExit(not (status == 2 and "Traceback" in told.getvalue() and "internal error: TypeError" in told.getvalue()))'
 
 check "a replay that shows another picture proves nothing; one backend alone is blamed" env PYTHONPATH="$root/app/python" /usr/bin/python3 -c '
-import io
+import io, os
 import numpy as np
 from contextlib import redirect_stdout
 from types import SimpleNamespace
@@ -177,7 +177,8 @@ from diptych.rdc import replays
 from diptych.rdc.replay import FLAGS, Grouping
 from diptych.rdc.state import restarts, sampler, sampler_of
 from diptych.rdc.texels import KINDS, TYPES, texels_of
-from diptych.rdc.differ import aligned, blit, common, uniform_differences, worded
+from diptych.rdc.capture import is_ours
+from diptych.rdc.differ import aligned, alone, blit, common, in_order, state_texts, uniform_differences, worded
 from diptych.rdc.compare import Matched, drop_alpha
 from diptych.rdc.guilty import modern, verdict
 from diptych.rdc.match import Matcher, Pair, Side
@@ -188,6 +189,12 @@ draws = SimpleNamespace(draws={"00_draw": [6, 100], "01_draw": [1, 1]})
 assert Matched.draws_text(draws) == "state of 7 of 101 draws compared: 6 of 100 in 00_draw; --draws compares all of a pass"
 assert aligned([[18, 1], [9, 1], [30, 1], [60, 1], [9, 1]], [[9, 2], [9, 1], [60, 1], [30, 1]]) == [(0, 0), (1, 1)]
 assert aligned([[9, 1], [9, 1], [30, 1], [6, 1]], [[18, 1], [30, 1], [6, 1]]) == [(0, 0), (2, 1)]
+lacking = [[[6, 1], [99, 1], [6, 1], [30, 1], [60, 1]], [[6, 1], [60, 1], [6, 1], [30, 1]]]
+assert aligned(*lacking) == [(3, 3), (4, 1)] and alone(lacking, [(3, 3), (4, 1)]).startswith("; in the first alone: draw 1 (6 vertices), 2 (99 vertices), 3 (6")
+sides = [{"counts": [[6, 1]] * 2, "states": [{"draw": at, "streams": {"a": name}, "uniforms": {}, "samplers": {}} for at, name in enumerate(names)]}
+         for names in ("xy", "yx", "xz")]
+assert [in_order(sides[0], side) for side in sides] == [[(0, 0), (1, 1)], [(0, 1), (1, 0)], [(0, 0), (1, 1)]]
+assert state_texts({"depth format": "d24s8"}, {}) == [] and is_ours(os.getppid()) is False and is_ours(os.getpid())
 row = [1, 2, 3, 4, 5, 6, 7, 8]
 turned, matrices = [*row[:4], *(-number for number in row[4:])], {"HLSL": [[1, 5, 2, 6, 3, 7, 4, 8], 2]}
 assert uniform_differences({"HLSL": row, "flat": row}, {**matrices, "flat": turned}) == []
@@ -218,6 +225,10 @@ small = {name: np.zeros((1, 1, 4)) for name in "xy"}
 swapped = Matcher(*(Side("", "", "", {"small": small, "passes": [{"entries": [1], "inputs": items}]}) for items in inputs))
 swapped.pair_inputs(pairs := [Pair(0, 0)])
 assert [one["resource"] + other["resource"] for one, other, _ in pairs[0].inputs] == ["aa", "bb"]
+blocks = [[{"resource": "tex", "kind": "buffer", "file": name, "turned": name, "count": 4, "id": name} for name in names] for names in ("pqr", "rst")]
+small.update((name, np.zeros(4)) for name in "pqrst")
+Matcher(*(Side("", "", "", {"small": small, "passes": [{"entries": [1], "inputs": items}]}) for items in blocks)).pair_inputs(pairs := [Pair(0, 0)])
+assert [one["file"] + other["file"] for one, other, _ in pairs[0].inputs] == ["rr"]
 assert modern("#version 120\nvarying vec2 p; x(texture2DProj); gl_FragColor") == (
     "#version 330\nout vec4 alone_color;\n\nin vec2 p; x(textureProj); alone_color")
 place = [SimpleNamespace(bind=at, bindset=0, used=True) for at in range(2)]

@@ -242,12 +242,24 @@ def shared(items: list[Json]) -> Json:
     return {key: value for key, value in items[0].items() if all(key in item and same_value(item[key], value) for item in items)}
 
 
+def same_keys(first: list[Any], second: list[Any], least: int = 0) -> list[tuple[int, int]]:
+    """Draws of equal keys, in order, where both sides have as many of a key, and it has more than so many vertices."""
+    places = [{}, {}]  # type: list[dict[Any, list[int]]]
+    for keys, found in zip((first, second), places):
+        for at, key in enumerate(keys):
+            found.setdefault(key, []).append(at)
+    return sorted(pair for key, own in places[0].items() if len(own) == len(places[1].get(key, [])) and key[0] > least
+                  for pair in zip(own, places[1][key]))
+
+
 def aligned(first: list[list[int]], second: list[list[int]]) -> list[tuple[int, int]]:
-    """Draws that belong together. Where one side draws several parts at once, those that begin after as many vertices, up to where the
-    sides are out of step. Quads are too alike to tell."""
+    """Draws that belong together. Where sides have other draws, or another order, those with as many vertices: quads are too alike to tell.
+    Where one side draws several parts at once, those that begin after as many, up to where the sides are out of step."""
+    sizes = [[int(np.prod(count)) for count in counts] for counts in (first, second)]
+    keys = [[(size, *count) for size, count in zip(*both)] for both in zip(sizes, (first, second))]
     if len(first) == len(second):
-        return [(at, at) for at in range(len(first))]
-    sizes = [np.prod(counts, 1) for counts in (first, second)]
+        same = 2 * sum(one == other for one, other in zip(first, second)) >= len(first)
+        return [(at, at) for at in range(len(first))] if same or sorted(first) != sorted(second) else same_keys(keys[0], keys[1])
     starts = [{int(start): at for at, start in enumerate([0, *np.cumsum(size)])} for size in sizes]
     places = [(at, starts[1][start]) for start, at in starts[0].items() if start in starts[1]]
     found: list[tuple[int, int]] = []
@@ -255,7 +267,42 @@ def aligned(first: list[list[int]], second: list[list[int]]) -> list[tuple[int, 
         if min(after[0] - at, after[1] - other) > 1:
             break
         found += [(at, other)] if sizes[0][at] > 6 else []
-    return found
+    alike = same_keys(keys[0], keys[1], 6)
+    return alike if len(alike) > len(found) else found
+
+
+def in_order(first: Json, second: Json) -> list[tuple[int, int]]:
+    """Draws that belong together. Of those with as many vertices, vertices and uniforms tell: a side may draw them in another order."""
+    pairs = aligned(first["counts"], second["counts"])
+    groups: dict[str, list[list[int]]] = {}
+    looked = [{item["draw"]: item for item in side["states"]} for side in (first, second)]
+    for at, other in pairs:
+        if at in looked[0] and other in looked[1] and first["counts"][at] == second["counts"][other]:
+            for places, place in zip(groups.setdefault(str(first["counts"][at]), [[], []]), (at, other)):
+                places.append(place)
+    found = dict(pairs)
+    for own, theirs in groups.values():
+        for key in (lambda item: (item["streams"], item["uniforms"], item["samplers"]), lambda item: item["streams"],
+                    lambda item: item["streams"].get("indices"), lambda _: 0):
+            for at in list(own):
+                alike = [other for other in theirs if key(looked[0][at]) == key(looked[1][other])]
+                if alike:
+                    found[at] = alike[0]
+                    own.remove(at)
+                    theirs.remove(alike[0])
+    return sorted(found.items())
+
+
+def alone(counts: list[list[list[int]]], pairs: list[tuple[int, int]]) -> str:
+    """Which draws of either side have no partner, where most have one."""
+    if 2 * len(pairs) < min(map(len, counts)) or sorted(counts[0]) == sorted(counts[1]):
+        return ""
+    texts = []
+    for side, name in ((0, "the first"), (1, "the second")):
+        paired = {pair[side] for pair in pairs}
+        free = [f"{at + 1} ({text_of(count[:1])} vertices)" for at, count in enumerate(counts[side]) if at not in paired]
+        texts += [f"in {name} alone: draw {', '.join(free[:3])}" + (f" and {len(free) - 3} more" if len(free) > 3 else "")] if free else []
+    return "".join("; " + text for text in texts)
 
 
 def steps(first: Json, second: Json, *how: bool) -> Iterator[tuple[int, Json, Json, bool]]:
@@ -265,7 +312,7 @@ def steps(first: Json, second: Json, *how: bool) -> Iterator[tuple[int, Json, Js
              for side, turns in ((first, (False, False)), (second, how))]
     if not all(sides):
         return
-    pairs = aligned(first["counts"], second["counts"])
+    pairs = in_order(first, second)
     if not pairs:
         merged: list[Json] = [{key: shared([item[key] for item in side.values()]) for key in ("state", "uniforms", "samplers")}
                               for side in sides]
@@ -291,7 +338,10 @@ def differences(first: Json, second: Json, folders: list[str], turned: bool, acr
     elif first["kind"] == "mips":  # made by one call or by several
         pass
     elif first["draws"] != second["draws"]:
-        texts.append(f"{first['draws']} against {second['draws']} draws")
+        counts = [first["counts"], second["counts"]]
+        texts.append(f"{first['draws']} against {second['draws']} draws" + alone(counts, aligned(*counts)))
+    elif sorted(first["counts"]) == sorted(second["counts"]) and first["counts"] != second["counts"]:
+        texts.append("draws in another order")
     elif first["counts"] != second["counts"]:
         at = next(index for index, pair in enumerate(zip(first["counts"], second["counts"])) if pair[0] != pair[1])
         what = "groups" if first["kind"] == "dispatch" else f"draw {at + 1}: vertices and instances"

@@ -14,6 +14,7 @@ from .differ import bare
 
 Json = dict[str, Any]
 NEAR = 0.01        # distance of contents that count as equal
+ALIKE = 0.5        # ... as inputs of one shape that no name tells apart
 TURNED = 0.02      # least difference of distances that votes for an order of rows
 LEAST_SCORE = 2.0
 
@@ -245,26 +246,33 @@ class Matcher:
         return pairs
 
     def pair_inputs(self, pairs: list[Pair]) -> None:
-        """Of matched passes: of a name that each has once; then of equal contents, also of another pass; then of any name of theirs."""
-        inputs = [[entry for item in side for entry in item["inputs"]] for side in self.passes]
+        """Of matched passes: of a name that each has once; then of equal contents, also of another pass; then the only ones of a shape that
+        are left, and those that look alike."""
+        free = [[entry for item in side for entry in item["inputs"]] for side in self.passes]
         partners: dict[int, int] = {}
-        for pair in pairs:
-            first = self.passes[0][pair.first]["inputs"]
-            second = self.passes[1][pair.second]["inputs"]
-            names = [[bare(entry["resource"]) for entry in side if not entry.get("mip")] for side in (first, second)]
-            for entry in first:
-                if entry.get("mip"):  # one of the texture whose first level is paired
-                    found = [other for other in inputs[1] if other["id"] == partners.get(entry["id"]) and same_shape(entry, other)]
-                else:
-                    name = bare(entry["resource"])
-                    found = [other for other in second if bare(other["resource"]) == name and same_shape(entry, other)
-                             and names[0].count(name) == 1 == names[1].count(name)]
-                    files = entry["file"], entry["turned"]
-                    found += [other for other in inputs[1] if other["file"] in files and same_shape(entry, other)]
-                    found += [other for one, other in pair_up([entry], second)]
-                taken = next((other for other in found if any(other is item for item in inputs[1])), None)
-                if taken:
-                    partners[entry["id"]] = taken["id"]
-                    same, turned = self.distances(entry, taken)
-                    pair.inputs.append((entry, taken, entry["kind"] == "image" and same - turned > TURNED))
-                    inputs[1] = [other for other in inputs[1] if other is not taken]
+
+        def left(side: int, entries: list[Json], like: Json) -> list[Json]:
+            return [item for item in entries if same_shape(like, item) and any(item is other for other in free[side])]
+
+        for last in (False, True):
+            for pair in pairs:
+                first, second = self.passes[0][pair.first]["inputs"], self.passes[1][pair.second]["inputs"]
+                names = [[bare(entry["resource"]) for entry in side if not entry.get("mip")] for side in (first, second)]
+                for entry in [item for item in first if any(item is other for other in free[0])]:
+                    if entry.get("mip"):  # one of the texture whose first level is paired
+                        found = [other for other in left(1, free[1], entry) if other["id"] == partners.get(entry["id"])]
+                    elif not last:
+                        name, files = bare(entry["resource"]), (entry["file"], entry["turned"])
+                        found = [other for other in left(1, second, entry) if bare(other["resource"]) == name
+                                 and names[0].count(name) == 1 == names[1].count(name)]
+                        found += [other for other in left(1, free[1], entry) if other["file"] in files]
+                    else:
+                        found = left(1, second, entry)
+                        if not len(found) == 1 == len(left(0, first, entry)):
+                            apart = [(min(self.distances(entry, other)), at) for at, other in enumerate(found) if other["kind"] == "image"]
+                            found = [found[at] for gap, at in sorted(apart) if gap < ALIKE]
+                    if found:
+                        partners[entry["id"]] = found[0]["id"]
+                        same, turned = self.distances(entry, found[0])
+                        pair.inputs.append((entry, found[0], entry["kind"] == "image" and same - turned > TURNED))
+                        free = [[item for item in side if item is not taken] for side, taken in zip(free, (entry, found[0]))]
