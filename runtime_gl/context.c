@@ -322,7 +322,7 @@ static void GLAD_API_PTR on_message(GLenum source, GLenum type, GLuint id, GLenu
         return;
     while (length > 0 && message[length - 1] == '\n')
         length--;
-    rt->core.messages++;
+    rt->core.device.messages++;
     dt_error(&rt->core, "OpenGL debug message %u: %.*s", id, (int)length, message);
 }
 
@@ -342,7 +342,7 @@ bool gl_context_current(struct dt_gl_runtime *rt)
 {
     return rt->context.kind->current(&rt->context) ||
            dt_error(&rt->core, "%s: the OpenGL context cannot be made current",
-                    rt->core.device_name);
+                    rt->core.device.name);
 }
 
 bool gl_context_open(struct dt_gl_runtime *rt, const char *name)

@@ -39,7 +39,7 @@ static bool device_lost(struct dt_gl_runtime *rt, const char *call, const char *
 {
     struct dt_core *core = &rt->core;
     const char *name = rt->recording ? dt_pass_name(core, core->pass) : object;
-    core->lost = true;
+    core->device.lost = true;
     return dt_error(core, "%s%s: gl%.*s: the device was reset %s", rt->recording ? "pass " : "",
                     name, (int)strcspn(call, "("), call,
                     gl_text(status, "and does not say why: see the system log, and start again"));

@@ -26,7 +26,7 @@ static bool begin(struct dt_core *core, uint32_t pass, bool runs)
      * would end before its first timestamp. */
     return rt->grouped &&
            (!rt->queries || (GL(rt, name, QueryCounter(rt->queries[query], GL_TIMESTAMP)) &&
-                             (!rt->core.software || GL(rt, name, Finish()))));
+                             (!rt->core.device.software || GL(rt, name, Finish()))));
 }
 
 static bool end(struct dt_core *core, uint32_t pass)

@@ -63,7 +63,7 @@ static bool has_needs(struct dt_gl_runtime *rt, const struct dt_panel *panel)
                             "pass %s: needs %s for its subgroup operations, which %s does not "
                             "have; use Vulkan",
                             panel->pipeline->passes[panel->needs[i].pass].name, missing,
-                            rt->core.device_name);
+                            rt->core.device.name);
     return true;
 }
 
@@ -74,7 +74,7 @@ static bool check_binding(const struct dt_core *core, const struct dt_panel *pan
     uint32_t most = core->limits.numbers[binding->kind];
     return binding->binding < most ||
            dt_error(core, "pass %s: binding %u, but %s has %u of this kind; bind fewer",
-                    panel->pipeline->passes[pass].name, binding->binding, core->device_name, most);
+                    panel->pipeline->passes[pass].name, binding->binding, core->device.name, most);
 }
 
 static bool panel_suits(struct dt_core *core, const struct dt_panel *panel)

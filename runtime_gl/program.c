@@ -17,7 +17,7 @@ static bool log_refusal(struct dt_gl_runtime *rt, const char *program, const cha
         rt->gl.GetProgramInfoLog(handle, size, NULL, text);
     else if (text)
         rt->gl.GetShaderInfoLog(handle, size, NULL, text);
-    dt_error(&rt->core, "pass %s: %s failed on %s:\n%s", program, what, rt->core.device_name,
+    dt_error(&rt->core, "pass %s: %s failed on %s:\n%s", program, what, rt->core.device.name,
              text ? text : "(the driver gives no reason)");
     free(text);
     return false;

@@ -127,10 +127,10 @@ bool gl_context_suits(struct dt_gl_runtime *rt, GLADuserptrloadfunc load, void *
 {
     const char *renderer = (const char *)rt->gl.GetString(GL_RENDERER);
     const char *version = (const char *)rt->gl.GetString(GL_VERSION);
-    char *device = rt->core.device_name, missing[512];
-    snprintf(device, sizeof rt->core.device_name, "%s", renderer ? renderer : "OpenGL");
-    snprintf(rt->core.driver, sizeof rt->core.driver, "%s", version ? version : "");
-    rt->core.software = is_software(device);
+    char *device = rt->core.device.name, missing[512];
+    snprintf(device, sizeof rt->core.device.name, "%s", renderer ? renderer : "OpenGL");
+    snprintf(rt->core.device.driver, sizeof rt->core.device.driver, "%s", version ? version : "");
+    rt->core.device.software = is_software(device);
     if (integer(rt, GL_CONTEXT_FLAGS) & GL_CONTEXT_FLAG_NO_ERROR_BIT)
         return dt_error(&rt->core, "%s: the context reports no errors; unset MESA_NO_ERROR",
                         device);
@@ -293,10 +293,7 @@ static void give_blend(const struct dt_gl_runtime *rt, const struct gl_kept *kep
     GLint count = count_of(rt, GL_MAX_DRAW_BUFFERS, MAX_DRAW_BUFFERS);
     for (GLuint i = 0; i < (GLuint)count; i++) {
         const struct kept_blend *b = &kept->blend[i];
-        if (b->on)
-            gl->Enablei(GL_BLEND, i);
-        else
-            gl->Disablei(GL_BLEND, i);
+        (b->on ? gl->Enablei : gl->Disablei)(GL_BLEND, i);
         gl->ColorMaski(i, b->mask[0], b->mask[1], b->mask[2], b->mask[3]);
         gl->BlendFuncSeparatei(i, (GLenum)b->source_rgb, (GLenum)b->target_rgb,
                                (GLenum)b->source_alpha, (GLenum)b->target_alpha);
@@ -322,10 +319,7 @@ static void give_viewports(const struct dt_gl_runtime *rt, const struct gl_kept 
         rt->gl.ViewportIndexedfv(i, kept->viewport[i]);
         rt->gl.DepthRangeIndexed(i, kept->depth_range[i][0], kept->depth_range[i][1]);
         rt->gl.ScissorIndexedv(i, kept->scissor_box[i]);
-        if (kept->scissor[i])
-            rt->gl.Enablei(GL_SCISSOR_TEST, i);
-        else
-            rt->gl.Disablei(GL_SCISSOR_TEST, i);
+        (kept->scissor[i] ? rt->gl.Enablei : rt->gl.Disablei)(GL_SCISSOR_TEST, i);
     }
 }
 

@@ -122,10 +122,10 @@ bool gl_window_end(struct gl_window *window, struct dt_bytes *photo)
 
 bool gl_window_is_lost(const struct gl_window *window)
 {
-    return window->rt->core.lost;
+    return window->rt->core.device.lost;
 }
 
 uint32_t gl_window_messages(const struct gl_window *window)
 {
-    return window->rt->core.messages;
+    return window->rt->core.device.messages;
 }

@@ -19,7 +19,7 @@ static VkBool32 VKAPI_PTR on_message(VkDebugUtilsMessageSeverityFlagBitsEXT seve
     struct dt_vk_runtime *rt = user;
     bool counts = types & (VK_DEBUG_UTILS_MESSAGE_TYPE_VALIDATION_BIT_EXT |
                            VK_DEBUG_UTILS_MESSAGE_TYPE_PERFORMANCE_BIT_EXT);
-    rt->core.messages += counts;
+    rt->core.device.messages += counts;
     if (rt->core.log.message)
         rt->core.log.message(rt->core.log.user, counts ? DT_ERROR : DT_DEBUG, data->pMessage);
     return VK_FALSE;
@@ -149,7 +149,7 @@ static bool choose_device(struct dt_vk_runtime *rt, const struct dt_runtime_opti
     if (!vk_device_suits(rt, rt->physical, options->panel, missing, sizeof missing))
         return dt_error(&rt->core,
                         "Vulkan device %s: missing %s; update its driver or use another device",
-                        rt->core.device_name, missing);
+                        rt->core.device.name, missing);
     return vk_device_is_enough(rt, rt->physical, options->panel, missing, sizeof missing) ||
            dt_error(&rt->core, "%s", missing);
 }
@@ -174,7 +174,7 @@ static bool open_device(struct dt_vk_runtime *rt)
     if (rt->captures && !has_extension(rt, statistics))
         return dt_error(
             &rt->core, "Vulkan device %s: its driver (%s) has no %s, so its compiler tells nothing",
-            rt->core.device_name, rt->core.driver, statistics);
+            rt->core.device.name, rt->core.device.driver, statistics);
     rt->queue_family = vk_device_queue_family(rt, rt->physical, &rt->timestamp_bits);
     vk_features_supported(rt, &rt->features);
     VkDeviceQueueCreateInfo queue = {
@@ -196,7 +196,7 @@ static bool open_device(struct dt_vk_runtime *rt)
         .enabledExtensionCount = rt->captures,
         .ppEnabledExtensionNames = (const char *const[]){statistics},
     };
-    if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device_name))
+    if (!VK(rt, vkCreateDevice(rt->physical, &info, NULL, &rt->device), rt->core.device.name))
         return false;
     vkGetDeviceQueue(rt->device, rt->queue_family, 0, &rt->queue);
     if (rt->labels)

@@ -140,7 +140,7 @@ bool vk_features_enabled(struct dt_vk_runtime *rt, const VkDeviceCreateInfo *inf
             return dt_error(&rt->core,
                             "Vulkan device %s: created without %s; enable all features that "
                             "dt_vk_need_features sets",
-                            rt->core.device_name, known_features[i].name);
+                            rt->core.device.name, known_features[i].name);
     return true;
 }
 
@@ -240,7 +240,7 @@ bool vk_device_suits_panel(struct dt_vk_runtime *rt, const struct dt_panel *pane
         return true;
     find_features(rt, rt->physical, &supported);
     return dt_error(&rt->core, "pass %s: needs %s, which %s %s",
-                    panel->pipeline->passes[lack->pass].name, lack->feature, rt->core.device_name,
+                    panel->pipeline->passes[lack->pass].name, lack->feature, rt->core.device.name,
                     has_feature(subgroups, &supported, lack->feature)
                         ? "has, but was created without; enable all features that "
                           "dt_vk_need_features sets"
@@ -340,10 +340,10 @@ void vk_device_describe(struct dt_vk_runtime *rt, VkPhysicalDevice physical)
     rt->physical = physical;
     rt->vk.GetPhysicalDeviceProperties2(physical, &properties);
     rt->properties = properties.properties;
-    rt->core.software = rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
+    rt->core.device.software = rt->properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU;
     rt->core.limits = limits_of(&rt->properties.limits);
-    snprintf(rt->core.device_name, sizeof rt->core.device_name, "%s", rt->properties.deviceName);
-    snprintf(rt->core.driver, sizeof rt->core.driver, "%s, %s", driver.driverName,
+    snprintf(rt->core.device.name, sizeof rt->core.device.name, "%s", rt->properties.deviceName);
+    snprintf(rt->core.device.driver, sizeof rt->core.device.driver, "%s, %s", driver.driverName,
              driver.driverInfo);
     rt->max_allocation = maintenance3.maxMemoryAllocationSize;
     rt->vk.GetPhysicalDeviceMemoryProperties(physical, &rt->memory);

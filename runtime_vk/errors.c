@@ -39,7 +39,7 @@ bool vk_check(struct dt_vk_runtime *rt, VkResult result, const char *call, const
 {
     if (result == VK_SUCCESS)
         return true;
-    rt->core.lost = rt->core.lost || result == VK_ERROR_DEVICE_LOST;
+    rt->core.device.lost = rt->core.device.lost || result == VK_ERROR_DEVICE_LOST;
     const char *own = "rt->vk."; /* calls through the table are reported by their Vulkan names */
     bool table = strncmp(call, own, strlen(own)) == 0;
     const char *prefix = table ? "vk" : "";

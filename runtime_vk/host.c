@@ -46,10 +46,10 @@ static bool check_family(struct dt_vk_runtime *rt)
         return dt_error(&rt->core,
                         "queue family %u of %s: must have graphics and compute; give another "
                         "queue_family",
-                        rt->queue_family, rt->core.device_name);
+                        rt->queue_family, rt->core.device.name);
     return !rt->core.timing || rt->timestamp_bits ||
            dt_error(&rt->core, "queue family %u of %s: has no timestamps; open without timing",
-                    rt->queue_family, rt->core.device_name);
+                    rt->queue_family, rt->core.device.name);
 }
 
 static bool open_on(struct dt_vk_runtime *rt, const struct dt_vk_host *host)
@@ -68,7 +68,7 @@ static bool open_on(struct dt_vk_runtime *rt, const struct dt_vk_host *host)
     vk_device_describe(rt, host->physical_device);
     if (!vk_device_suits(rt, rt->physical, NULL, missing, sizeof missing))
         return dt_error(&rt->core, "Vulkan device %s: missing %s; give another device",
-                        rt->core.device_name, missing);
+                        rt->core.device.name, missing);
     if (!host->device_info)
         vk_features_supported(rt, &rt->features);
     else if (!vk_features_enabled(rt, host->device_info))
@@ -101,7 +101,7 @@ bool dt_vk_suits(const struct dt_vk_host *host, const struct dt_shaders *shaders
         panel = panel->gpu;
     if (!vk_device_suits(&rt, rt.physical, panel, missing, sizeof missing))
         return dt_error(&rt.core, "Vulkan device %s: pipeline %s: missing %s; use another device",
-                        rt.core.device_name, panel->pipeline->name, missing);
+                        rt.core.device.name, panel->pipeline->name, missing);
     return vk_device_is_enough(&rt, rt.physical, panel, missing, sizeof missing) ||
            dt_error(&rt.core, "%s", missing);
 }

@@ -103,7 +103,7 @@ static bool blends(const struct dt_vk_runtime *rt, const struct dt_panel *panel,
            dt_error(&rt->core,
                     "pass %s: %s does not blend images of the format of %s; use another format, or "
                     "another device",
-                    panel->pipeline->passes[pass].name, rt->core.device_name,
+                    panel->pipeline->passes[pass].name, rt->core.device.name,
                     panel->pipeline->resources[target->resource].name);
 }
 

@@ -246,7 +246,7 @@ static bool image_fits(struct dt_vk_runtime *rt, const VkImageCreateInfo *create
                     "image %s: %ux%ux%u texels, %u layers, %u mips, but %s allows %ux%ux%u, %u, "
                     "%u; use a smaller one",
                     name, create->extent.width, create->extent.height, create->extent.depth,
-                    create->arrayLayers, create->mipLevels, rt->core.device_name,
+                    create->arrayLayers, create->mipLevels, rt->core.device.name,
                     can.maxExtent.width, can.maxExtent.height, can.maxExtent.depth,
                     can.maxArrayLayers, mips);
 }

@@ -113,8 +113,8 @@ struct vk_asking *vk_statistics_open(const struct dt_runtime_options *options,
 
 const char *vk_statistics_device(const struct vk_asking *asking, const char **driver)
 {
-    *driver = asking->rt.core.driver;
-    return asking->rt.core.device_name;
+    *driver = asking->rt.core.device.driver;
+    return asking->rt.core.device.name;
 }
 
 void vk_statistics_close(struct vk_asking *asking)

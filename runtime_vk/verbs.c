@@ -31,7 +31,7 @@ static bool begin(struct dt_core *core, uint32_t pass, bool runs)
      * that waits for nothing would be over before its time begins. Any barrier makes it draw; one
      * of nothing hides no hazard from validation. */
     const VkDependencyInfo nothing = {.sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
-    if (rt->core.software)
+    if (rt->core.device.software)
         rt->vk.CmdPipelineBarrier2(rt->frame_commands, &nothing);
     return true;
 }
@@ -351,12 +351,12 @@ static void bind_scene(struct dt_vk_runtime *rt, const struct vk_buffer *indices
 static bool counts_from_start(const struct dt_vk_runtime *rt, uint32_t pass,
                               const struct vk_buffer *indices)
 {
-    return !indices->offset || strncmp(rt->core.device_name, "llvmpipe", 8) != 0 ||
+    return !indices->offset || strncmp(rt->core.device.name, "llvmpipe", 8) != 0 ||
            dt_error(&rt->core,
                     "pass %s: scene indices at byte %llu, but indirect draws of %s count from the "
                     "start of the buffer; give them a buffer of their own",
                     dt_pass_name(&rt->core, pass), (unsigned long long)indices->offset,
-                    rt->core.device_name);
+                    rt->core.device.name);
 }
 
 static void record_draw(struct dt_vk_runtime *rt, const struct dt_draw *draw, bool indexed)

@@ -362,18 +362,14 @@ cJSON *options_json(const struct options *options, enum verb_id verb)
 
 void options_free(struct options *options)
 {
+    for (size_t i = 0; i < DT_ARRAY_COUNT(rows); i++) {
+        struct text_list *list = (void *)((char *)options + rows[i].offset);
+        if (rows[i].kind != OPTION_SET && rows[i].kind != OPTION_TEXTS)
+            continue;
+        free(list->items);
+        *list = (struct text_list){0};
+    }
     free(options->with_text);
-    free(options->setup.sets);
-    free(options->setup.inputs.items);
-    free(options->scene_list.items);
-    free(options->size_list.items);
-    free(options->grid.items);
-    free(options->dumps.items);
-    free(options->environment.items);
-    options->setup.sets = NULL;
-    options->setup.set_count = 0;
-    options->setup.inputs = options->scene_list = options->size_list = options->grid =
-        options->dumps = options->environment = (struct text_list){0};
 }
 
 void options_help(const struct verb *verb)

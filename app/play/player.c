@@ -151,7 +151,7 @@ const char *dt_play_describe(struct dt_player *player)
     cJSON *list = list_json(&player->pipeline, player->setup.size);
     cJSON_AddStringToObject(list, "backend", player->side.label);
     cJSON_AddStringToObject(list, "device",
-                            player->session.runtime->device_name(player->session.handle));
+                            player->session.runtime->device(player->session.handle)->name);
     free(player->description);
     player->description = cJSON_PrintUnformatted(list);
     cJSON_Delete(list);

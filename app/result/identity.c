@@ -389,12 +389,19 @@ static char *there_here(const char *what, const cJSON *there, const cJSON *here)
     return text;
 }
 
-/* The first parameter that differs, or NULL; free(). */
-static char *differing_param(const cJSON *there, const cJSON *here)
+/* The first member with another value there, or NULL. */
+static const cJSON *differing_member(const cJSON *there, const cJSON *here)
 {
     const cJSON *own = here->child;
     while (own && cJSON_Compare(own, cJSON_GetObjectItem(there, own->string), true))
         own = own->next;
+    return own;
+}
+
+/* The first parameter that differs, or NULL; free(). */
+static char *differing_param(const cJSON *there, const cJSON *here)
+{
+    const cJSON *own = differing_member(there, here);
     char *what = own ? format_string("%s is ", own->string) : NULL;
     char *text = what ? there_here(what, cJSON_GetObjectItem(there, own->string), own) : NULL;
     free(what);
@@ -410,9 +417,7 @@ static char *differing_sets(const cJSON *there, const cJSON *here)
 /* The first input of another content, or NULL; free(). */
 static char *differing_input(const cJSON *there, const cJSON *here)
 {
-    const cJSON *own = here->child;
-    while (own && cJSON_Compare(own, cJSON_GetObjectItem(there, own->string), true))
-        own = own->next;
+    const cJSON *own = differing_member(there, here);
     return own ? format_string("--input %s has other content", own->string) : NULL;
 }
 

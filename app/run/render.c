@@ -106,8 +106,8 @@ static bool timings_write(const struct timings *timings, const struct session *s
     const struct dt_pipeline *pipeline = session->info.pipeline->info;
     cJSON *root = cJSON_CreateObject();
     cJSON_AddStringToObject(root, "backend", session->info.side->label);
-    cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
-    cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
+    cJSON_AddStringToObject(root, "device", session->runtime->device(session->handle)->name);
+    cJSON_AddBoolToObject(root, "software", session->runtime->device(session->handle)->software);
     cJSON_AddStringToObject(root, "pipeline", pipeline->name);
     cJSON_AddStringToObject(root, "scene", setup->scene);
     cJSON_AddNumberToObject(root, "width", setup->size[0]);
@@ -328,7 +328,7 @@ static bool identify(struct render *render)
     struct identity identity =
         pipeline_identity(&render->pipeline, &render->scene, &render->options.setup);
     identity.backend = render->side.label;
-    identity.device = session->runtime->device_name(session->handle);
+    identity.device = session->runtime->device(session->handle)->name;
     return identity_add(render->dump.manifest, &identity, &render->console->log);
 }
 
@@ -394,8 +394,8 @@ static cJSON *render_json(const struct render *render)
     cJSON_AddStringToObject(root, "pipeline", info->name);
     cJSON_AddStringToObject(root, "scene", options->setup.scene);
     cJSON_AddStringToObject(root, "backend", render->side.label);
-    cJSON_AddStringToObject(root, "device", session->runtime->device_name(session->handle));
-    cJSON_AddBoolToObject(root, "software", session->runtime->is_software(session->handle));
+    cJSON_AddStringToObject(root, "device", session->runtime->device(session->handle)->name);
+    cJSON_AddBoolToObject(root, "software", session->runtime->device(session->handle)->software);
     cJSON_AddNumberToObject(root, "width", options->setup.size[0]);
     cJSON_AddNumberToObject(root, "height", options->setup.size[1]);
     cJSON_AddNumberToObject(root, "frames", options->setup.frames);

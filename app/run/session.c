@@ -164,7 +164,7 @@ bool session_frame(struct session *session, const struct dt_observer *observer)
 
 bool session_is_silent(const struct session *session)
 {
-    uint32_t count = session->runtime->messages(session->handle);
+    uint32_t count = session->runtime->device(session->handle)->messages;
     if (count)
         report_error(&session->log, "%u debug or validation messages, see above: the run failed",
                      count);

@@ -246,9 +246,9 @@ static bool run_session(struct child *child)
     if (!session_open(session, &child->info->session))
         return false;
     if (!send_text(child->socket, (struct worker_message){.kind = DEVICE},
-                   session->runtime->device_name(session->handle)) ||
+                   session->runtime->device(session->handle)->name) ||
         !send_text(child->socket, (struct worker_message){.kind = DRIVER},
-                   session->runtime->driver(session->handle)))
+                   session->runtime->device(session->handle)->driver))
         return false;
     note(child, "while it created the programs");
     return session_prepare(session) && stop_at(child, WORKER_READY, 0) != DT_STOP &&

@@ -355,7 +355,7 @@ static bool rests(const struct view *view)
 {
     const struct session *first = &view->side[0].session;
     return (view->paused && !view->step) ||
-           (view->reloading && first->runtime->is_software(first->handle));
+           (view->reloading && first->runtime->device(first->handle)->software);
 }
 
 static bool run_frame(struct view *view)

@@ -91,7 +91,7 @@ static void fill_side(const struct view *view, uint32_t index, struct overlay_si
     uint32_t last = times->frames ? (times->frames - 1) % VIEW_TIMED_FRAMES : 0;
     *side = (struct overlay_side){
         .label = view->sides.list[index].label,
-        .device = session->runtime->device_name(session->handle),
+        .device = session->runtime->device(session->handle)->name,
         .pass_ms = times->frames ? times->pass_ms + (size_t)last * times->passes : NULL,
         .frame_ms = last_frame_ms(times),
         .bytes = &from->shown,
@@ -212,7 +212,7 @@ static cJSON *side_json(const struct view *view, uint32_t index)
     const struct session *session = &side->session;
     cJSON *item = cJSON_CreateObject(), *passes = cJSON_CreateArray();
     cJSON_AddStringToObject(item, "backend", view->sides.list[index].label);
-    cJSON_AddStringToObject(item, "device", session->runtime->device_name(session->handle));
+    cJSON_AddStringToObject(item, "device", session->runtime->device(session->handle)->name);
     cJSON_AddItemToObject(item, "frame_ms",
                           number_or_null(median_of(times->frame_ms, timed_frames(times), 1)));
     for (uint32_t i = 0; i < times->passes; i++) {

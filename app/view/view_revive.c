@@ -20,7 +20,7 @@ static struct window_place find_window_place(GLFWwindow *window)
 static bool is_lost(const struct view_side *side)
 {
     const struct session *session = &side->session;
-    return session->handle && session->runtime->is_lost(session->handle);
+    return session->handle && session->runtime->device(session->handle)->lost;
 }
 
 static bool reopen(struct view *view, uint32_t index)

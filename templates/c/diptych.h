@@ -372,14 +372,23 @@ struct dt_observer {
     void *user;
 };
 
+/* What an open runtime tells of its device. */
+struct dt_device {
+    char name[256];
+    char driver[520]; /* its name and version, as it tells them */
+    bool software;    /* the driver runs on the CPU */
+    /* a verb has failed because the device or context was lost. Then only close works; opening a new
+     * runtime may help */
+    bool lost;
+    uint32_t messages; /* validation and debug messages so far; must be 0 */
+};
+
 /* The verbs, in the order of use. Every bool or pointer verb logs its error. Verbs take the pointer
  * that open returned. */
 struct dt_runtime {
     const char *name; /* "gl", "vk" */
     void *(*open)(const struct dt_runtime_options *options);
-    const char *(*device_name)(void *runtime);
-    const char *(*driver)(void *runtime); /* its name and version, as it tells them */
-    bool (*is_software)(void *runtime);
+    const struct dt_device *(*device)(void *runtime); /* never NULL; lives as long as it */
     /* Whether create would take panel->gpu, if there were one. The scene comes first. */
     bool (*takes_gpu)(void *runtime, const struct dt_panel *panel);
     bool (*set_scene)(void *runtime,
@@ -400,11 +409,7 @@ struct dt_runtime {
     /* CPU milliseconds that the calling thread spent on recording the last frame, without
      * submission; NAN if commands run during recording, or with an observer. */
     double (*record_ms)(void *runtime);
-    /* Whether a verb has failed because the device or context was lost. Then only close works;
-     * opening a new runtime may help. */
-    bool (*is_lost)(void *runtime);
-    uint32_t (*messages)(void *runtime); /* validation and debug messages so far; must be 0 */
-    void (*close)(void *runtime);        /* accepts NULL; destroys the pipeline first */
+    void (*close)(void *runtime); /* accepts NULL; destroys the pipeline first */
 };
 
 #endif

@@ -110,7 +110,7 @@ static bool has_limit(const struct dt_core *core, uint32_t pass, enum dt_device_
     if (needed <= core->limits.most[limit])
         return true;
     describe_lack(dt_pass_name(core, pass), limit, needed, core->limits.most[limit],
-                  core->device_name, text, sizeof text);
+                  core->device.name, text, sizeof text);
     return dt_error(core, "%s", text);
 }
 
@@ -130,7 +130,7 @@ static bool check_sampler(const struct dt_core *core, const struct dt_sampler *s
 {
     return sampler->anisotropy <= core->limits.anisotropy ||
            dt_error(core, "sampler %s: anisotropy %g, but %s allows up to %g; use less",
-                    sampler->name, (double)sampler->anisotropy, core->device_name,
+                    sampler->name, (double)sampler->anisotropy, core->device.name,
                     (double)core->limits.anisotropy);
 }
 
@@ -144,7 +144,7 @@ static bool check_panel(struct dt_core *core, const struct dt_panel *panel)
     for (uint32_t i = 0; i < panel->sampler_count; i++)
         if (!check_sampler(core, &panel->samplers[i]))
             return false;
-    if (!dt_front_suits(panel, &core->limits, core->device_name, text, sizeof text))
+    if (!dt_front_suits(panel, &core->limits, core->device.name, text, sizeof text))
         return dt_error(core, "%s", text);
     return core->backend->suits(core, panel);
 }
@@ -174,10 +174,10 @@ static bool check_image(const struct dt_core *core, const struct dt_resource *im
     if (extent[0] > side || extent[1] > side)
         return dt_error(core,
                         "image %s: %ux%u texels, but %s allows 1x1 to %ux%u; choose another size",
-                        image->name, extent[0], extent[1], core->device_name, side, side);
+                        image->name, extent[0], extent[1], core->device.name, side, side);
     if (extent[2] > layers)
         return dt_error(core, "image %s: %u layers, but %s allows 1 to %u; choose another number",
-                        image->name, extent[2], core->device_name, layers);
+                        image->name, extent[2], core->device.name, layers);
     if (image->mips < 1 || image->mips > full_mips(image, extent))
         return dt_error(core, "image %s: %u mips, but %ux%u texels have 1 to %u", image->name,
                         image->mips, extent[0], extent[1], full_mips(image, extent));
@@ -185,7 +185,7 @@ static bool check_image(const struct dt_core *core, const struct dt_resource *im
         return dt_error(core,
                         "image %s: %ux%u texels, but %s draws into at most %ux%u; choose "
                         "another size",
-                        image->name, extent[0], extent[1], core->device_name, width, height);
+                        image->name, extent[0], extent[1], core->device.name, width, height);
     return true;
 }
 
@@ -199,13 +199,13 @@ static bool check_buffer(const struct dt_core *core, const struct dt_resource *b
     if (storage->usage & (DT_READ_STORAGE | DT_WRITE_STORAGE) && bytes > storage_bytes)
         return dt_error(core,
                         "buffer %s: %llu bytes, but %s binds at most %llu; use fewer elements",
-                        buffer->name, (unsigned long long)bytes, core->device_name,
+                        buffer->name, (unsigned long long)bytes, core->device.name,
                         (unsigned long long)storage_bytes);
     if (storage->usage & DT_READ_UNIFORM && block > uniform_bytes)
         return dt_error(core,
                         "buffer %s: %llu bytes, but %s allows %llu in a uniform block; make it a "
                         "storage buffer",
-                        buffer->name, (unsigned long long)block, core->device_name,
+                        buffer->name, (unsigned long long)block, core->device.name,
                         (unsigned long long)uniform_bytes);
     return true;
 }
@@ -473,14 +473,14 @@ static uint64_t longest_texels(const struct dt_core *core, const struct dt_panel
 
 bool dt_front_takes_gpu(const struct dt_core *core, const struct dt_panel *panel)
 {
-    if (core->target != DT_TARGET_AUTO || !core->software)
+    if (core->target != DT_TARGET_AUTO || !core->device.software)
         return core->target != DT_TARGET_SOFTWARE;
     uint64_t elements = longest_texels(core, panel), most = core->limits.most[DT_LIMIT_TEXELS];
     if (elements > most)
         dt_log(core, DT_INFO,
                "the scene has %llu elements, but texel buffers of %s at most %llu: the shaders for "
                "GPUs read it from storage buffers",
-               (unsigned long long)elements, core->device_name, (unsigned long long)most);
+               (unsigned long long)elements, core->device.name, (unsigned long long)most);
     return elements > most;
 }
 
@@ -635,7 +635,7 @@ bool dt_front_resize(struct dt_core *core, uint32_t width, uint32_t height)
             return false;
     if (width < 1 || height < 1 || width > limit || height > limit)
         return dt_error(core, "frame of %ux%u: %s takes 1x1 to %ux%u; choose another size", width,
-                        height, core->device_name, limit, limit);
+                        height, core->device.name, limit, limit);
     bool good = enter(core) && core->backend->rest(core, "resize");
     if (good) {
         release_resources(core);
@@ -671,7 +671,7 @@ bool dt_front_texels(const struct dt_core *core, const char *name, uint64_t elem
            dt_error(core,
                     "%s: %llu elements, but %s has at most %llu in a texel buffer; take `target: "
                     "gpu`, or `auto` and give the scene before create",
-                    name, (unsigned long long)elements, core->device_name,
+                    name, (unsigned long long)elements, core->device.name,
                     (unsigned long long)core->limits.most[DT_LIMIT_TEXELS]);
 }
 
@@ -688,7 +688,7 @@ bool dt_front_range(const struct dt_core *core, const char *name, uint64_t offse
                         (unsigned long long)least, (unsigned long long)alignment);
     return size <= most ||
            dt_error(core, "%s: %llu bytes, but %s binds at most %llu; import fewer", name,
-                    (unsigned long long)size, core->device_name, (unsigned long long)most);
+                    (unsigned long long)size, core->device.name, (unsigned long long)most);
 }
 
 bool dt_front_import_scene(struct dt_core *core, uint64_t vertex_bytes, uint32_t index_count,
@@ -1205,24 +1205,14 @@ bool dt_front_timings(struct dt_core *core, uint32_t age, double *pass_ms)
 
 /* ---- The app's verbs ------------------------------------------------------------------------- */
 
-const char *dt_verb_device_name(void *runtime)
+const struct dt_device *dt_verb_device(void *runtime)
 {
-    return ((struct dt_core *)runtime)->device_name;
-}
-
-bool dt_verb_is_software(void *runtime)
-{
-    return ((struct dt_core *)runtime)->software;
+    return &((struct dt_core *)runtime)->device;
 }
 
 bool dt_verb_takes_gpu(void *runtime, const struct dt_panel *panel)
 {
     return dt_front_takes_gpu(runtime, panel);
-}
-
-const char *dt_verb_driver(void *runtime)
-{
-    return ((struct dt_core *)runtime)->driver;
 }
 
 static bool check_scene(const struct dt_core *core, const struct dt_scene *scene,
@@ -1239,12 +1229,12 @@ static bool check_scene(const struct dt_core *core, const struct dt_scene *scene
                         "scene textures: %u of %ux%u texels, but %s allows %u of %ux%u; use fewer "
                         "or smaller ones",
                         scene->texture_layers, scene->texture_width, scene->texture_height,
-                        core->device_name, layers, side, side);
+                        core->device.name, layers, side, side);
     uint64_t most = core->limits.most[DT_LIMIT_STORAGE_BYTES];
     for (int i = 0; i < DT_SCENE_BUFFERS; i++)
         if (buffers[i].size > most)
             return dt_error(core, "%s: %llu bytes, but %s binds at most %llu; use a smaller scene",
-                            buffers[i].name, (unsigned long long)buffers[i].size, core->device_name,
+                            buffers[i].name, (unsigned long long)buffers[i].size, core->device.name,
                             (unsigned long long)most);
     return true;
 }
@@ -1369,14 +1359,4 @@ bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct 
 bool dt_verb_timings(void *runtime, double *pass_ms)
 {
     return dt_front_timings(runtime, 0, pass_ms);
-}
-
-bool dt_verb_is_lost(void *runtime)
-{
-    return ((struct dt_core *)runtime)->lost;
-}
-
-uint32_t dt_verb_messages(void *runtime)
-{
-    return ((struct dt_core *)runtime)->messages;
 }

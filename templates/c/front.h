@@ -17,15 +17,12 @@ struct dt_core {
     const struct dt_backend *backend;
     struct dt_log log;
     struct dt_limits limits;
-    char device_name[256], driver[520];
-    bool software; /* the driver runs on the CPU */
+    struct dt_device device;
     enum dt_target_device target;
     bool hosted; /* the host owns device or context */
     bool timing;
     bool keep_history; /* over resize and create, where a resource has the same name and layout */
     int poison;        /* see struct dt_runtime_options */
-    uint32_t messages; /* of validation or KHR_debug so far */
-    bool lost;         /* a call reported a lost device */
     bool has_scene, has_objects, has_vertices; /* vertices: as struct dt_vertex[] */
     bool numbered;                             /* the scene's triangles, for vertex_triangle */
     uint8_t attributes;                        /* mask by enum dt_attribute */
@@ -288,9 +285,7 @@ static inline void *dt_sampler(const struct dt_core *core, uint32_t sampler)
 
 /* ---- The app's verbs that all backends share ------------------------------------------------- */
 
-const char *dt_verb_device_name(void *runtime);
-const char *dt_verb_driver(void *runtime);
-bool dt_verb_is_software(void *runtime);
+const struct dt_device *dt_verb_device(void *runtime);
 bool dt_verb_takes_gpu(void *runtime, const struct dt_panel *panel);
 bool dt_verb_set_scene(void *runtime, const struct dt_scene *scene);
 bool dt_verb_create(void *runtime, const struct dt_shaders *shaders);
@@ -300,15 +295,11 @@ bool dt_verb_render(void *runtime, const struct dt_frame *frame, const void *liv
 bool dt_verb_read(void *runtime, uint32_t resource, uint32_t mip, struct dt_bytes *out);
 bool dt_verb_write(void *runtime, uint32_t resource, uint32_t mip, const struct dt_bytes *bytes);
 bool dt_verb_timings(void *runtime, double *pass_ms);
-bool dt_verb_is_lost(void *runtime);
-uint32_t dt_verb_messages(void *runtime);
 /* As members of struct dt_runtime. */
 #define DT_SHARED_VERBS                                                                            \
-    .device_name = dt_verb_device_name, .driver = dt_verb_driver,                                  \
-    .is_software = dt_verb_is_software, .takes_gpu = dt_verb_takes_gpu,                            \
-    .set_scene = dt_verb_set_scene, .create = dt_verb_create, .resize = dt_verb_resize,            \
-    .render = dt_verb_render, .read = dt_verb_read, .write = dt_verb_write,                        \
-    .timings = dt_verb_timings, .is_lost = dt_verb_is_lost, .messages = dt_verb_messages
+    .device = dt_verb_device, .takes_gpu = dt_verb_takes_gpu, .set_scene = dt_verb_set_scene,      \
+    .create = dt_verb_create, .resize = dt_verb_resize, .render = dt_verb_render,                  \
+    .read = dt_verb_read, .write = dt_verb_write, .timings = dt_verb_timings
 
 extern const struct dt_runtime runtime_gl, runtime_vk;
 

@@ -127,10 +127,12 @@ static void *open_vk(const struct dt_runtime_options *options)
     return open_as(options, &scripts[1]);
 }
 
-static const char *device_name(void *runtime)
+static const struct dt_device *device(void *runtime)
 {
+    static const struct dt_device made = {
+        .name = "a made device", .driver = "a made device", .software = true};
     (void)runtime;
-    return "a made device";
+    return &made;
 }
 
 static bool takes_gpu(void *runtime, const struct dt_panel *panel)
@@ -138,12 +140,6 @@ static bool takes_gpu(void *runtime, const struct dt_panel *panel)
     (void)runtime;
     (void)panel;
     return false;
-}
-
-static bool is_software(void *runtime)
-{
-    (void)runtime;
-    return true;
 }
 
 static bool set_scene(void *runtime, const struct dt_scene *scene)
@@ -255,12 +251,6 @@ static bool timings(void *runtime, double *pass_ms)
     return false;
 }
 
-static uint32_t messages(void *runtime)
-{
-    (void)runtime;
-    return 0;
-}
-
 static void close_runtime(void *runtime)
 {
     struct made *made = runtime;
@@ -271,10 +261,9 @@ static void close_runtime(void *runtime)
 
 #define MADE_RUNTIME(label, opening)                                                               \
     {                                                                                              \
-        .name = (label), .open = (opening), .device_name = device_name, .driver = device_name,     \
-        .is_software = is_software, .takes_gpu = takes_gpu, .set_scene = set_scene,                \
-        .create = create, .resize = resize, .render = render, .read = read_resource,               \
-        .write = write_resource, .timings = timings, .messages = messages, .close = close_runtime  \
+        .name = (label), .open = (opening), .device = device, .takes_gpu = takes_gpu,              \
+        .set_scene = set_scene, .create = create, .resize = resize, .render = render,              \
+        .read = read_resource, .write = write_resource, .timings = timings, .close = close_runtime \
     }
 const struct dt_runtime runtime_gl = MADE_RUNTIME("gl", open_gl);
 const struct dt_runtime runtime_vk = MADE_RUNTIME("vk", open_vk);

@@ -269,7 +269,7 @@ void probe_run(const struct dt_runtime *runtime, const struct dt_runtime_options
     assert_true(runtime->set_scene(rt, &probe_scene) && runtime->create(rt, shaders));
     for (size_t i = 0; i < DT_ARRAY_COUNT(sizes); i++)
         run_size(runtime, rt, sizes[i][0], sizes[i][1]);
-    assert_int_equal(runtime->messages(rt), 0);
+    assert_int_equal(runtime->device(rt)->messages, 0);
     runtime->close(rt);
     assert_int_equal(*errors, 0);
 }

@@ -160,7 +160,7 @@ static void zink_itself(void **state)
     formats_prepare();
     formats_run(&runtime_gl, &wanted, &formats_gl, &probe_heard.errors);
     void *rt = open_context("zink", true);
-    assert_non_null(strstr(runtime_gl.device_name(rt), "zink"));
+    assert_non_null(strstr(runtime_gl.device(rt)->name, "zink"));
     runtime_gl.close(rt);
 }
 
@@ -174,7 +174,7 @@ TEST(zink_may_come_too_late)
     setenv("GALLIUM_DRIVER", "zink", 1);
     assert_null(runtime_gl.open(&wanted));
     unsetenv("GALLIUM_DRIVER");
-    assert_non_null(strstr(probe_heard.last, runtime_gl.device_name(rt)));
+    assert_non_null(strstr(probe_heard.last, runtime_gl.device(rt)->name));
     expect_error("context zink: the driver is ");
     runtime_gl.close(rt);
 }
@@ -229,7 +229,7 @@ TEST(the_driver_speaks)
     const struct gl_buffer ghost = {.name = "ghost", .handle = 12345, .size = 16};
     assert_false(gl_buffer_fill(rt, &ghost, 0));
     assert_non_null(strstr(probe_heard.last, "ghost: glClearNamedBuffer"));
-    assert_int_equal(runtime_gl.messages(rt), 1);
+    assert_int_equal(runtime_gl.device(rt)->messages, 1);
     assert_int_equal(probe_heard.errors, 2);
     runtime_gl.close(rt);
 }
@@ -332,9 +332,9 @@ static void check_loss(bool errors)
         struct loss loss = cases[i].loss;
         const struct dt_observer observer = {.before_pass = lose, .user = &loss};
         lost.errors = errors;
-        assert_false(runtime_gl.is_lost(rt));
+        assert_false(runtime_gl.device(rt)->lost);
         assert_false(runtime_gl.render(rt, &frame, NULL, &observer));
-        assert_true(runtime_gl.is_lost(rt));
+        assert_true(runtime_gl.device(rt)->lost);
         assert_non_null(strstr(probe_heard.last, cases[i].pass));
         expect_error(cases[i].why);
         assert_false(runtime_gl.render(rt, &frame, NULL, NULL)); /* it stays lost */

@@ -52,7 +52,7 @@ static void *open_ready(const struct bench *bench, uint32_t width, uint32_t heig
 
 static void close_silent(const struct bench *bench, void *rt)
 {
-    assert_int_equal(bench->runtime->messages(rt), 0);
+    assert_int_equal(bench->runtime->device(rt)->messages, 0);
     bench->runtime->close(rt);
     assert_int_equal(probe_heard.errors, 0);
 }
@@ -601,7 +601,7 @@ struct transcript {
 static void note(struct transcript *transcript, const struct bench *bench, void *rt)
 {
     const struct dt_core *core = rt;
-    const char *const names[][2] = {{bench->runtime->device_name(rt), "DEVICE"},
+    const char *const names[][2] = {{bench->runtime->device(rt)->name, "DEVICE"},
                                     {core->backend->api, "API"}};
     char *line = transcript->lines[transcript->count++];
     assert_true(transcript->count < MAX_LINES);
@@ -645,7 +645,7 @@ static void wrong_before_create(struct transcript *transcript, const struct benc
                            bench == &gl ? "pipeline probe: the shaders are for vk; give probe_gl"
                                         : "pipeline probe: the shaders are for gl; give probe_vk"));
     WRONG(runtime->resize(rt, 16, 8), "create and set_scene come first");
-    assert_false(runtime->is_lost(rt));
+    assert_false(runtime->device(rt)->lost);
 }
 
 static void wrong_before_resize(struct transcript *transcript, const struct bench *bench, void *rt)

@@ -69,7 +69,7 @@ static void drop(enum drop change, uint32_t number, const char *hazard)
     assert_int_equal(probe_heard.errors, 0);
     drop_next(rt, change, number);
     assert_true(runtime_vk.render(rt, &frame, NULL, NULL));
-    assert_true(runtime_vk.messages(rt) > 0);
+    assert_true(runtime_vk.device(rt)->messages > 0);
     assert_true(is_heard(hazard));
     runtime_vk.close(rt);
 }
@@ -113,9 +113,9 @@ TEST(a_missing_barrier_is_heard)
     void *rt = open_ready();
     panel.record = forgetful_record;
     assert_true(runtime_vk.create(rt, &forgetful) && runtime_vk.resize(rt, 16, 8));
-    assert_int_equal(runtime_vk.messages(rt), 0);
+    assert_int_equal(runtime_vk.device(rt)->messages, 0);
     runtime_vk.render(rt, &frame, NULL, NULL);
-    assert_true(runtime_vk.messages(rt) > 0);
+    assert_true(runtime_vk.device(rt)->messages > 0);
     assert_true(is_heard("READ-AFTER-WRITE"));
     runtime_vk.close(rt);
 }
@@ -139,7 +139,7 @@ TEST(reading_and_writing_keep_the_layout)
         assert_int_equal(image->layout, VK_IMAGE_LAYOUT_GENERAL);
         free(bytes.data);
     }
-    assert_int_equal(runtime_vk.messages(rt), 0);
+    assert_int_equal(runtime_vk.device(rt)->messages, 0);
     runtime_vk.close(rt);
     assert_int_equal(probe_heard.errors, 0);
 }
@@ -160,12 +160,12 @@ TEST(an_unknown_device_is_named_and_the_known_are_listed)
     void *rt = runtime_vk.open(&options);
     assert_non_null(rt);
     char name[256];
-    snprintf(name, sizeof name, "%s", runtime_vk.device_name(rt));
+    snprintf(name, sizeof name, "%s", runtime_vk.device(rt)->name);
     runtime_vk.close(rt);
     options.device = name;
     rt = runtime_vk.open(&options);
     assert_non_null(rt);
-    assert_string_equal(runtime_vk.device_name(rt), name);
+    assert_string_equal(runtime_vk.device(rt)->name, name);
     runtime_vk.close(rt);
     assert_int_equal(probe_heard.errors, 2);
 }
@@ -254,7 +254,7 @@ TEST(a_resize_without_memory_can_be_tried_again)
     fail_allocation = 0;
     assert_true(runtime_vk.resize(rt, 16, 8) && runtime_vk.render(rt, &frame, NULL, NULL));
     probe_check_color(&runtime_vk, rt, 16, 8);
-    assert_int_equal(runtime_vk.messages(rt), 0);
+    assert_int_equal(runtime_vk.device(rt)->messages, 0);
     runtime_vk.close(rt);
     assert_int_equal(probe_heard.errors, 0);
 }
