@@ -412,8 +412,8 @@ void hlsl_initials(const struct import_texts *texts, const char *name, int stage
 }
 
 /* With the functions of 2021 where it lacks functions: else an author's of these names would be there twice. */
-static uint32_t *compile(struct import_texts *texts, const char *name, int stage, size_t *count,
-                         char **why)
+static uint32_t *compile_hlsl(struct import_texts *texts, const char *name, int stage,
+                              size_t *count, char **why)
 {
     char entry[ENTRY_SIZE], *first = NULL;
     struct glslang_job job = job_of(texts, name, stage, entry);
@@ -432,7 +432,7 @@ static uint32_t *compile(struct import_texts *texts, const char *name, int stage
 uint32_t *hlsl_compile(struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why)
 {
-    uint32_t *words = compile(texts, name, stage, count, why);
+    uint32_t *words = compile_hlsl(texts, name, stage, count, why);
     uint32_t *meant = put_all_meant(words, count, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
     char *said = NULL;
