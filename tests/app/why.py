@@ -276,8 +276,10 @@ def constants(n): a = Scene(n).picture; return code(a), code(a + np.array([0.8, 
 def one_value(n): a = Scene(n).display.copy(); a[8:40, 9:50, 2] = 0; b = a.copy(); b[8:40, 9:50, 2] = 150 + 11 * n % 100; return a, b
 def chaos(n): r = np.random.default_rng(n); a = r.random((200, 3)); b = a + 1e-7 * r.normal(size=a.shape); return tuple(sum(np.sin(v * 3.9 ** i) for i in range(14)).astype(f32) for v in (a, b))
 
+def few_words(n): a = np.zeros(20000, u32); a[:9] = np.random.default_rng(n).integers(1, 99, 9); b = a.copy(); b[:2] = a[6:8]; return a, b
 
-DECOYS = [other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, shadow, shadow_map, thin_glass, zoomed, codes, rounding,
+
+DECOYS = [few_words, other_scene, other_light, filtering, half_float, fading, object_moved, occlusion, shadow, shadow_map, thin_glass, zoomed, codes, rounding,
           lod_bias, jittered, local_contrast, hinting, acne, compressed, grain, other_dither, objects_missing, fog, other_ids, fighting, culled_glass, back_faces, bars, one_value, chaos, constants]
 
 

@@ -398,7 +398,7 @@ def other_order(pair: Any, p: Any) -> float | None:
     if pair.image or not 4 <= pair.w <= 4 << 20:
         return None
     a, b = (np.sort(rows_of(side.get(*[np.zeros(pair.w, int)] * 2, np.arange(pair.w)))) for side in (pair, pair.target))
-    return float((a != b).mean()) if len(np.unique(a)) > 3 else None
+    return float((a != b).mean() / pair.share) if len(np.unique(a)) > 3 else None
 
 
 def not_tiles(pair: Any, p: Any) -> float | None:
