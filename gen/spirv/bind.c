@@ -404,7 +404,7 @@ static bool check_capabilities(struct binder *binder)
         {SpvCapabilityFragmentDensityEXT, "densities of fragments", "OpenGL does"},
         {SpvCapabilitySparseResidency, "sparse textures", "OpenGL does"},
         {SpvCapabilityDemoteToHelperInvocation,
-         "demotion of invocations that write buffers or images", "OpenGL does"},
+         "demotion of invocations that write buffers or images, or ask for helpers", "OpenGL does"},
         {SpvCapabilityFragmentFullyCoveredEXT, "coverage of fragments", "OpenGL does"},
         {SpvCapabilityMultiView, "views", "passes do"},
         {SpvCapabilityStencilExportEXT, "stencil references", "passes do"},

@@ -378,7 +378,8 @@ static void check_input(struct proof *proof, const uint32_t *instruction)
     }
     const struct rule *rule = RULE(exact_inputs, inputs, id->builtin - 1);
     if (rule && !(rule->verdict == INPUT && reads_xy(proof, instruction)))
-        tell_finding(proof, rule->word, rule->why, rule->verdict == INPUT ? RASTER : rule->verdict);
+        tell_finding(proof, rule->number ? rule->word : value_name(proof, instruction[3]),
+                     rule->why, rule->verdict == INPUT ? RASTER : rule->verdict);
 }
 
 /* The rule for an instruction; NULL: it is exact. */
@@ -418,6 +419,9 @@ static bool check_end(struct proof *proof, const uint32_t *instruction)
     return true;
 }
 
+extern const char *
+spvOpcodeString(uint32_t opcode); /* of libspirv.h, which one file alone can include */
+
 static void check_instruction(struct proof *proof, const uint32_t *instruction)
 {
     const struct rule *rule =
@@ -431,7 +435,11 @@ static void check_instruction(struct proof *proof, const uint32_t *instruction)
         check_input(proof, instruction);
     else if (!(rule->verdict == ROUNDED && proof->ids[result].no_contraction) &&
              !(rule->verdict == MEMORY && all_uses(proof, result, 0, drops)))
-        tell_finding(proof, rule->word, rule->why, rule->verdict);
+        tell_finding(proof,
+                     rule->number || spirv_is(instruction, SpvOpExtInst)
+                         ? rule->word
+                         : spvOpcodeString(spirv_opcode(instruction)),
+                     rule->why, rule->verdict);
 }
 
 /* ---- The module ------------------------------------------------------------------------------ */

@@ -86,7 +86,7 @@ case("what a shader reads is a guess", {"a.comp": "#version 450\nlayout(binding 
      "updates: [i]\n    allow: {content: ")
 for shape, words in (("samplerCubeArray", "size: [64, 64], cube: true, layers: 6"), ("sampler1D", "a.frag:2:19: error: `t` is sampler1D, which specs do not have"), ("samplerBuffer", "t: {of: vec4, count: ")):
     case(f"a {shape}", {"a.frag": fragment(f"uniform {shape} t;", "vec4(textureSize(t" + ", 0" * (shape[7] != "B") + ").x)")}, int("error" in words), words)
-for name, lines in (("demotion of invocations that write buffers or images", "GL_EXT_demote_to_helper_invocation : require\nbuffer B { float b[]; };\nvoid f() { demote; b[0] = 1; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
+for name, lines in (("demotion of invocations that write buffers or images, or ask for helpers", "GL_EXT_demote_to_helper_invocation : require\nbuffer B { float b[]; };\nvoid f() { demote; b[0] = 1; }"), ("views", "GL_EXT_multiview : require\nint f() { return gl_ViewIndex; }"),
                     ("stencil references", "GL_ARB_shader_stencil_export : require\nvoid f() { gl_FragStencilRefARB = 1; }"), ("interlocks", "GL_ARB_fragment_shader_interlock : require\n"
                     "layout(pixel_interlock_ordered) in;\nvoid f() {}"), ("SPV_AMD_shader_trinary_minmax", "GL_AMD_shader_trinary_minmax : require\nfloat f() { return min3(gl_FragCoord.x, 2.0, 3.0); }"), ("pixel_center_integer", "all : warn\nlayout(pixel_center_integer) in vec4 gl_FragCoord;\nvec4 f() { return gl_FragCoord; }")):
     case(f"what passes have not: {name}", {"a.frag": fragment(f"#extension {lines}").replace("main() {", "main() { f();")}, 1, f"the shader uses {name}, which ")

@@ -58,7 +58,7 @@ static const struct row {
         {"i = atomicMax(i, 1);", "atomicMax"},
         {"atomicExchange(u, 1u);", "atomicExchange"},
         {"atomicCompSwap(u, 1u, 2u);", "atomicCompSwap"},
-        {"x = float(double(y));", "an operation"}, /* OpFConvert, which the proof does not know */
+        {"x = float(double(y));", "FConvert"}, /* OpFConvert, which the proof does not know */
 },
   in_fragment[] = {
       {"o = f;", NULL},
@@ -72,7 +72,7 @@ static const struct row {
       {"o = vec4(gl_FrontFacing);", NULL},
       {"o = gl_PointCoord.xyxy;", "gl_PointCoord"},
       {"o = vec4(gl_HelperInvocation);", "gl_HelperInvocation"},
-      {"o = vec4(gl_SampleID);", "an operation"}, /* an input that the proof does not know */
+      {"o = vec4(gl_SampleID);", "gl_SampleID"}, /* an input that the proof does not know */
       {"o = texture(t, f.xy);", "texture"},
       {"o = vec4(texture(d, f.xyz));", "texture"},
       {"o = vec4(textureLod(d, f.xyz, 0.0));", "texture"},
