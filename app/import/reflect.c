@@ -167,6 +167,10 @@ static void add_image(struct reflecting *reader, const uint32_t *variable, enum 
     item->scalar = letter ? letter : 'f';
     item->depth = type[4] == 1;
     item->format = kind == REFLECTED_IMAGE ? storage_format(type[8]) : NULL;
+    if (kind == REFLECTED_IMAGE && alone && type[8] && !item->format) {
+        item->shape = NULL;
+        snprintf(item->type, sizeof item->type, "of the format %s", spirv_image_format(type[8]));
+    }
     item->writes = kind == REFLECTED_IMAGE && is_stored(module, variable[2]);
     item->reads = kind == REFLECTED_TEXTURE || gives_value(module, variable[2]);
     set_binding(module, variable, item);

@@ -28,7 +28,7 @@ void blank_comments(char *at)
     while (*at) {
         if (at[0] == '/' && at[1] == '/') {
             for (; *at && (*at != '\n' || at[-1] == '\\'); at++)
-                *at = *at == '\n' || *at == '\\' ? *at : ' ';
+                *at = *at == '\n' || (*at == '\\' && at[1] == '\n') ? *at : ' ';
         } else if (at[0] == '/' && at[1] == '*') {
             at[0] = at[1] = ' ';
             for (at += 2; *at && !(at[0] == '*' && at[1] == '/'); at++)

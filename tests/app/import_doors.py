@@ -91,10 +91,11 @@ for name, lines in (("demotion of invocations that write buffers or images, or a
                     "layout(pixel_interlock_ordered) in;\nvoid f() {}"), ("SPV_AMD_shader_trinary_minmax", "GL_AMD_shader_trinary_minmax : require\nfloat f() { return min3(gl_FragCoord.x, 2.0, 3.0); }"), ("pixel_center_integer", "all : warn\nlayout(pixel_center_integer) in vec4 gl_FragCoord;\nvec4 f() { return gl_FragCoord; }")):
     case(f"what passes have not: {name}", {"a.frag": fragment(f"#extension {lines}").replace("main() {", "main() { f();")}, 1, f"the shader uses {name}, which ")
 case("an input that is interpolated elsewhere", {"a.frag": fragment("layout(location = 0) in vec4 at;", "interpolateAtOffset(at, vec2(0.25))")}, 0, "at: ")
-for version in ("# version 450", "/* #version 120 */ #version 450"):
+for version in ("# version 450", "/* #version 120 */ #version 450", "// C:\\shaders\\a.frag\n#version 450"):
     case(f"a shader that begins with {version}", {"a.frag": fragment("").replace("#version 450", version)}, 0)
 case("... without it", {"a.frag": fragment("").replace("#version 450", "")}, 1, "a.frag:1:1: error: a shader begins with #version")
 case("... with a byte of 0", {"a.frag": fragment("") + "\0"}, 1, "a.frag: has a byte of 0")
+case("a format that specs have not", {"a.comp": "#version 450\nlayout(rgba8_snorm) uniform image2D sn;\nvoid main() { imageStore(sn, ivec2(0), vec4(0)); }"}, 1, "`sn` is of the format rgba8_snorm, which specs do not have")
 case("a double in a struct of a block", {"a.frag": fragment("struct S { vec4 a; double d; };\nlayout(binding = 0) uniform B { S own; };", "own.a + float(own.d)")}, 1, "`own_d` has no value in a spec: its type")
 case("... an array", {"a.frag": fragment("layout(location = 0) in vec2 given[3];", "vec4(given[2], 0, 1)")}, 0, "vec2[3](vec2(1), vec2(1), vec2(1))")
 case("... a whole number", {"a.frag": fragment("layout(location = 0) flat in uvec3 given;", "vec4(given, 1)")}, 0, "uvec3(1)")
