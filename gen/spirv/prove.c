@@ -72,7 +72,7 @@ static const struct {
     {SpvOpControlBarrier, SpvOpMemoryBarrier},
     {SpvOpPhi, SpvOpUnreachable},
     /* bits and integers */
-    {SpvOpVectorShuffle, SpvOpCompositeExtract},
+    {SpvOpVectorShuffle, SpvOpTranspose},
     {SpvOpImageRead, SpvOpImage},
     {SpvOpImageQuerySizeLod, SpvOpImageQuerySize},
     {SpvOpConvertFToU, SpvOpConvertSToF},
@@ -85,9 +85,12 @@ static const struct {
     {SpvOpShiftRightLogical, SpvOpBitCount},
 };
 static const uint16_t exact_operations[] = {
-    SpvOpLine,      SpvOpNoLine,      SpvOpConstantNull,         SpvOpStore,      SpvOpArrayLength,
-    SpvOpTranspose, SpvOpCopyLogical, SpvOpVectorExtractDynamic, SpvOpImageFetch, SpvOpBitcast,
-    SpvOpISub,      SpvOpIMul,        SpvOpImageQueryLevels,     SpvOpUMod,       SpvOpSMod};
+    SpvOpLine,        SpvOpNoLine, SpvOpConstantNull,
+    SpvOpStore,       SpvOpISub,   SpvOpArrayLength,
+    SpvOpImageFetch,  SpvOpUMod,   SpvOpVectorExtractDynamic,
+    SpvOpBitcast,     SpvOpIMul,   SpvOpImageQueryLevels,
+    SpvOpCopyLogical, SpvOpSMod,
+};
 
 static const struct rule operations[] = {
     {SpvOpUndef, WRONG, "a value", "nothing sets it"},
