@@ -172,15 +172,41 @@ static void put_operands(struct spirv_edit *edit, const uint32_t *i)
             edit->code.data[start + word] = casts[word];
 }
 
-/* What HLSL means otherwise than glslang's module says: a remainder has the sign of its first operand, ldexp() takes a float. */
-static void put_meant(struct spirv_edit *edit, const uint32_t *i)
+/* Whether the text declares a ByteAddressBuffer of the name. */
+static bool is_of_bytes(const char *text, const char *name)
+{
+    static const char kind[] = "ByteAddressBuffer";
+    for (const char *at = text; (at = strstr(at, kind));) {
+        at += strlen(kind);
+        const char *found = find_word(at, name);
+        if (found && found < at + strcspn(at, ";:(){}\n"))
+            return true;
+    }
+    return false;
+}
+
+/* What HLSL means otherwise than glslang's module says: a remainder has the sign of its first operand, which SPIR-V's own have not
+ * on every device; a shift takes five bits, ldexp() a float; a ByteAddressBuffer has a length in bytes. */
+static void put_meant(struct spirv_edit *edit, const uint32_t *i, const char *text)
 {
     uint32_t glsl = spirv_glsl(edit->from);
     struct spirv_words *code = &edit->code;
+    const char *buffer = spirv_is(i, SpvOpArrayLength) ? spirv_name(edit->from, i[3]) : NULL;
     if (spirv_is(i, SpvOpFMod)) {
         SPIRV_PUT(edit, code, SpvOpFRem, i[1], i[2], i[3], i[4]);
     } else if (spirv_is(i, SpvOpSMod)) {
-        SPIRV_PUT(edit, code, SpvOpSRem, i[1], i[2], i[3], i[4]);
+        uint32_t ratio = SPIRV_VALUE(edit, code, SpvOpSDiv, i[1], i[3], i[4]);
+        uint32_t product = SPIRV_VALUE(edit, code, SpvOpIMul, i[1], ratio, i[4]);
+        SPIRV_PUT(edit, code, SpvOpISub, i[1], i[2], i[3], product);
+    } else if (spirv_opcode(i) >= SpvOpShiftRightLogical &&
+               spirv_opcode(i) <= SpvOpShiftLeftLogical) {
+        uint32_t type = spirv_definition(edit->from, i[4])[1];
+        uint32_t bits = SPIRV_VALUE(edit, code, SpvOpBitwiseAnd, type, i[4],
+                                    spirv_declare_numbers(edit, type, 31));
+        SPIRV_PUT(edit, code, spirv_opcode(i), i[1], i[2], i[3], bits);
+    } else if (buffer && is_of_bytes(text, buffer)) {
+        uint32_t words = SPIRV_VALUE(edit, code, SpvOpArrayLength, i[1], i[3], i[4]);
+        SPIRV_PUT(edit, code, SpvOpIMul, i[1], i[2], words, spirv_declare_numbers(edit, i[1], 4));
     } else if (spirv_is(i, SpvOpExtInst) && i[3] == glsl && i[4] == GLSLstd450Ldexp) {
         uint32_t power = SPIRV_VALUE(edit, code, SpvOpExtInst, i[1], glsl, GLSLstd450Exp2, i[6]);
         SPIRV_PUT(edit, code, SpvOpFMul, i[1], i[2], i[5], power);
@@ -341,7 +367,7 @@ static void put_capability(struct spirv_edit *edit)
 
 /* ---------------------------------------------------------------------------------------------- */
 
-static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
+static uint32_t *put_all_meant(const uint32_t *words, size_t *count, const char *text, int stage,
                                struct hlsl_links *links, char **why)
 {
     struct spirv module;
@@ -368,7 +394,7 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, int stage,
         if (demotes && spirv_is(i, SpvOpKill))
             put_demotion(&edit, &constructs);
         else
-            put_meant(&edit, i);
+            put_meant(&edit, i, text);
     }
     if (spirv_edit_end(&edit, &module))
         return spirv_take(&module, count);
@@ -433,7 +459,7 @@ uint32_t *hlsl_compile(struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why)
 {
     uint32_t *words = compile_hlsl(texts, name, stage, count, why);
-    uint32_t *meant = put_all_meant(words, count, stage, links, why);
+    uint32_t *meant = put_all_meant(words, count, texts->list[0].text, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
     char *said = NULL;
     if (meant && !legal && !*why && !spirv_check(meant, *count, &said))

@@ -774,6 +774,16 @@ static void sort_front(struct spirv_edit *edit)
     edit->front = sorted;
 }
 
+uint32_t spirv_declare_numbers(struct spirv_edit *edit, uint32_t type, uint32_t bits)
+{
+    const uint32_t *declared = spirv_definition(edit->from, type);
+    if (!spirv_is(declared, SpvOpTypeVector))
+        return spirv_declare(edit, SpvOpConstant, type, &bits, 1);
+    uint32_t part = spirv_declare_numbers(edit, declared[2], bits);
+    return spirv_declare(edit, SpvOpConstantComposite, type, (uint32_t[]){part, part, part, part},
+                         declared[3]);
+}
+
 bool spirv_edit_end(struct spirv_edit *edit, struct spirv *module)
 {
     sort_front(edit);

@@ -205,3 +205,5 @@ uint32_t spirv_declare_scalar(struct spirv_edit *edit, char letter);
 uint32_t spirv_declare_vector(struct spirv_edit *edit, uint32_t scalar, uint32_t count);
 /* A new variable of the module that holds the type. */
 uint32_t spirv_add_variable(struct spirv_edit *edit, uint32_t class, uint32_t type);
+/* A constant of the type, all of whose components have these bits. */
+uint32_t spirv_declare_numbers(struct spirv_edit *edit, uint32_t type, uint32_t bits);

@@ -121,17 +121,6 @@ static const uint32_t *number_type(const struct exact *exact, uint32_t type)
     return spirv_scalar(exact->from, spirv_definition(exact->from, type));
 }
 
-/* A constant of the type, all of whose components have these bits. */
-static uint32_t declare_constant(struct exact *exact, uint32_t type, uint32_t bits)
-{
-    const uint32_t *declared = spirv_definition(exact->from, type);
-    if (!spirv_is(declared, SpvOpTypeVector))
-        return spirv_declare(&exact->edit, SpvOpConstant, type, &bits, 1);
-    uint32_t part = declare_constant(exact, declared[2], bits);
-    return spirv_declare(&exact->edit, SpvOpConstantComposite, type,
-                         (uint32_t[]){part, part, part, part}, declared[3]);
-}
-
 /* ---- Zeros that a shader writes -------------------------------------------------------------- */
 
 /* The id of a component of a constant vector, or of a constant number itself. 0: it is none. */
@@ -141,7 +130,7 @@ static uint32_t component_of(struct exact *exact, uint32_t id, uint32_t componen
     if (spirv_letter(number_type(exact, constant[1])) != 'f')
         return 0;
     if (spirv_is(constant, SpvOpConstantNull))
-        return declare_constant(exact, number_type(exact, constant[1])[1], 0);
+        return spirv_declare_numbers(&exact->edit, number_type(exact, constant[1])[1], 0);
     return spirv_is(constant, SpvOpConstantComposite) ? constant[3 + component]
            : spirv_is(constant, SpvOpConstant)        ? id
                                                       : 0;
@@ -280,8 +269,8 @@ static bool put_product(struct exact *exact, const uint32_t *division)
         return false;
     if (spirv_letter(number_type(exact, division[1])) != 'f')
         return false;
-    uint32_t factor =
-        declare_constant(exact, division[1], (bits & 0x80000000u) | (254 - exponent) << 23);
+    uint32_t factor = spirv_declare_numbers(&exact->edit, division[1],
+                                            (bits & 0x80000000u) | (254 - exponent) << 23);
     SPIRV_PUT(&exact->edit, &exact->edit.code, SpvOpFMul, division[1], division[2], division[3],
               factor);
     mark(exact, division[2]);
@@ -344,7 +333,7 @@ static bool put_shift(struct exact *exact, const uint32_t *shift)
         !spirv_letter(number_type(exact, type)))
         return false;
     struct spirv_edit *edit = &exact->edit;
-    uint32_t mask = declare_constant(exact, type, width - 1), count = edit->bound++;
+    uint32_t mask = spirv_declare_numbers(edit, type, width - 1), count = edit->bound++;
     SPIRV_PUT(edit, &edit->code, SpvOpBitwiseAnd, type, count, shift[4], mask);
     SPIRV_PUT(edit, &edit->code, spirv_opcode(shift), shift[1], shift[2], shift[3], count);
     return true;

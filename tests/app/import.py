@@ -62,7 +62,7 @@ def pair(dump):
 
 
 def meant(dump):
-    near("fmod, %, ldexp and select of HLSL, globals, atomics", load(dump, "run", "meant").view(np.float32)[:7], [-1.5, -1, 8, 7.5, 9, 213, 0.25], 0)
+    near("fmod, %, ldexp select, shift and length of HLSL, globals, atomics", load(dump, "run", "meant").view(np.float32)[:8], [-1.5, -1, 8, 7.5, 9, 213, 0.25, 8], 0)
 
 
 if sys.argv[1] == "table":

@@ -20,5 +20,8 @@ void main(uint i : SV_DispatchThreadID)
         meant[4] = sum;
         meant[5] = first.y + second.x * 10 + third * 100;
         meant[6] = select(or(zero > 1, and(sum > 8, true)), select(first < 1, first, second).x, 7);
+        uint size;
+        zeros.GetDimensions(size);
+        meant[7] = size / 65536 + ((uint2(2, 1) + zeros.Load(4)) << 33).x;
     }
 }
