@@ -65,8 +65,8 @@ static void name_size(const struct chain *chain, uint32_t pass, int axis, char o
         snprintf(out, 160, "frame.%s", axis ? "height" : "width");
 }
 
-/* base * scale, rounded, as an integer expression: scale is a decimal fraction. */
-static bool scale_by(const char *base, const char *scale, char out[160])
+/* base * scale, rounded, as an integer expression: scale is a decimal fraction. *size: the base's value, then the result's. */
+static bool scale_by(const char *base, const char *scale, char out[160], uint32_t *size)
 {
     uint64_t above = 0, below = 1;
     bool point = false;
@@ -87,6 +87,8 @@ static bool scale_by(const char *base, const char *scale, char out[160])
     else
         snprintf(out, 160, "max(1, (%.60s * %u + %u) / %u)", base, (unsigned)above,
                  (unsigned)below / 2, (unsigned)below);
+    uint64_t value = (*size * above + below / 2) / below;
+    *size = !*size ? 0 : value > MOST_SIDE ? MOST_SIDE : value ? (uint32_t)value : 1;
     return above && above <= MOST_SCALE * below && (!*at || *at == 'f');
 }
 
@@ -95,11 +97,13 @@ static bool read_size(struct chain *chain, uint32_t pass, int axis, char out[160
     const struct preset_entry *type = find_axis(chain, "scale_type", axis, pass);
     const struct preset_entry *scale = find_axis(chain, "scale", axis, pass);
     const char *factor = scale ? scale->value : "1.0";
+    uint32_t *size = &chain->passes[pass].size[axis];
     char base[160];
     if (type && !strcmp(type->value, "absolute")) {
         double side = 0;
         bool good = scale && slang_number(scale->value, &side) && side >= 1 && side <= MOST_SIDE;
         snprintf(out, 160, "%.0f", side);
+        *size = good ? (uint32_t)side : 0;
         return good || refuse_line(chain, scale ? scale : type,
                                    "an absolute size needs a number of texels, 1 to 16384");
     }
@@ -111,7 +115,9 @@ static bool read_size(struct chain *chain, uint32_t pass, int axis, char out[160
         name_size(chain, pass - 1, axis, base);
     else
         snprintf(base, sizeof base, "Original.%s", axis ? "height" : "width");
-    return scale_by(base, factor, out) ||
+    if (!type || strcmp(type->value, "viewport") != 0)
+        *size = pass ? chain->passes[pass - 1].size[axis] : chain->size[axis];
+    return scale_by(base, factor, out, size) ||
            refuse_line(chain, scale ? scale : type, "a scale is a number above 0, at most 1000");
 }
 
@@ -218,18 +224,29 @@ static bool read_pass(struct chain *chain, uint32_t index)
     return good;
 }
 
-/* The number of mips is the same at every size of the frame, so the smallest is given. */
+static uint32_t full_mips(uint32_t width, uint32_t height)
+{
+    uint32_t mips = 1;
+    for (uint32_t side = width > height ? width : height; side > 1; side /= 2)
+        mips++;
+    return mips;
+}
+
+/* All mips, as RetroArch; a size by the frame's has as many at every size, so the smallest is given. */
 static void add_mips(struct chain_pass *pass)
 {
     char size[2][160];
     bool frame = !*pass->width;
+    pass->mips = full_mips(pass->size[0], pass->size[1]);
+    if (pass->size[0] && pass->size[1])
+        return;
+    pass->mips = CHAIN_MIPS;
     snprintf(size[0], 160, "max(%d, %.140s)", 1 << (CHAIN_MIPS - 1),
              frame ? "frame.width" : pass->width);
     snprintf(size[1], 160, "max(%d, %.140s)", 1 << (CHAIN_MIPS - 1),
              frame ? "frame.height" : pass->height);
     memcpy(pass->width, size[0], sizeof size[0]);
     memcpy(pass->height, size[1], sizeof size[1]);
-    pass->mips = true;
 }
 
 static bool read_passes(struct chain *chain)
@@ -254,14 +271,6 @@ static bool read_passes(struct chain *chain)
 }
 
 /* ---- Look-up pictures ------------------------------------------------------------------------ */
-
-static uint32_t full_mips(uint32_t width, uint32_t height)
-{
-    uint32_t mips = 1;
-    for (uint32_t side = width > height ? width : height; side > 1; side /= 2)
-        mips++;
-    return mips;
-}
 
 static bool read_picture(struct chain *chain, const char *name, const struct preset_entry *list)
 {
@@ -355,7 +364,7 @@ static bool find_output(const struct chain *chain, int pass, unsigned previous,
     *read = (struct chain_read){.previous = previous,
                                 .linear = reader->linear,
                                 .wrap = reader->wrap,
-                                .mips = chain->passes[pass].mips && !previous};
+                                .mips = chain->passes[pass].mips > 1 && !previous};
     snprintf(read->image, sizeof read->image, "pass%d", pass);
     return true;
 }
@@ -492,7 +501,8 @@ bool import_preset(struct import *import, const char *path)
         return false;
     chain->import = import;
     const char *picture = NULL;
-    bool good = preset_read(path, &chain->preset, &import->console->log) && read_passes(chain) &&
+    bool good = import_picture_size(import, chain->size) &&
+                preset_read(path, &chain->preset, &import->console->log) && read_passes(chain) &&
                 read_pictures(chain) && (picture = import_picture(import)) &&
                 chain_write(chain, picture, &spec);
     if (good)

@@ -14,10 +14,11 @@ struct chain_pass {
     char alias[128];             /* "": none */
     const char *format;
     char width[160], height[160]; /* integer expressions; "": the frame's */
+    uint32_t size[2];             /* their values; 0: by the frame's */
     bool linear, mipmap;          /* how it reads what the pass before left */
     const char *wrap;
     unsigned period; /* of FrameCount; 0: none */
-    bool mips;       /* the next pass reads its mips */
+    uint32_t mips;   /* that the next pass reads; 0: none */
 };
 
 struct chain_picture { /* a look-up picture */
@@ -34,7 +35,8 @@ struct chain {
     uint32_t pass_count;
     struct chain_picture pictures[MOST_PICTURES];
     uint32_t picture_count;
-    bool stretched; /* the last pass is not of the frame's size: a pass of ours fits it */
+    uint32_t size[2]; /* of the picture */
+    bool stretched;   /* the last pass is not of the frame's size: a pass of ours fits it */
 };
 
 /* What a pass reads by a name. */

@@ -297,8 +297,8 @@ static void write_images(const struct writing *writing, const char *picture)
             text_add(writing->out, "[pass%u_width, pass%u_height]", i, i);
         else
             text_add(writing->out, "frame");
-        if (pass->mips)
-            text_add(writing->out, ", mips: %d, filter_mips: true", CHAIN_MIPS);
+        if (pass->mips > 1)
+            text_add(writing->out, ", mips: %u, filter_mips: true", pass->mips);
         if (*pass->alias) {
             text_add(writing->out, ", doc: ");
             text_add_json(writing->out, pass->alias);

@@ -17,6 +17,7 @@
 #include "gen/load.h"
 #include "gen/read/body_files.h"
 #include "gen/spirv/watchdog.h"
+#include "scenes/picture_size.h"
 
 /* ---- Names ------------------------------------------------------------------------------------ */
 
@@ -150,6 +151,15 @@ const char *import_picture(struct import *import)
                                          : write_card(import, path));
     free(path);
     return good ? name : NULL;
+}
+
+bool import_picture_size(const struct import *import, uint32_t size[2])
+{
+    const char *why = NULL;
+    size[0] = CARD_WIDTH;
+    size[1] = CARD_HEIGHT;
+    return !import->picture || picture_size(import->picture, &size[0], &size[1], &why) ||
+           report_error(&import->console->log, "%s: %s", import->picture, why);
 }
 
 /* ---- The spec --------------------------------------------------------------------------------- */

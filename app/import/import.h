@@ -34,6 +34,8 @@ bool import_refuse(const struct import *import, const char *path, const char *te
 bool import_copy(struct import *import, const char *from, const char *name);
 /* Writes the picture, or the test card, into the folder; the name of its file. NULL: logged. */
 const char *import_picture(struct import *import);
+/* The size of that picture. False: logged. */
+bool import_picture_size(const struct import *import, uint32_t size[2]);
 /* The name of the file, without folders, as one that folder_write takes; `size` bytes. */
 void import_file_name(const char *path, char *out, size_t size);
 /* The text as an identifier that a spec may declare; `size` bytes. */

@@ -43,6 +43,7 @@ def chain(dump, gain, frames):
     near("feedback", mixed[..., 1], red * gain * (frames > 1), 1 / 255)
     near("history", mixed[..., 2], red * (frames > 2), 1 / 255)
     near("frame counter", mixed[..., 3], (frames - 1) % 2 / 255, 1e-6)
+    near("a size with mips", load(dump, "draw2", "pass2").shape, [16, 32, 4], 0)
     near("mips", load(dump, "draw3", "pass3") / 255.0, load(dump, "draw2", "pass2").mean((0, 1)) / 255.0, 2 / 255)
 
 
