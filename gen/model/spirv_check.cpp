@@ -36,8 +36,16 @@ try {
     tools.SetMessageConsumer([&said](spv_message_level_t, const char *, const spv_position_t &,
                                      const char *message) { said = message; });
     bool valid = count <= MOST_WORDS && tools.Validate(words, count, options);
+    std::string names; /* of entry points; which one is meant, nobody says */
+    unsigned entries = 0;
+    for (size_t at = 5; valid && at < count; at += words[at] >> 16)
+        if ((words[at] & 0xffff) == 15) /* OpEntryPoint */
+            names += (entries++ ? ", " : "") + std::string((const char *)(words + at + 3));
+    if (why && entries > 1)
+        *why = strdup(("a module of one entry point is needed; this one has " + names).c_str());
     if (why && !valid)
         *why = strdup(("spirv-val says: " + one_line(said)).c_str());
+    valid &= entries < 2;
     return valid;
 } catch (const std::exception &exception) {
     if (why)

@@ -73,6 +73,8 @@ echo '#version 450
 layout(points) in; layout(points, max_vertices = 1) out; void main() { EmitVertex(); }' >point.geom
 check "a module of another stage" bash -c 'glslangValidator -V point.geom -o in/point.spv'
 check "... is refused" refused point.spv "its entry point is of another stage than compute, vertex and fragment"
+check "a module of two entry points" bash -c 'glslangValidator -V parts.comp -o one.spv && spirv-dis one.spv | sed "/OpEntryPoint/{p;s/\"main\"/\"other\"/}" | spirv-as --target-env spv1.0 - -o in/two.spv'
+check "... is refused" refused two.spv "a module of one entry point is needed; this one has main, other"
 check "doors that are held" /usr/bin/python3 "$root/tests/app/import_doors.py" "$diptych" "$build/diptych-gen" "$root/templates" "$work/doors"
 check "a missing shader" refused missing.slangp "in/missing.slangp:2: shader0 = nowhere.slang: this shader cannot be used"
 check "a scale of another kind" refused scale.slangp "in/scale.slangp:3: scale_type0 = golden: a scale is of source, viewport or absolute"
