@@ -18,7 +18,7 @@ static enum dt_target_device target(void)
 static void be_gpu(void *rt)
 {
     if (rt && strcmp(getenv("TARGET"), "3") == 0)
-        ((struct dt_core *)rt)->software = false;
+        ((struct dt_core *)rt)->device.software = false;
 }
 
 static void tell(const void *rt, const struct dt_shaders *shaders)
