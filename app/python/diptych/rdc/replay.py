@@ -215,7 +215,7 @@ class Clears:
         elif chunk.name.startswith("vkCmdBeginRenderPass"):
             self.render_pass(child(chunk, "RenderPassBegin"))
         elif chunk.name == "vkCmdClearColorImage":
-            self.now["colour"] = numbers(child(chunk, "pColor", "float32"))
+            self.now["colour"] = numbers(child(chunk, "Color", "float32"))
         elif chunk.name == "vkCmdClearAttachments":
             for item in children(child(chunk, "pAttachments")):
                 mask = child(item, "aspectMask").data.basic.u
