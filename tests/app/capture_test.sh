@@ -55,7 +55,7 @@ drawn() ( # number fault...: the first two, and others by the seed; all in long 
     RANDOM=$seed
     for ((i = 2; i <= $#; i++)); do echo "$((i < 4 ? 0 : RANDOM)) ${!i}"; done | sort -n | head -n $((${DIPTYCH_LONG:-0} ? 99 : $1)) | cut -d' ' -f2-
 )
-printf '#!/bin/sh\nhere=$(pwd) && exec /usr/bin/python3 -B "$@"\n' >wrapper && chmod +x wrapper
+printf "#!/bin/sh\nexec /usr/bin/python3 -B \"\$@\"\n" >wrapper && chmod +x wrapper
 check "a program in OpenGL, which a script starts, is captured" captured once.rdc 3 ./wrapper "$scene"
 check "... and faults in it, by itself" frames gl LD_PRELOAD=librenderdoc.so /usr/bin/python3 -B "$scene" \
     none cull offset uniform clock shader rows vertices channels clear before parts alpha read levels block discard cover covered

@@ -153,7 +153,8 @@ class Run:
         if self.control.Connected():
             why = "does it draw that many frames?" if apis or not self.anew else "is it a script? name the program that it starts"
             self.console.fail(f"{self.name}: no frame was captured in {WAITING:g} s: {seen}; {why}")
-        self.console.fail(f"{self.name}: ended before its frame was captured: {seen}; try another --frame, or --after")
+        self.console.fail(f"{self.name}: ended before its frame was captured: {seen}; "
+                          f"{'try another --frame, or --after' if apis else 'does it run without RenderDoc?'}")
 
     def end(self) -> None:
         kill = os.killpg if self.process else os.kill

@@ -239,7 +239,8 @@ class Matched:
         if self.doubled:
             print("depth of gl is compared as 2 z - 1: it uses half of OpenGL's clip space, where vk uses all of Vulkan's")
         equal = {self.names[pair.first] for pair, _, _ in self.both() if pair.contents and all(
-            other["file"] in (entry["file"], entry["turned"]) for entry, other in pair.contents if numbers_of(entry) != "depth")}
+            other["file"] in (entry["file"], entry["turned"]) for entry, other in pair.contents
+            if numbers_of(entry) != "depth" or {numbers_of(one) for one, _ in pair.contents} == {"depth"})}
         places: dict[tuple[bool, str], list[str]] = {}
         for name, texts in self.state.items():
             for text in texts:

@@ -373,14 +373,15 @@ def drawing(control: Any, state: Any, gl: bool, textures: dict[int, Any]) -> Jso
         tests.update({"depth test": "off", "depth writes": "off"})
     if not depth or depth.format.type == rd.ResourceFormatType.Regular:
         tests.update({"stencil front": "off", "stencil back": "off"})
+    colours = [item for item in sizes if item is not depth]
     uses = any(tests[key] != "off" for key in ("depth test", "stencil front", "stencil back"))
     form = {"depth format": channels(depth.format, encodes)} if depth and uses else {}
     return {**tests, **form, **coverage(own, gl, max((item.msSamp for item in sizes), default=1)), "height": height,
             "viewport": rectangle(viewport), "depth range": [viewport.minDepth, viewport.maxDepth],
             "scissor": rectangle(scissor) if scissor.enabled else [], "topology": word(state.GetPrimitiveTopology()),
             **({"flat values": "of the last vertex" if own.vertexInput.provokingVertexLast else "of the first vertex"} if gl else {}),
-            "formats": [channels(item.format, encodes) for item in sizes if item is not depth],
-            "blend": [blend(item, blends.blendFactor) for item in list(state.GetColorBlends())[:max(1, len(sizes) - 1)]]}
+            "formats": [channels(item.format, encodes) for item in colours],
+            "blend": [blend(item, blends.blendFactor) for item in list(state.GetColorBlends())[:len(colours)]]}
 
 
 def state_of(control: Any, gl: bool, kind: str, textures: dict[int, Any]) -> Json:
