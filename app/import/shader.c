@@ -364,12 +364,13 @@ static bool write_constant(struct making *making, const struct reflected *item)
 
 /* ---- Resources ------------------------------------------------------------------------------- */
 
-static void list(struct text *out, const struct reflected *item, const char *sampler)
+/* `value` of `key`; NULL: none. */
+static void list(struct text *out, const struct reflected *item, const char *key, const char *value)
 {
-    bool plain = !sampler && !*item->as;
+    bool plain = !value && !*item->as;
     text_add(out, "%s%s%s", out->length ? ", " : "", plain ? "" : "{name: ", item->name);
-    if (sampler)
-        text_add(out, ", sampler: %s", sampler);
+    if (value)
+        text_add(out, ", %s: %s", key, value);
     if (*item->as)
         text_add(out, ", as: %s", item->as);
     text_add(out, plain ? "" : "}");
@@ -425,7 +426,7 @@ static bool write_texture(struct making *making, const struct reflected *item)
                  !strstr(item->shape, "array") ? ""
                  : *item->shape == 'c'         ? ", layers: 6"
                                                : ", layers: 1");
-    list(&making->reads, item, sampler_of(making, item));
+    list(&making->reads, item, "sampler", sampler_of(making, item));
     return true;
 }
 
@@ -442,10 +443,9 @@ static bool write_image(struct making *making, const struct reflected *item)
     if (!is_alone(making, item))
         return false;
     making->guesses |= item->reads;
-    if (item->writes && making->now->stage != REFLECT_COMPUTE)
+    if (item->writes && making->now->stage == REFLECT_VERTEX)
         return REFUSE(making, item,
-                      "a fragment shader stores in `%s`; a draw of a spec writes targets "
-                      "and buffers",
+                      "a vertex shader stores in `%s`; in images of a spec, fragments do",
                       item->name);
     text_add(&making->images,
              "  %s: {format: %s, size: %s%s%s, history: true}  # the size%s a guess\n", item->name,
@@ -458,7 +458,8 @@ static bool write_image(struct making *making, const struct reflected *item)
              : *item->shape == 'c'         ? ", layers: 6"
                                            : ", layers: 1",
              item->format ? " is" : " and the format are");
-    list(item->writes ? &making->updates : &making->reads, item, NULL);
+    list(item->writes ? &making->updates : &making->reads, item, "stores",
+         item->writes && making->now->stage == REFLECT_FRAGMENT ? "true" : NULL);
     if (item->writes && flat && !making->output) {
         making->output = item->name;
         making->codes = !strcmp(format, "rgba8");
@@ -480,7 +481,7 @@ static bool write_buffer(struct making *making, const struct reflected *item)
              "  %s: {of: %s, count: %u, history: true}  # the count is a guess%s\n", item->name,
              *item->type ? item->type : "uint", (unsigned)(count > least ? count : least),
              *item->type ? "" : "; the shader's struct, in words");
-    list(item->writes ? &making->updates : &making->reads, item, NULL);
+    list(item->writes ? &making->updates : &making->reads, item, NULL, NULL);
     making->guesses |= item->reads;
     return true;
 }
@@ -492,7 +493,7 @@ static void write_depth(struct making *making)
     if (!is_new(making, "depth"))
         memcpy(depth.name, "depth_", sizeof "depth_");
     text_add(&making->images, "  %s: {format: d32f, size: frame}\n", depth.name);
-    list(&making->writes, &depth, NULL);
+    list(&making->writes, &depth, NULL, NULL);
 }
 
 /* A target. Those of a draw are in the order of their locations. */
@@ -509,7 +510,7 @@ static bool write_output(struct making *making, const struct reflected *item)
     const char *format = formats[kind][components_of(item->type) - 1];
     text_add(&making->images, "  %s: {format: %s, size: frame}  # format and size are guesses\n",
              item->name, format);
-    list(&making->writes, item, NULL);
+    list(&making->writes, item, NULL, NULL);
     if (!making->output) {
         making->output = item->name;
         making->codes = !strcmp(format, "rgba8");
@@ -641,7 +642,7 @@ static bool write_items(struct making *making)
         for (uint32_t location = 0; good && location <= MOST_TARGETS; location++)
             good = write_outputs(making, reflection, location);
     }
-    if (good && !making->output && making->files[0].stage != REFLECT_COMPUTE)
+    if (good && !making->writes.length && making->files[0].stage != REFLECT_COMPUTE)
         write_depth(making);
     return good;
 }

@@ -16,7 +16,7 @@ static bool is_depth(const struct resource *r)
 static bool is_target(const struct pass *pass, const struct access *access)
 {
     return pass->kind != DT_PASS_DISPATCH && access->mode != MODE_READ && access->resource &&
-           access->resource->kind == DT_IMAGE;
+           access->resource->kind == DT_IMAGE && !access->stores;
 }
 
 static void note_declared(struct checker *c, const struct resource *resource)
@@ -108,12 +108,16 @@ static void check_filter(struct checker *c, const struct access *access)
 static void check_storage(struct checker *c, const struct pass *pass, const struct access *access)
 {
     const struct resource *image = access->resource;
-    bool written = pass->kind == DT_PASS_DISPATCH && access->mode != MODE_READ && image;
+    bool draw = pass->kind != DT_PASS_DISPATCH;
+    bool written = (!draw || access->stores) && access->mode != MODE_READ && image;
     bool depth = written && is_depth(image);
+    if (access->stores && (!draw || !written || image->kind != DT_IMAGE))
+        diag_error(c->diag, access->loc, "`%s` is no image that a draw writes, and has no `stores`",
+                   access->name);
     if (!depth && !(written && image->kind == DT_IMAGE && image->format == DT_FORMAT_RGBA8_SRGB))
         return;
     diag_error(c->diag, access->loc,
-               "`%s` has the format %s, which a dispatch cannot write; use %s, or a draw",
+               "`%s` has the format %s, in which shaders cannot store; use %s, or a draw's target",
                access->name, format_info(image->format)->name, depth ? "r32f" : "rgba8");
     note_declared(c, image);
 }
@@ -185,7 +189,7 @@ static void check_pair(struct checker *c, const struct pass *pass, const struct 
         if (image && !same_view(pass, a, b))
             return;
         diag_error(c->diag, b->loc, "the pass `%s` lists `%s` twice in reads", pass->name, b->name);
-    } else if (image && pass->kind != DT_PASS_DISPATCH &&
+    } else if (image && (is_target(pass, a) || is_target(pass, b)) &&
                (a->mode == MODE_READ || b->mode == MODE_READ)) {
         diag_error(c->diag, b->loc,
                    "the pass `%s` reads `%s` while it is a target of the same draw", pass->name,

@@ -167,6 +167,7 @@ struct access {
     const struct dt_blend *blend; /* NULL: off */
     bool own_blend, own_mask;
     bool clears;  /* the pass clears it, before its work */
+    bool stores;  /* an image of a draw, whose fragments store texels of it: no target */
     uint8_t keep; /* channels that `mask` leaves out, red in bit 0 */
     struct loc blend_loc, mask_loc;
     struct resource *resource;       /* check; NULL for a builtin */

@@ -46,7 +46,7 @@ static unsigned image_kind(const struct pass *pass, const struct access *access)
         return pass->kind == DT_PASS_DISPATCH && format->qualifier && !access->sampler
                    ? DT_READ_STORAGE
                    : DT_READ_TEXTURE;
-    if (pass->kind != DT_PASS_DISPATCH)
+    if (pass->kind != DT_PASS_DISPATCH && !access->stores)
         return access->resource->format == DT_FORMAT_D32F     ? DT_READ_DEPTH | DT_WRITE_DEPTH
                : access->mode == MODE_UPDATE || access->blend ? DT_READ_COLOR | DT_WRITE_COLOR
                                                               : DT_WRITE_COLOR;

@@ -246,4 +246,21 @@ if [ ${#strangers[@]} -gt 0 ]; then # it has no 16-bit codes
 else
     skip "... on another driver" "$no_strangers"
 fi
+# Fragments store in images that are no targets: two draws' counts, and what a discarded fragment does not store.
+stored() { # backend
+    "$diptych" render --spec "$root/tests/specs/marks.yaml" --size 8x8 --backend "$1" --dump "$work/marks" && /usr/bin/python3 - "$work/marks" <<'PYTHON'
+import glob, sys
+import numpy as np
+marks, tint = (np.fromfile(glob.glob(f"{sys.argv[1]}/*store.{name}.raw")[0], kind) for name, kind in (("marks", "u4"), ("tint", "f2")))
+y, x = np.mgrid[0:24, 0:32]
+left = x % 3 != 1
+assert (marks.reshape(12, 16) == 5 + 2 * (x * left).reshape(12, 2, 16, 2).sum((1, 3))).all()
+assert (tint.reshape(24, 32, 4) == np.where(left[..., None], np.stack([x, y, 0 * x + 0.25, 0 * x + 1], -1), 0.25)).all()
+PYTHON
+}
+for backend in gl gl+glsl vk ${strangers[0]:+"${strangers[0]}"}; do
+    check "fragments store in images, $backend" stored "$backend"
+done
+check "... and validation is silent" "$diptych" compare --spec "$root/tests/specs/marks.yaml" --size 8x8 --debug
+
 finish
