@@ -225,8 +225,9 @@ static void propagate_all(struct sanitizer *s)
 void content_begin(struct sanitizer *s)
 {
     s->content = spirv_edit_alloc(&s->edit, 1, sizeof *s->content);
-    if (s->content)
-        s->content->ids = spirv_edit_table(&s->edit, sizeof *s->content->ids);
+    if (!s->content)
+        return;
+    s->content->ids = spirv_edit_table(&s->edit, sizeof *s->content->ids);
     if (is_on(s) && !s->edit.failed)
         propagate_all(s);
 }
