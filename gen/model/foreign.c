@@ -244,6 +244,27 @@ bool spirv_passes_textures(const struct spirv *module)
     return false;
 }
 
+static bool holds_textures(const struct spirv *module, const uint32_t *type)
+{
+    bool found = spirv_is(type, SpvOpTypeImage) || spirv_is(type, SpvOpTypeSampler) ||
+                 spirv_is(type, SpvOpTypeSampledImage);
+    if (spirv_is(type, SpvOpTypeArray))
+        return holds_textures(module, spirv_definition(module, type[2]));
+    for (uint32_t word = 2; spirv_is(type, SpvOpTypeStruct) && word < spirv_length(type); word++)
+        found |= holds_textures(module, spirv_definition(module, type[word]));
+    return found;
+}
+
+/* Whether variables get textures of others, as glslang writes HLSL that spirv-opt has not seen. */
+static bool copies_textures(const struct spirv *module)
+{
+    SPIRV_EACH(module, i, module->declarations, module->count)
+        if (spirv_is(i, SpvOpVariable) && i[3] != SpvStorageClassUniformConstant &&
+            holds_textures(module, spirv_definition(module, spirv_definition(module, i[1])[3])))
+            return true;
+    return false;
+}
+
 bool spirv_reread(struct spirv *module, unsigned passes)
 {
     size_t count = module->count;
@@ -466,7 +487,8 @@ uint32_t *spirv_take_in(const uint32_t *words, size_t *count, const char *path)
         spirv_open(&module, words, *count) && spirv_lower_memory(&module) && spirv_demote(&module);
     if (good && !has_lines(&module))
         good = add_lines(&module, path);
-    good = good && spirv_reread(&module, SPIRV_FLATTEN);
+    good = good &&
+           spirv_reread(&module, SPIRV_FLATTEN | (copies_textures(&module) ? SPIRV_LEGALIZE : 0));
     if (good && spirv_passes_textures(&module))
         good = spirv_reread(&module, SPIRV_INLINE);
     if (good)
