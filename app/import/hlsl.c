@@ -437,7 +437,7 @@ void hlsl_initials(const struct import_texts *texts, const char *name, int stage
     glsl_initials(&job, reflect_initial, reflection);
 }
 
-/* With the functions of 2021 where it lacks functions: else an author's of these names would be there twice. */
+/* With the functions of 2021 where they are missing. Where an author has some of them, the first messages count. */
 static uint32_t *compile_hlsl(struct import_texts *texts, const char *name, int stage,
                               size_t *count, char **why)
 {
@@ -450,8 +450,9 @@ static uint32_t *compile_hlsl(struct import_texts *texts, const char *name, int 
     job.more = of_2021;
     words = glslang_compile(&job, count, why);
     texts->of_2021 = words;
-    free(words ? first : *why);
-    *why = words ? NULL : first;
+    bool own = !words && (!*why || strstr(*why, "already has a body"));
+    free(own ? *why : first);
+    *why = own ? first : *why;
     return words;
 }
 
