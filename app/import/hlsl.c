@@ -172,22 +172,23 @@ static void put_operands(struct spirv_edit *edit, const uint32_t *i)
             edit->code.data[start + word] = casts[word];
 }
 
-/* Whether the text declares a ByteAddressBuffer of the name. */
-static bool is_of_bytes(const char *text, const char *name)
+/* Whether a text, also an included one, declares a ByteAddressBuffer of the name. */
+static bool is_of_bytes(const struct import_texts *texts, const char *name)
 {
     static const char kind[] = "ByteAddressBuffer";
-    for (const char *at = text; (at = strstr(at, kind));) {
-        at += strlen(kind);
-        const char *found = find_word(at, name);
-        if (found && found < at + strcspn(at, ";:(){}\n"))
-            return true;
-    }
+    for (uint32_t i = 0; i < texts->count; i++)
+        for (const char *at = texts->list[i].text; (at = strstr(at, kind));) {
+            at += strlen(kind);
+            const char *found = find_word(at, name);
+            if (found && found < at + strcspn(at, ";:(){}\n"))
+                return true;
+        }
     return false;
 }
 
 /* What HLSL means otherwise than glslang's module says: a remainder has the sign of its first operand, which SPIR-V's own have not
- * on every device; a shift takes five bits, ldexp() a float; a ByteAddressBuffer has a length in bytes. */
-static void put_meant(struct spirv_edit *edit, const uint32_t *i, const char *text)
+ * on every device; a shift takes as many bits as its width has places, ldexp() a float; a ByteAddressBuffer has a length in bytes. */
+static void put_meant(struct spirv_edit *edit, const uint32_t *i, const struct import_texts *texts)
 {
     uint32_t glsl = spirv_glsl(edit->from);
     struct spirv_words *code = &edit->code;
@@ -199,12 +200,14 @@ static void put_meant(struct spirv_edit *edit, const uint32_t *i, const char *te
         uint32_t product = SPIRV_VALUE(edit, code, SpvOpIMul, i[1], ratio, i[4]);
         SPIRV_PUT(edit, code, SpvOpISub, i[1], i[2], i[3], product);
     } else if (spirv_opcode(i) >= SpvOpShiftRightLogical &&
-               spirv_opcode(i) <= SpvOpShiftLeftLogical) {
+               spirv_opcode(i) <= SpvOpShiftLeftLogical &&
+               spirv_scalar(edit->from, spirv_type(edit->from, i[4]))[2] == 32) {
         uint32_t type = spirv_definition(edit->from, i[4])[1];
+        uint32_t width = spirv_scalar(edit->from, spirv_definition(edit->from, i[1]))[2];
         uint32_t bits = SPIRV_VALUE(edit, code, SpvOpBitwiseAnd, type, i[4],
-                                    spirv_declare_numbers(edit, type, 31));
+                                    spirv_declare_numbers(edit, type, width - 1));
         SPIRV_PUT(edit, code, spirv_opcode(i), i[1], i[2], i[3], bits);
-    } else if (buffer && is_of_bytes(text, buffer)) {
+    } else if (buffer && is_of_bytes(texts, buffer)) {
         uint32_t words = SPIRV_VALUE(edit, code, SpvOpArrayLength, i[1], i[3], i[4]);
         SPIRV_PUT(edit, code, SpvOpIMul, i[1], i[2], words, spirv_declare_numbers(edit, i[1], 4));
     } else if (spirv_is(i, SpvOpExtInst) && i[3] == glsl && i[4] == GLSLstd450Ldexp) {
@@ -367,7 +370,8 @@ static void put_capability(struct spirv_edit *edit)
 
 /* ---------------------------------------------------------------------------------------------- */
 
-static uint32_t *put_all_meant(const uint32_t *words, size_t *count, const char *text, int stage,
+static uint32_t *put_all_meant(const uint32_t *words, size_t *count,
+                               const struct import_texts *texts, int stage,
                                struct hlsl_links *links, char **why)
 {
     struct spirv module;
@@ -394,7 +398,7 @@ static uint32_t *put_all_meant(const uint32_t *words, size_t *count, const char 
         if (demotes && spirv_is(i, SpvOpKill))
             put_demotion(&edit, &constructs);
         else
-            put_meant(&edit, i, text);
+            put_meant(&edit, i, texts);
     }
     if (spirv_edit_end(&edit, &module))
         return spirv_take(&module, count);
@@ -460,7 +464,7 @@ uint32_t *hlsl_compile(struct import_texts *texts, const char *name, int stage,
                        struct hlsl_links *links, size_t *count, char **why)
 {
     uint32_t *words = compile_hlsl(texts, name, stage, count, why);
-    uint32_t *meant = put_all_meant(words, count, texts->list[0].text, stage, links, why);
+    uint32_t *meant = put_all_meant(words, count, texts, stage, links, why);
     uint32_t *legal = meant ? spirv_optimize(meant, count, SPIRV_FLATTEN | SPIRV_LEGALIZE) : NULL;
     char *said = NULL;
     if (meant && !legal && !*why && !spirv_check(meant, *count, &said))

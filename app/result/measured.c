@@ -1,5 +1,5 @@
-/* Noise, drift and difference of backends; see measured.h. Python prints the table and writes contracts of what is
- * handed over here (app/python/diptych/measured.py). */
+/* Errors of all runs, for `compare --measure`; see measured.h. This file measures them and hands them over;
+ * app/python/diptych/measured.py prints the table and writes the contracts. */
 #include "result/measured.h"
 
 #include <math.h>

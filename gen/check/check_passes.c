@@ -111,7 +111,8 @@ static void check_storage(struct checker *c, const struct pass *pass, const stru
     bool draw = pass->kind != DT_PASS_DISPATCH;
     bool written = (!draw || access->stores) && access->mode != MODE_READ && image;
     bool depth = written && is_depth(image);
-    if (access->stores && (!draw || !written || image->kind != DT_IMAGE))
+    if (access->stores &&
+        (!draw || access->mode == MODE_READ || (image && image->kind != DT_IMAGE)))
         diag_error(c->diag, access->loc, "`%s` is no image that a draw writes, and has no `stores`",
                    access->name);
     if (!depth && !(written && image->kind == DT_IMAGE && image->format == DT_FORMAT_RGBA8_SRGB))

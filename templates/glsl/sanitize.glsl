@@ -313,9 +313,9 @@ uint diptych_taken(const vec4 missing)
 /* Turns of all loops of the invocation. */
 uint diptych_turns = 0u;
 
-/* Whether the loop, which begins a turn, has run for long enough to be ended. Mesa 22's llvmpipe ends loops, without a word,
- * after 65,535 turns of all loops of a shader: what takes nearly as many is told. The number of the frame, which is less, hides
- * the end from Mesa 25, which else takes turn after turn out of the loop. */
+/* Whether the loop, which begins a turn, has run for long enough to be ended. Mesa 22's llvmpipe silently ends loops after
+ * 65,535 turns, summed over all loops of a shader; so 65,000 are told. If the limit is a constant, Mesa 25 unrolls the loop
+ * turn by turn, which takes minutes; so it is compared with the frame's number, too, which is less. */
 bool diptych_turn(const uint turns, const uint site, const uint what)
 {
     diptych_turns++;

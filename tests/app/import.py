@@ -63,7 +63,7 @@ def pair(dump):
 
 
 def meant(dump):
-    near("fmod, %, ldexp select, shift and length of HLSL, globals, atomics", load(dump, "run", "meant").view(np.float32)[:8], [-1.5, -1, 8, 7.5, 9, 213, 0.25, 8], 0)
+    near("fmod, %, ldexp select, shift and length of HLSL, globals, atomics", load(dump, "run", "meant").view(np.float32)[:9], [-1.5, -1, 8, 7.5, 9, 213, 0.25, 8, 18], 0)
 
 
 if sys.argv[1] == "table":

@@ -1,5 +1,5 @@
 RWStructuredBuffer<float> meant : register(u0);
-ByteAddressBuffer zeros : register(t0); // another list
+#include "zeros.hlsli"
 static float begun = 2.5;
 static float twice = begun * 2.0;
 float2 first = {0.25, 3}, second = 1; // defaults
@@ -23,5 +23,8 @@ void main(uint i : SV_DispatchThreadID)
         uint size;
         zeros.GetDimensions(size);
         meant[7] = size / 65536 + ((uint2(2, 1) + zeros.Load(4)) << 33).x;
+        uint64_t wide = sum;
+        wide = wide << 40;
+        meant[8] = uint(wide >> 39);
     }
 }

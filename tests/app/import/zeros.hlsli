@@ -1,0 +1,1 @@
+ByteAddressBuffer zeros : register(t0); // another list
